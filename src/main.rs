@@ -234,7 +234,7 @@ enum Command {
 /// What the import takes.
 #[derive(Args)]
 struct ImportArguments {
-    /// Blade files, or a folder with them: .inf with its curve files, .geomTurbo, .ibl, .rtzt, tables of points
+    /// Blade files, or a folder with them: .inf with its curve files, .geomTurbo, .ibl, .rtzt, .step (its faces are listed), tables of points
     #[arg(required = true)]
     files: Vec<PathBuf>,
 
@@ -246,7 +246,7 @@ struct ImportArguments {
     #[arg(long)]
     force: bool,
 
-    /// Format of the files, where their endings do not tell it: turbogrid, geomturbo, ibl, rtzt, table
+    /// Format of the files, where their endings do not tell it: turbogrid, geomturbo, ibl, rtzt, step, table
     #[arg(long, value_name = "NAME")]
     format: Option<String>,
 

@@ -42,6 +42,12 @@ fn run(options: &Import, stages: &mut Stages, outcome: &mut Outcome) -> Result<(
         diags.into_iter().for_each(|diag| sink.push(diag));
         Aborted
     })?;
+    if !imported.listing.is_empty() {
+        or_reported(only_listed(&imported, options), sink)?;
+        let lines: String = imported.listing.iter().map(|line| format!("{line}\n")).collect();
+        *emitted = Some(lines + &notes(&imported, sources) + "nothing written\n");
+        return Ok(());
+    }
     let row = or_reported(row(&imported, options.row.as_deref()), sink)?;
     let divided = stages.run("divide", || outlines(row, imported.hub.as_deref(), &options.options));
     let divided = or_reported(divided, sink)?;
@@ -63,6 +69,14 @@ fn run(options: &Import, stages: &mut Stages, outcome: &mut Outcome) -> Result<(
     }
     *emitted = Some(said);
     Ok(())
+}
+
+/// Refuses to write a part from a file whose content is only listed.
+fn only_listed(imported: &Imported, options: &Import) -> Result<(), Diag> {
+    let Some(note) = imported.notes.last().filter(|_| options.output.is_some()) else { return Ok(()) };
+    Err(Diag::error(codes::NOT_READ, format!("a part is not written from the format {}", imported.format))
+        .label(note.span.unwrap_or_default(), "the faces of this file are listed, not read as blades")
+        .help("leave out `-o` to list the faces; export the blades as points, such as `.inf` with its curve files"))
 }
 
 /// Refuses to write splitters of which it is not known where they stand: whether the angles of their sections hold the pitch

@@ -23,6 +23,11 @@ impl<'t> Text<'t> {
         Self { source, text }
     }
 
+    /// Its place in the map of sources, and all of it.
+    pub(super) fn whole(self) -> (SourceId, &'t str) {
+        (self.source, self.text)
+    }
+
     /// The lines that are not empty. A byte order mark is left out.
     pub(super) fn lines(self) -> impl Iterator<Item = Line<'t>> {
         let mut start = 0;

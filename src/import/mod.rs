@@ -21,6 +21,7 @@ pub mod outlines;
 pub mod part_text;
 mod rtzt;
 mod stated;
+mod step;
 mod table;
 mod turbogrid;
 mod wheel_ends;
@@ -49,6 +50,8 @@ pub struct Imported {
     pub rows: Vec<ImportedRow>,
     /// What the reader found or took for granted.
     pub notes: Vec<Note>,
+    /// What the file holds, line by line, where no blades can be told from it.
+    pub listing: Vec<String>,
 }
 
 /// A row of blades.
@@ -141,6 +144,7 @@ const READERS: &[Reader] = &[
     Reader { name: "geomturbo", endings: &["geomturbo"], several: false, read: geomturbo::read },
     Reader { name: "ibl", endings: &["ibl"], several: false, read: ibl::read },
     Reader { name: "rtzt", endings: &["rtzt"], several: false, read: rtzt::read },
+    Reader { name: "step", endings: &["step", "stp", "p21"], several: false, read: step::read },
     Reader { name: "table", endings: &["csv", "txt", "dat"], several: true, read: table::read },
 ];
 

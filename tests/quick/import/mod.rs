@@ -9,6 +9,7 @@ mod ibl;
 mod mutations;
 mod rtzt;
 mod sections;
+mod step;
 mod table;
 mod turbogrid;
 

@@ -1,7 +1,7 @@
 //! Random changes of files of every format: each text is read, or refused with a place. What is read is divided, or refused.
 
 use super::{human, read};
-use crate::import::{geomturbo, ibl, rtzt, table, turbogrid};
+use crate::import::{geomturbo, ibl, rtzt, step, table, turbogrid};
 use impellerc::diag::Severity;
 use impellerc::import::outlines::{doubtful, outlines};
 use impellerc::import::{Axis, LengthUnit, Options};
@@ -11,10 +11,10 @@ use proptest::sample::Index;
 
 /// Files of each format; the first is given.
 fn sets() -> Vec<Vec<(String, String)>> {
-    vec![turbogrid::example(), geomturbo::example(), ibl::example(), rtzt::example(), table::example()]
+    vec![turbogrid::example(), geomturbo::example(), ibl::example(), rtzt::example(), table::example(), step::example()]
 }
 
-const PIECES: [&str; 16] = [
+const PIECES: [&str; 20] = [
     "0",
     "-1",
     "1e300",
@@ -31,6 +31,10 @@ const PIECES: [&str; 16] = [
     "NI_END",
     "99999999",
     "\u{fffd}",
+    "#4",
+    "(",
+    "/*",
+    "ENDSEC;",
 ];
 
 proptest! {
@@ -38,7 +42,7 @@ proptest! {
 
     #[test]
     fn changed_files_never_panic(
-        set in 0..5_usize,
+        set in 0..6_usize,
         file in any::<Index>(),
         changes in prop::collection::vec((any::<Index>(), 0..6_usize, any::<u8>(), 0..PIECES.len()), 1..5),
     ) {

@@ -165,7 +165,7 @@ fn faults_are_told_with_their_line() {
 fn formats_are_told_by_their_endings() {
     let text = nasa(50.0, 0);
     for (files, given) in [
-        (vec![("rotor.stp", text.as_str())], 1),
+        (vec![("rotor.igs", text.as_str())], 1),
         (vec![("rotor", text.as_str())], 1),
         (vec![("a.inf", text.as_str()), ("b.txt", &text)], 2),
         (vec![("a.inf", text.as_str()), ("b.inf", &text)], 2),
@@ -175,8 +175,8 @@ fn formats_are_told_by_their_endings() {
     }
     let options = Options { format: Some("table".to_owned()), ..inches() };
     good(&[("main.1", &text), ("main.2", &nasa(60.0, 0))], 2, &options);
-    let options = Options { format: Some("step".to_owned()), ..inches() };
-    assert_eq!(faults(&[("rotor.stp", &text)], 1, &options)[0].code.id(), "IMP1001");
+    let options = Options { format: Some("iges".to_owned()), ..inches() };
+    assert_eq!(faults(&[("rotor.igs", &text)], 1, &options)[0].code.id(), "IMP1001");
     assert_eq!(faults(&[], 1, &inches())[0].code.id(), "IMP1001");
 }
 

@@ -1,0 +1,398 @@
+//! Entities of a Part 21 file: their places by number, and their arguments when they are asked for.
+
+use super::lexer::{Lexer, Token, decoded};
+use crate::diag::codes::import as codes;
+use crate::diag::{Diag, printable};
+use crate::source::{SourceId, Span};
+
+/// Most entities. A wheel of splines has some 100 000.
+const MOST_ENTITIES: usize = 2_000_000;
+
+/// Deepest nesting of lists. The schemas have three.
+const DEEPEST: usize = 16;
+
+/// An argument.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Value<'t> {
+    Reference(u64),
+    Number(f64),
+    Text(&'t str),
+    Enumeration(&'t str),
+    List(Vec<Value<'t>>),
+    /// A value with its type, such as `PARAMETER_VALUE(0.5)`.
+    Typed(&'t str, Vec<Value<'t>>),
+    /// `$`, `*`, binary values.
+    None,
+}
+
+/// A type with its arguments. A complex entity has several.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Part<'t> {
+    pub(super) name: &'t str,
+    arguments: Vec<Value<'t>>,
+}
+
+/// An entity.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Entity<'t> {
+    pub(super) number: u64,
+    pub(super) span: Span,
+    pub(super) parts: Vec<Part<'t>>,
+}
+
+/// Where an entity stands: bytes of its text behind `=`, up to its semicolon.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    number: u64,
+    start: u32,
+    end: u32,
+}
+
+/// All entities of a file.
+#[derive(Debug)]
+pub(super) struct Table<'t> {
+    source: SourceId,
+    text: &'t str,
+    places: Vec<Place>,
+}
+
+impl<'t> Table<'t> {
+    /// Finds the entities of a file.
+    ///
+    /// # Errors
+    /// A text that is not a complete Part 21 file, a number that two entities have, too many entities.
+    pub(super) fn read(source: SourceId, text: &'t str) -> Result<Self, Diag> {
+        let mut lexer = Lexer::new(source, text, 0);
+        let (first, span) = lexer.next()?;
+        if first != Token::Keyword("ISO-10303-21") {
+            return Err(lexer.fault("this is not a STEP file", span, "`ISO-10303-21;` is expected"));
+        }
+        let mut places = Vec::new();
+        expect_end(&mut lexer)?;
+        loop {
+            let (token, span) = lexer.next()?;
+            match token {
+                Token::Keyword("END-ISO-10303-21") => {
+                    expect_end(&mut lexer)?;
+                    break;
+                }
+                Token::Keyword("DATA") => {
+                    let (_, end) = skip_record(&mut lexer, span.range().start)?;
+                    data(&mut lexer, &mut places, end)?;
+                }
+                Token::Keyword("HEADER" | "ANCHOR" | "REFERENCE" | "SIGNATURE") => skip_section(&mut lexer, span)?,
+                Token::End => return Err(lexer.cut("`END-ISO-10303-21;`", lexer.at())),
+                _ => {
+                    return Err(lexer.fault(
+                        "no section begins here",
+                        span,
+                        "`DATA;` or `END-ISO-10303-21;` is expected",
+                    ));
+                }
+            }
+        }
+        places.sort_by_key(|place: &Place| (place.number, place.start));
+        if let Some([first, second]) = places
+            .windows(2)
+            .find(|pair| pair[0].number == pair[1].number)
+            .and_then(|pair| <&[Place; 2]>::try_from(pair).ok())
+        {
+            let at = |place: &Place| lexer.span(place.start as usize, place.end as usize);
+            return Err(lexer
+                .fault(format!("two entities have the number #{}", first.number), at(second), "the second one")
+                .label(at(first), "the first one"));
+        }
+        Ok(Self { source, text, places })
+    }
+
+    /// The entity of a number; `named_at` is the place of what names it.
+    pub(super) fn entity(&self, number: u64, named_at: Span) -> Result<Entity<'t>, Diag> {
+        let found = self.places.binary_search_by_key(&number, |place| place.number);
+        let Some(place) = found.ok().and_then(|k| self.places.get(k)) else {
+            return Err(Diag::error(codes::MALFORMED, format!("the file has no entity #{number}"))
+                .label(named_at, "it is named here")
+                .help("export the file again"));
+        };
+        self.parsed(place)
+    }
+
+    /// Entities of which a part may have one of these names, in the order of their numbers.
+    pub(super) fn of_kinds<'a>(&'a self, names: &'a [&str]) -> impl Iterator<Item = Result<Entity<'t>, Diag>> + 'a {
+        let has = |place: &&Place| {
+            let text = &self.text[place.start as usize..place.end as usize];
+            let complex = text.trim_start().starts_with('(');
+            names.iter().any(|name| if complex { text.contains(name) } else { text.trim_start().starts_with(name) })
+        };
+        let entities = self.places.iter().filter(has).map(|place| self.parsed(place));
+        entities.filter(|entity| entity.as_ref().map_or(true, |e| names.iter().any(|name| e.part(name).is_some())))
+    }
+
+    fn parsed(&self, place: &Place) -> Result<Entity<'t>, Diag> {
+        let mut lexer = Lexer::new(self.source, self.text, place.start as usize);
+        let span = lexer.span(place.start as usize, place.end as usize);
+        let mut parts = Vec::new();
+        match lexer.next()? {
+            (Token::Keyword(name), _) => parts.push(part(&mut lexer, name)?),
+            (Token::Open, _) => loop {
+                match lexer.next()? {
+                    (Token::Keyword(name), _) => parts.push(part(&mut lexer, name)?),
+                    (Token::Close, _) if !parts.is_empty() => break,
+                    (_, span) => return Err(lexer.fault("an entity has no type", span, "a type is expected")),
+                }
+            },
+            (_, span) => return Err(lexer.fault("an entity has no type", span, "a type is expected")),
+        }
+        match lexer.next()? {
+            (Token::Semicolon, _) => Ok(Entity { number: place.number, span, parts }),
+            (_, span) => Err(lexer.fault("an entity goes on behind its arguments", span, "`;` is expected")),
+        }
+    }
+}
+
+fn expect_end(lexer: &mut Lexer<'_>) -> Result<(), Diag> {
+    match lexer.next()? {
+        (Token::Semicolon, _) => Ok(()),
+        (Token::End, span) => Err(lexer.cut("`;`", span.range().start)),
+        (_, span) => Err(lexer.fault("`;` is missing", span, "`;` is expected")),
+    }
+}
+
+/// Goes over words up to a semicolon outside of parentheses; returns where the first began and the last ended.
+fn skip_record(lexer: &mut Lexer<'_>, began: usize) -> Result<(usize, usize), Diag> {
+    let mut depth = 0_usize;
+    let mut start = None;
+    loop {
+        let (token, span) = lexer.next()?;
+        let range = span.range();
+        match token {
+            Token::Semicolon if depth == 0 => return Ok((start.unwrap_or(range.start), range.start)),
+            Token::Semicolon => {
+                return Err(lexer.fault("a parenthesis is open at the end of an entity", span, "`)` is expected"));
+            }
+            Token::Equals => {
+                return Err(lexer.fault("an entity does not end", span, "`;` is expected before the next entity"));
+            }
+            Token::End => return Err(lexer.cut("the end of an entity", began)),
+            Token::Open => depth += 1,
+            Token::Close => match depth.checked_sub(1) {
+                Some(less) => depth = less,
+                None => return Err(lexer.fault("a parenthesis is closed but not open", span, "this one")),
+            },
+            _ => {}
+        }
+        start = start.or(Some(range.start));
+    }
+}
+
+/// Goes over a section that has no entities.
+fn skip_section(lexer: &mut Lexer<'_>, begins: Span) -> Result<(), Diag> {
+    loop {
+        match lexer.next()? {
+            (Token::Keyword("ENDSEC"), _) => return expect_end(lexer),
+            (Token::End, _) => return Err(lexer.cut("`ENDSEC;`", begins.range().start)),
+            _ => {}
+        }
+    }
+}
+
+/// Finds the entities of a section.
+fn data(lexer: &mut Lexer<'_>, places: &mut Vec<Place>, begins: usize) -> Result<(), Diag> {
+    loop {
+        let (token, span) = lexer.next()?;
+        match token {
+            Token::Keyword("ENDSEC") => return expect_end(lexer),
+            Token::Reference(number) => {
+                let (Token::Equals, _) = lexer.next()? else {
+                    return Err(lexer.fault(format!("#{number} is no entity"), span, "`=` is expected behind it"));
+                };
+                let (start, end) = skip_record(lexer, span.range().start)?;
+                if places.len() >= MOST_ENTITIES {
+                    return Err(Diag::error(codes::TOO_MUCH, format!("more than {MOST_ENTITIES} entities, the limit"))
+                        .label(span, "this one exceeds it")
+                        .help("export one sector of the wheel alone"));
+                }
+                let byte = |at: usize| u32::try_from(at).unwrap_or(u32::MAX);
+                places.push(Place { number, start: byte(start), end: byte(end) });
+            }
+            Token::End => return Err(lexer.cut("`ENDSEC;`", begins)),
+            _ => return Err(lexer.fault("no entity begins here", span, "`#` and its number are expected")),
+        }
+    }
+}
+
+/// The arguments of a type.
+fn part<'t>(lexer: &mut Lexer<'t>, name: &'t str) -> Result<Part<'t>, Diag> {
+    match lexer.next()? {
+        (Token::Open, _) => Ok(Part { name, arguments: list(lexer, 0)? }),
+        (_, span) => Err(lexer.fault(format!("`{}` has no arguments", printable(name)), span, "`(` is expected")),
+    }
+}
+
+/// The values of a list whose parenthesis is open.
+fn list<'t>(lexer: &mut Lexer<'t>, depth: usize) -> Result<Vec<Value<'t>>, Diag> {
+    let mut values = Vec::new();
+    loop {
+        let (token, span) = lexer.next()?;
+        if depth >= DEEPEST {
+            return Err(lexer.fault("lists are nested too deeply", span, "this list"));
+        }
+        let value = match token {
+            Token::Close if values.is_empty() => return Ok(values),
+            Token::Reference(number) => Value::Reference(number),
+            Token::Number(x) => Value::Number(x),
+            Token::Text(text) => Value::Text(text),
+            Token::Enumeration(word) => Value::Enumeration(word),
+            Token::Omitted | Token::Derived | Token::Binary => Value::None,
+            Token::Open => Value::List(list(lexer, depth + 1)?),
+            Token::Keyword(name) => match lexer.next()? {
+                (Token::Open, _) => Value::Typed(name, list(lexer, depth + 1)?),
+                (_, span) => return Err(lexer.fault("a typed value has no value", span, "`(` is expected")),
+            },
+            _ => return Err(lexer.fault("this is not a value", span, "a value is expected")),
+        };
+        values.push(value);
+        match lexer.next()? {
+            (Token::Comma, _) => {}
+            (Token::Close, _) => return Ok(values),
+            (_, span) => return Err(lexer.fault("a list goes on without a comma", span, "`,` or `)` is expected")),
+        }
+    }
+}
+
+impl<'t> Entity<'t> {
+    /// Its name: that of its only part, or those of all.
+    pub(super) fn name(&self) -> String {
+        let names: Vec<_> = self.parts.iter().map(|part| printable(part.name)).collect();
+        names.join(" ")
+    }
+
+    pub(super) fn part(&self, name: &str) -> Option<&Part<'t>> {
+        self.parts.iter().find(|part| part.name == name)
+    }
+
+    /// The fault of an argument.
+    pub(super) fn fault(&self, message: impl Into<String>) -> Diag {
+        Diag::error(codes::MALFORMED, message)
+            .label(self.span, format!("#{}", self.number))
+            .help("export the file again; a file that was changed by hand may be faulty here")
+    }
+
+    /// Arguments of the only part, or of the part of a name.
+    pub(super) fn arguments(&self, name: &str) -> Result<Arguments<'_, 't>, Diag> {
+        let part = if let [part] = self.parts.as_slice() { Some(part) } else { self.part(name) };
+        let part = part.ok_or_else(|| self.fault(format!("#{} has no {name}", self.number)))?;
+        Ok(Arguments { entity: self, values: &part.arguments })
+    }
+}
+
+/// Arguments of an entity, by their places from 0.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Arguments<'a, 't> {
+    entity: &'a Entity<'t>,
+    values: &'a [Value<'t>],
+}
+
+impl<'t> Arguments<'_, 't> {
+    fn wrong(&self, k: usize, due: &str) -> Diag {
+        self.entity.fault(format!("argument {} of {} is not {due}", k + 1, self.entity.name()))
+    }
+
+    fn value(&self, k: usize) -> Option<&Value<'t>> {
+        self.values.get(k)
+    }
+
+    pub(super) fn number(&self, k: usize) -> Result<f64, Diag> {
+        match self.value(k) {
+            Some(Value::Number(x)) => Ok(*x),
+            Some(Value::Typed(_, inner)) if matches!(inner.as_slice(), [Value::Number(_)]) => inner
+                .iter()
+                .find_map(|v| if let Value::Number(x) = v { Some(*x) } else { None })
+                .ok_or_else(|| self.wrong(k, "a number")),
+            _ => Err(self.wrong(k, "a number")),
+        }
+    }
+
+    pub(super) fn reference(&self, k: usize) -> Result<u64, Diag> {
+        match self.value(k) {
+            Some(Value::Reference(number)) => Ok(*number),
+            _ => Err(self.wrong(k, "an entity")),
+        }
+    }
+
+    pub(super) fn text(&self, k: usize) -> String {
+        match self.value(k) {
+            Some(Value::Text(raw)) => decoded(raw),
+            _ => String::new(),
+        }
+    }
+
+    pub(super) fn word(&self, k: usize) -> Option<&'t str> {
+        if let Some(Value::Enumeration(word)) = self.value(k) { Some(word) } else { None }
+    }
+
+    fn list(&self, k: usize, due: &str) -> Result<&[Value<'t>], Diag> {
+        match self.value(k) {
+            Some(Value::List(values)) => Ok(values),
+            _ => Err(self.wrong(k, due)),
+        }
+    }
+
+    pub(super) fn references(&self, k: usize) -> Result<Vec<u64>, Diag> {
+        let due = "a list of entities";
+        references(self.list(k, due)?).ok_or_else(|| self.wrong(k, due))
+    }
+}
+
+fn references(values: &[Value<'_>]) -> Option<Vec<u64>> {
+    values.iter().map(|value| if let Value::Reference(number) = value { Some(*number) } else { None }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A file around entities.
+    fn file(data: &str) -> String {
+        format!("ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('A'));\nENDSEC;\nDATA;\n{data}ENDSEC;\nEND-ISO-10303-21;\n")
+    }
+
+    #[test]
+    fn entities_are_found_and_parsed() {
+        let text = file("#7=A('x',(#2,#3),.U.);\n/* #9=C(); */ #2 = (B(1.5) C($,*));\n");
+        let table = Table::read(SourceId::default(), &text).unwrap();
+        let at = Span::default();
+        let a = table.entity(7, at).unwrap();
+        let arguments = a.arguments("A").unwrap();
+        assert_eq!((arguments.text(0), arguments.references(1).unwrap()), ("x".to_owned(), vec![2, 3]));
+        assert_eq!((arguments.word(2), a.name()), (Some("U"), "A".to_owned()));
+        let complex = table.entity(2, at).unwrap();
+        assert!(complex.arguments("B").unwrap().number(0).is_ok_and(|x| (x - 1.5).abs() < 1e-15));
+        assert!(complex.part("C").is_some() && table.entity(9, at).is_err());
+        let found: Vec<u64> = table.of_kinds(&["C"]).map(|e| e.unwrap().number).collect();
+        assert_eq!(found, [2]);
+    }
+
+    /// However long the start of a file is, it is refused, and no place lies behind its end.
+    #[test]
+    fn cut_files_are_refused() {
+        let text = file("#1=A('it''s',(1.,2.));\n#2=(B(#1) C(.T.));\n");
+        for end in 0..text.trim_end().len() {
+            let diag = Table::read(SourceId::default(), &text[..end]).expect_err("cut off");
+            assert!(diag.help.is_some() && diag.labels.iter().all(|l| l.span.range().end <= end), "{end}");
+        }
+        assert!(Table::read(SourceId::default(), &text).is_ok());
+    }
+
+    #[test]
+    fn faulty_files_are_refused() {
+        for data in ["#1=A();#1=B();", "#1=A(", "#1=A());", "#1=A(;", "#1 A();", "A();", "#1=A()#2=B();", "#1=A('x);"] {
+            assert!(Table::read(SourceId::default(), &file(data)).is_err(), "{data}");
+        }
+        let deep = format!("#1=A({}{});#2=A(1 2);#3=1;#4=();#5=A() B();#6=A(,);", "(".repeat(40), ")".repeat(40));
+        let text = file(&deep);
+        let table = Table::read(SourceId::default(), &text).unwrap();
+        for number in 1..=6 {
+            assert!(table.entity(number, Span::default()).is_err(), "#{number}");
+        }
+    }
+}

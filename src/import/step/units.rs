@@ -1,0 +1,112 @@
+//! The unit of length of a file: an SI unit with its prefix, or one that is converted to it, such as the inch.
+
+use super::super::found::Found;
+use super::super::stated::not_stated;
+use super::super::{LengthUnit, Options};
+use super::table::{Entity, Table};
+use crate::diag::Diag;
+use crate::diag::codes::import as codes;
+use crate::source::Span;
+use crate::units::trim;
+
+/// Most conversions from a unit to the metre. Files have one.
+const MOST_CONVERSIONS: usize = 8;
+
+/// Share by which units may differ that are the same: factors of files have some digits.
+const SAME: f64 = 1e-9;
+
+/// Names of the SI prefixes with their powers of ten.
+const PREFIXES: [(&str, i32); 16] = [
+    ("EXA", 18),
+    ("PETA", 15),
+    ("TERA", 12),
+    ("GIGA", 9),
+    ("MEGA", 6),
+    ("KILO", 3),
+    ("HECTO", 2),
+    ("DECA", 1),
+    ("DECI", -1),
+    ("CENTI", -2),
+    ("MILLI", -3),
+    ("MICRO", -6),
+    ("NANO", -9),
+    ("PICO", -12),
+    ("FEMTO", -15),
+    ("ATTO", -18),
+];
+
+fn same(a: f64, b: f64) -> bool {
+    (a - b).abs() <= SAME * a.abs()
+}
+
+/// Millimetres of the unit of length that the file or the caller states.
+///
+/// # Errors
+/// A unit that is not stated, that is stated twice and not alike, or that is not one of length.
+pub(super) fn length(table: &Table<'_>, options: &Options, end: Span, found: &mut Found) -> Result<f64, Diag> {
+    let mut stated: Option<(f64, Span)> = None;
+    for context in table.of_kinds(&["GLOBAL_UNIT_ASSIGNED_CONTEXT"]) {
+        let context = context?;
+        for number in context.arguments("GLOBAL_UNIT_ASSIGNED_CONTEXT")?.references(0)? {
+            let unit = table.entity(number, context.span)?;
+            if unit.part("LENGTH_UNIT").is_none() {
+                continue;
+            }
+            let mm = millimetres(table, unit)?;
+            match stated {
+                Some((other, at)) if !same(mm, other) => {
+                    return Err(Diag::error(codes::CONTRADICTS, "the file has two units of length")
+                        .label(context.span, format!("{} mm", trim(mm, 9)))
+                        .label(at, format!("{} mm", trim(other, 9)))
+                        .help("export the wheel as a part of its own"));
+                }
+                _ => stated = stated.or(Some((mm, context.span))),
+            }
+        }
+    }
+    match (stated, options.unit) {
+        (Some((mm, at)), Some(given)) if !same(mm, given.mm()) => Err(Diag::error(
+            codes::CONTRADICTS,
+            format!("the unit of the file is {} mm, but `--unit` says {given}", trim(mm, 9)),
+        )
+        .label(at, "stated here")
+        .help("leave out `--unit`, or correct the file")),
+        (Some((mm, at)), _) => {
+            found.note(at, format!("the unit of length is {} mm", trim(mm, 9)));
+            Ok(mm)
+        }
+        (None, Some(given)) => {
+            found.note(None, format!("the unit of length is {given}, by `--unit`"));
+            Ok(LengthUnit::mm(given))
+        }
+        (None, None) => Err(not_stated("unit of length", "--unit", "mm, cm, m, in or ft", end)),
+    }
+}
+
+/// Millimetres of a unit.
+fn millimetres<'t>(table: &Table<'t>, mut unit: Entity<'t>) -> Result<f64, Diag> {
+    let mut factor = 1.0;
+    for _ in 0..MOST_CONVERSIONS {
+        if unit.part("SI_UNIT").is_some() {
+            let si = unit.arguments("SI_UNIT")?;
+            let power = match si.word(0) {
+                None => Some(0),
+                Some(word) => PREFIXES.iter().find(|(name, _)| *name == word).map(|(_, power)| *power),
+            };
+            return match (power, si.word(1)) {
+                (Some(power), Some("METRE")) => Ok(factor * 1000.0 * libm::pow(10.0, f64::from(power))),
+                _ => Err(unit.fault("this is no unit of length of the SI")),
+            };
+        }
+        let base = unit.arguments("CONVERSION_BASED_UNIT")?.reference(1)?;
+        let measure = table.entity(base, unit.span)?;
+        let arguments = measure.arguments("MEASURE_WITH_UNIT")?;
+        let value = arguments.number(0)?;
+        if value <= 0.0 {
+            return Err(measure.fault("a unit of length is not positive"));
+        }
+        factor *= value;
+        unit = table.entity(arguments.reference(1)?, measure.span)?;
+    }
+    Err(unit.fault("a unit is converted to itself"))
+}
