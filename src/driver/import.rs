@@ -73,9 +73,12 @@ fn run(options: &Import, stages: &mut Stages, outcome: &mut Outcome) -> Result<(
 
 /// Refuses to write a part from a file whose content is only listed.
 fn only_listed(imported: &Imported, options: &Import) -> Result<(), Diag> {
-    let Some(note) = imported.notes.last().filter(|_| options.output.is_some()) else { return Ok(()) };
+    if options.output.is_none() {
+        return Ok(());
+    }
+    let at = imported.notes.last().and_then(|note| note.span).unwrap_or_default();
     Err(Diag::error(codes::NOT_READ, format!("a part is not written from the format {}", imported.format))
-        .label(note.span.unwrap_or_default(), "the faces of this file are listed, not read as blades")
+        .label(at, "the faces of this file are listed, not read as blades")
         .help("leave out `-o` to list the faces; export the blades as points, such as `.inf` with its curve files"))
 }
 

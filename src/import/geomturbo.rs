@@ -4,12 +4,12 @@
 //! `# section` is a comment or stands before each section. Blocks and words that are not known are passed over.
 
 use super::found::{Found, too_many, within};
-use super::frame::{Axis, Frame, LengthUnit};
+use super::frame::{Axis, Frame};
 use super::lines::{Line, Text, ends};
 use super::loader::Loader;
 use super::loops;
 use super::nested::Open;
-use super::stated::Asked;
+use super::stated::{Asked, same_unit};
 use super::{Imported, ImportedBlade, ImportedRow, Options, limits, meridian};
 use crate::diag::codes::import as codes;
 use crate::diag::{Diag, printable};
@@ -71,11 +71,10 @@ pub(super) fn read(
     // The file states metres per unit, which need not be a unit with a name.
     let mm = match &stated {
         Some(metres) => {
-            if let Some(unit) = options.unit.filter(|unit| (unit.mm() - 1000.0 * metres.value).abs() > 1e-9 * unit.mm())
-            {
-                return Err(contradicts_unit(metres, unit));
-            }
-            1000.0 * metres.value
+            let mm = 1000.0 * metres.value;
+            let says = format!("a unit of length of the file is {} m", metres.value);
+            same_unit(options, mm, &says, metres.span)?;
+            mm
         }
         None => asked.unit(None)?.mm(),
     };
@@ -104,13 +103,6 @@ pub(super) fn read(
         imported.rows.push(self::row(row, &frame, options, found)?);
     }
     Ok(imported)
-}
-
-fn contradicts_unit(metres: &Spanned<f64>, unit: LengthUnit) -> Diag {
-    let message = format!("a unit of length of the file is {} m, but `--unit` says {unit}", metres.value);
-    Diag::error(codes::CONTRADICTS, message)
-        .label(metres.span, "stated here")
-        .help("leave out `--unit`, or correct the file")
 }
 
 fn parse<'t>(text: Text<'t>, found: &mut Found) -> Result<Reading<'t>, Diag> {

@@ -101,13 +101,23 @@ impl<'t> Line<'t> {
 
     /// The fault of a line that is not of the format.
     pub(super) fn fault(self, message: impl Into<String>, due: &str) -> Diag {
-        Diag::error(codes::MALFORMED, message).label(self.span, due).help("correct the line, or export the file again")
+        malformed(message, self.span, due)
     }
+}
+
+/// The fault of a place that is not of the format.
+pub(super) fn malformed(message: impl Into<String>, at: Span, due: &str) -> Diag {
+    Diag::error(codes::MALFORMED, message).label(at, due).help("correct the line, or export the file again")
 }
 
 /// The fault of a text that ends too early.
 pub(super) fn ends(text: Text<'_>, missing: &str) -> Diag {
+    cut_off(missing, text.end(), "the last line")
+}
+
+/// The same with a place at its end and what that place is.
+pub(super) fn cut_off(missing: &str, at: Span, what: &str) -> Diag {
     Diag::error(codes::ENDS_EARLY, format!("the file ends before {missing}"))
-        .label(text.end(), "the last line")
+        .label(at, what)
         .help("the file was cut off: copy or export it again")
 }

@@ -20,6 +20,9 @@ const AXIS: StatedFact = StatedFact { name: "axis of rotation", option: "--axis"
 const HANDEDNESS: StatedFact = StatedFact { name: "handedness", option: "--handedness", values: "right or left" };
 const COUNT: StatedFact = StatedFact { name: "number of main blades", option: "--blades", values: "a whole number" };
 
+/// Share by which units may differ that are the same.
+pub(super) const SAME_UNIT: f64 = 1e-9;
+
 /// The value that file and caller state. A value that both state must be the same.
 fn one<T: PartialEq + Copy + Display>(
     fact: &StatedFact,
@@ -30,10 +33,8 @@ fn one<T: PartialEq + Copy + Display>(
     if let (Some(file), Some(given)) = (&file, given)
         && file.value != given
     {
-        let message = format!("the {} of the file is {}, but `{}` says {given}", fact.name, file.value, fact.option);
-        return Err(Diag::error(codes::CONTRADICTS, message)
-            .label(file.span, "stated here")
-            .help(format!("leave out `{}`, or correct the file", fact.option)));
+        let says = format!("the {} of the file is {}", fact.name, file.value);
+        return Err(contradicts(fact, &says, file.span, given));
     }
     match (&file, given) {
         (Some(file), _) => found.note(file.span, format!("the {} is {}", fact.name, file.value)),
@@ -41,6 +42,22 @@ fn one<T: PartialEq + Copy + Display>(
         (None, None) => {}
     }
     Ok(file.map(|file| file.value).or(given))
+}
+
+/// The fault of a fact of the file that the option states otherwise.
+fn contradicts(fact: &StatedFact, says: &str, at: Span, given: impl Display) -> Diag {
+    Diag::error(codes::CONTRADICTS, format!("{says}, but `{}` says {given}", fact.option))
+        .label(at, "stated here")
+        .help(format!("leave out `{}`, or correct the file", fact.option))
+}
+
+/// Refuses an option that states another unit than a file which has it as a number, in mm. Such units are the same within
+/// 1e-9: the numbers of files have some digits.
+pub(super) fn same_unit(options: &Options, mm: f64, says: &str, at: Span) -> Result<(), Diag> {
+    match options.unit {
+        Some(given) if (given.mm() - mm).abs() > SAME_UNIT * given.mm() => Err(contradicts(&UNIT, says, at, given)),
+        _ => Ok(()),
+    }
 }
 
 /// The fault of a fact that nothing states.

@@ -1,7 +1,7 @@
 //! Words of a Part 21 file (ISO 10303-21), with their places.
 
-use crate::diag::codes::import as codes;
 use crate::diag::{Diag, printable};
+use crate::import::lines::{cut_off, malformed};
 use crate::source::{SourceId, Span};
 
 /// A word of the file.
@@ -83,15 +83,8 @@ impl<'t> Lexer<'t> {
     pub(super) fn cut(&self, missing: &str, began: usize) -> Diag {
         let end = self.text.trim_end().len();
         let last = self.text.get(..end).map_or(0, |text| text.char_indices().next_back().map_or(0, |(at, _)| at));
-        Diag::error(codes::ENDS_EARLY, format!("the file ends before {missing}"))
-            .label(self.span(last, end), "the end of the file")
+        cut_off(missing, self.span(last, end), "the end of the file")
             .label(self.span(began.min(end), began.min(end)), "this is not complete")
-            .help("the file was cut off: copy or export it again")
-    }
-
-    /// The fault of a word that is not of the format.
-    pub(super) fn fault(&self, message: impl Into<String>, span: Span, due: &str) -> Diag {
-        Diag::error(codes::MALFORMED, message).label(span, due).help("correct the line, or export the file again")
     }
 
     /// Bytes from `from` on that satisfy a condition.
@@ -144,19 +137,19 @@ impl<'t> Lexer<'t> {
     fn unknown(&self, at: usize) -> Diag {
         let c = self.text[at..].chars().next().unwrap_or_default();
         let span = self.span(at, at + c.len_utf8());
-        self.fault(format!("`{}` begins no word of a STEP file", printable(&c.to_string())), span, "this character")
+        malformed(format!("`{}` begins no word of a STEP file", printable(&c.to_string())), span, "this character")
     }
 
     fn reference(&self, start: usize) -> Result<(Token<'t>, usize), Diag> {
         let end = self.run(start + 1, |b| b.is_ascii_digit());
         let number = self.text[start + 1..end].parse().ok();
-        let fault = || self.fault("an entity has no number", self.span(start, end), "`#` and a number are expected");
+        let fault = || malformed("an entity has no number", self.span(start, end), "`#` and a number are expected");
         Ok((Token::Reference(number.ok_or_else(fault)?), end))
     }
 
     fn number(&self, start: usize) -> Result<(Token<'t>, usize), Diag> {
         let end = self.run(start + 1, |b| matches!(b, b'0'..=b'9' | b'.' | b'+' | b'-' | b'e' | b'E'));
-        let fault = |due| self.fault("this is not a number", self.span(start, end), due);
+        let fault = |due| malformed("this is not a number", self.span(start, end), due);
         let value: f64 = self.text[start..end].parse().map_err(|_| fault("a number is expected"))?;
         if value.is_finite() { Ok((Token::Number(value), end)) } else { Err(fault("a finite number is expected")) }
     }

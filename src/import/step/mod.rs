@@ -12,7 +12,7 @@ use crate::diag::codes::import as codes;
 use crate::diag::{Diag, printable};
 use crate::source::SourceId;
 use crate::units::trim;
-use table::Table;
+use table::EntityTable;
 
 /// Most faces that are listed. A wheel of 40 blades with fillets has some 500.
 const MOST_FACES: usize = 20_000;
@@ -26,7 +26,7 @@ pub(super) fn read(
 ) -> Result<Imported, Diag> {
     let text = loader.text(ids.first().copied().unwrap_or_default());
     let (source, whole) = text.whole();
-    let table = Table::read(source, whole)?;
+    let table = EntityTable::read(source, whole)?;
     let mm = units::length(&table, options, text.end(), found)?;
     let mut listing = vec![format!("unit of length: {} mm", trim(mm, 9)), "  number  surface  name".to_owned()];
     for face in table.of_kinds(&["ADVANCED_FACE", "FACE_SURFACE"]) {

@@ -3,6 +3,7 @@
 use super::lexer::{Lexer, Token, decoded};
 use crate::diag::codes::import as codes;
 use crate::diag::{Diag, printable};
+use crate::import::lines::malformed;
 use crate::source::{SourceId, Span};
 
 /// Most entities. A wheel of splines has some 100 000.
@@ -13,23 +14,23 @@ const DEEPEST: usize = 16;
 
 /// An argument.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Value<'t> {
+pub(super) enum ArgumentValue<'t> {
     Reference(u64),
     Number(f64),
     Text(&'t str),
     Enumeration(&'t str),
-    List(Vec<Value<'t>>),
+    List(Vec<ArgumentValue<'t>>),
     /// A value with its type, such as `PARAMETER_VALUE(0.5)`.
-    Typed(&'t str, Vec<Value<'t>>),
+    Typed(&'t str, Vec<ArgumentValue<'t>>),
     /// `$`, `*`, binary values.
     None,
 }
 
 /// A type with its arguments. A complex entity has several.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Part<'t> {
+pub(super) struct EntityPart<'t> {
     pub(super) name: &'t str,
-    arguments: Vec<Value<'t>>,
+    arguments: Vec<ArgumentValue<'t>>,
 }
 
 /// An entity.
@@ -37,12 +38,12 @@ pub(super) struct Part<'t> {
 pub(super) struct Entity<'t> {
     pub(super) number: u64,
     pub(super) span: Span,
-    pub(super) parts: Vec<Part<'t>>,
+    pub(super) parts: Vec<EntityPart<'t>>,
 }
 
 /// Where an entity stands: bytes of its text behind `=`, up to its semicolon.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct EntityPlace {
     number: u64,
     start: u32,
     end: u32,
@@ -50,13 +51,13 @@ struct Place {
 
 /// All entities of a file.
 #[derive(Debug)]
-pub(super) struct Table<'t> {
+pub(super) struct EntityTable<'t> {
     source: SourceId,
     text: &'t str,
-    places: Vec<Place>,
+    places: Vec<EntityPlace>,
 }
 
-impl<'t> Table<'t> {
+impl<'t> EntityTable<'t> {
     /// Finds the entities of a file.
     ///
     /// # Errors
@@ -65,7 +66,7 @@ impl<'t> Table<'t> {
         let mut lexer = Lexer::new(source, text, 0);
         let (first, span) = lexer.next()?;
         if first != Token::Keyword("ISO-10303-21") {
-            return Err(lexer.fault("this is not a STEP file", span, "`ISO-10303-21;` is expected"));
+            return Err(malformed("this is not a STEP file", span, "`ISO-10303-21;` is expected"));
         }
         let mut places = Vec::new();
         expect_end(&mut lexer)?;
@@ -83,7 +84,7 @@ impl<'t> Table<'t> {
                 Token::Keyword("HEADER" | "ANCHOR" | "REFERENCE" | "SIGNATURE") => skip_section(&mut lexer, span)?,
                 Token::End => return Err(lexer.cut("`END-ISO-10303-21;`", lexer.at())),
                 _ => {
-                    return Err(lexer.fault(
+                    return Err(malformed(
                         "no section begins here",
                         span,
                         "`DATA;` or `END-ISO-10303-21;` is expected",
@@ -91,16 +92,19 @@ impl<'t> Table<'t> {
                 }
             }
         }
-        places.sort_by_key(|place: &Place| (place.number, place.start));
+        places.sort_by_key(|place: &EntityPlace| (place.number, place.start));
         if let Some([first, second]) = places
             .windows(2)
             .find(|pair| pair[0].number == pair[1].number)
-            .and_then(|pair| <&[Place; 2]>::try_from(pair).ok())
+            .and_then(|pair| <&[EntityPlace; 2]>::try_from(pair).ok())
         {
-            let at = |place: &Place| lexer.span(place.start as usize, place.end as usize);
-            return Err(lexer
-                .fault(format!("two entities have the number #{}", first.number), at(second), "the second one")
-                .label(at(first), "the first one"));
+            let at = |place: &EntityPlace| lexer.span(place.start as usize, place.end as usize);
+            return Err(malformed(
+                format!("two entities have the number #{}", first.number),
+                at(second),
+                "the second one",
+            )
+            .label(at(first), "the first one"));
         }
         Ok(Self { source, text, places })
     }
@@ -118,7 +122,7 @@ impl<'t> Table<'t> {
 
     /// Entities of which a part may have one of these names, in the order of their numbers.
     pub(super) fn of_kinds<'a>(&'a self, names: &'a [&str]) -> impl Iterator<Item = Result<Entity<'t>, Diag>> + 'a {
-        let has = |place: &&Place| {
+        let has = |place: &&EntityPlace| {
             let text = &self.text[place.start as usize..place.end as usize];
             let complex = text.trim_start().starts_with('(');
             names.iter().any(|name| if complex { text.contains(name) } else { text.trim_start().starts_with(name) })
@@ -127,7 +131,7 @@ impl<'t> Table<'t> {
         entities.filter(|entity| entity.as_ref().map_or(true, |e| names.iter().any(|name| e.part(name).is_some())))
     }
 
-    fn parsed(&self, place: &Place) -> Result<Entity<'t>, Diag> {
+    fn parsed(&self, place: &EntityPlace) -> Result<Entity<'t>, Diag> {
         let mut lexer = Lexer::new(self.source, self.text, place.start as usize);
         let span = lexer.span(place.start as usize, place.end as usize);
         let mut parts = Vec::new();
@@ -137,14 +141,14 @@ impl<'t> Table<'t> {
                 match lexer.next()? {
                     (Token::Keyword(name), _) => parts.push(part(&mut lexer, name)?),
                     (Token::Close, _) if !parts.is_empty() => break,
-                    (_, span) => return Err(lexer.fault("an entity has no type", span, "a type is expected")),
+                    (_, span) => return Err(malformed("an entity has no type", span, "a type is expected")),
                 }
             },
-            (_, span) => return Err(lexer.fault("an entity has no type", span, "a type is expected")),
+            (_, span) => return Err(malformed("an entity has no type", span, "a type is expected")),
         }
         match lexer.next()? {
             (Token::Semicolon, _) => Ok(Entity { number: place.number, span, parts }),
-            (_, span) => Err(lexer.fault("an entity goes on behind its arguments", span, "`;` is expected")),
+            (_, span) => Err(malformed("an entity goes on behind its arguments", span, "`;` is expected")),
         }
     }
 }
@@ -153,7 +157,7 @@ fn expect_end(lexer: &mut Lexer<'_>) -> Result<(), Diag> {
     match lexer.next()? {
         (Token::Semicolon, _) => Ok(()),
         (Token::End, span) => Err(lexer.cut("`;`", span.range().start)),
-        (_, span) => Err(lexer.fault("`;` is missing", span, "`;` is expected")),
+        (_, span) => Err(malformed("`;` is missing", span, "`;` is expected")),
     }
 }
 
@@ -167,16 +171,16 @@ fn skip_record(lexer: &mut Lexer<'_>, began: usize) -> Result<(usize, usize), Di
         match token {
             Token::Semicolon if depth == 0 => return Ok((start.unwrap_or(range.start), range.start)),
             Token::Semicolon => {
-                return Err(lexer.fault("a parenthesis is open at the end of an entity", span, "`)` is expected"));
+                return Err(malformed("a parenthesis is open at the end of an entity", span, "`)` is expected"));
             }
             Token::Equals => {
-                return Err(lexer.fault("an entity does not end", span, "`;` is expected before the next entity"));
+                return Err(malformed("an entity does not end", span, "`;` is expected before the next entity"));
             }
             Token::End => return Err(lexer.cut("the end of an entity", began)),
             Token::Open => depth += 1,
             Token::Close => match depth.checked_sub(1) {
                 Some(less) => depth = less,
-                None => return Err(lexer.fault("a parenthesis is closed but not open", span, "this one")),
+                None => return Err(malformed("a parenthesis is closed but not open", span, "this one")),
             },
             _ => {}
         }
@@ -196,14 +200,14 @@ fn skip_section(lexer: &mut Lexer<'_>, begins: Span) -> Result<(), Diag> {
 }
 
 /// Finds the entities of a section.
-fn data(lexer: &mut Lexer<'_>, places: &mut Vec<Place>, begins: usize) -> Result<(), Diag> {
+fn data(lexer: &mut Lexer<'_>, places: &mut Vec<EntityPlace>, begins: usize) -> Result<(), Diag> {
     loop {
         let (token, span) = lexer.next()?;
         match token {
             Token::Keyword("ENDSEC") => return expect_end(lexer),
             Token::Reference(number) => {
                 let (Token::Equals, _) = lexer.next()? else {
-                    return Err(lexer.fault(format!("#{number} is no entity"), span, "`=` is expected behind it"));
+                    return Err(malformed(format!("#{number} is no entity"), span, "`=` is expected behind it"));
                 };
                 let (start, end) = skip_record(lexer, span.range().start)?;
                 if places.len() >= MOST_ENTITIES {
@@ -212,49 +216,49 @@ fn data(lexer: &mut Lexer<'_>, places: &mut Vec<Place>, begins: usize) -> Result
                         .help("export one sector of the wheel alone"));
                 }
                 let byte = |at: usize| u32::try_from(at).unwrap_or(u32::MAX);
-                places.push(Place { number, start: byte(start), end: byte(end) });
+                places.push(EntityPlace { number, start: byte(start), end: byte(end) });
             }
             Token::End => return Err(lexer.cut("`ENDSEC;`", begins)),
-            _ => return Err(lexer.fault("no entity begins here", span, "`#` and its number are expected")),
+            _ => return Err(malformed("no entity begins here", span, "`#` and its number are expected")),
         }
     }
 }
 
 /// The arguments of a type.
-fn part<'t>(lexer: &mut Lexer<'t>, name: &'t str) -> Result<Part<'t>, Diag> {
+fn part<'t>(lexer: &mut Lexer<'t>, name: &'t str) -> Result<EntityPart<'t>, Diag> {
     match lexer.next()? {
-        (Token::Open, _) => Ok(Part { name, arguments: list(lexer, 0)? }),
-        (_, span) => Err(lexer.fault(format!("`{}` has no arguments", printable(name)), span, "`(` is expected")),
+        (Token::Open, _) => Ok(EntityPart { name, arguments: list(lexer, 0)? }),
+        (_, span) => Err(malformed(format!("`{}` has no arguments", printable(name)), span, "`(` is expected")),
     }
 }
 
 /// The values of a list whose parenthesis is open.
-fn list<'t>(lexer: &mut Lexer<'t>, depth: usize) -> Result<Vec<Value<'t>>, Diag> {
+fn list<'t>(lexer: &mut Lexer<'t>, depth: usize) -> Result<Vec<ArgumentValue<'t>>, Diag> {
     let mut values = Vec::new();
     loop {
         let (token, span) = lexer.next()?;
         if depth >= DEEPEST {
-            return Err(lexer.fault("lists are nested too deeply", span, "this list"));
+            return Err(malformed("lists are nested too deeply", span, "this list"));
         }
         let value = match token {
             Token::Close if values.is_empty() => return Ok(values),
-            Token::Reference(number) => Value::Reference(number),
-            Token::Number(x) => Value::Number(x),
-            Token::Text(text) => Value::Text(text),
-            Token::Enumeration(word) => Value::Enumeration(word),
-            Token::Omitted | Token::Derived | Token::Binary => Value::None,
-            Token::Open => Value::List(list(lexer, depth + 1)?),
+            Token::Reference(number) => ArgumentValue::Reference(number),
+            Token::Number(x) => ArgumentValue::Number(x),
+            Token::Text(text) => ArgumentValue::Text(text),
+            Token::Enumeration(word) => ArgumentValue::Enumeration(word),
+            Token::Omitted | Token::Derived | Token::Binary => ArgumentValue::None,
+            Token::Open => ArgumentValue::List(list(lexer, depth + 1)?),
             Token::Keyword(name) => match lexer.next()? {
-                (Token::Open, _) => Value::Typed(name, list(lexer, depth + 1)?),
-                (_, span) => return Err(lexer.fault("a typed value has no value", span, "`(` is expected")),
+                (Token::Open, _) => ArgumentValue::Typed(name, list(lexer, depth + 1)?),
+                (_, span) => return Err(malformed("a typed value has no value", span, "`(` is expected")),
             },
-            _ => return Err(lexer.fault("this is not a value", span, "a value is expected")),
+            _ => return Err(malformed("this is not a value", span, "a value is expected")),
         };
         values.push(value);
         match lexer.next()? {
             (Token::Comma, _) => {}
             (Token::Close, _) => return Ok(values),
-            (_, span) => return Err(lexer.fault("a list goes on without a comma", span, "`,` or `)` is expected")),
+            (_, span) => return Err(malformed("a list goes on without a comma", span, "`,` or `)` is expected")),
         }
     }
 }
@@ -266,7 +270,7 @@ impl<'t> Entity<'t> {
         names.join(" ")
     }
 
-    pub(super) fn part(&self, name: &str) -> Option<&Part<'t>> {
+    pub(super) fn part(&self, name: &str) -> Option<&EntityPart<'t>> {
         self.parts.iter().find(|part| part.name == name)
     }
 
@@ -277,62 +281,62 @@ impl<'t> Entity<'t> {
             .help("export the file again; a file that was changed by hand may be faulty here")
     }
 
-    /// Arguments of the only part, or of the part of a name.
-    pub(super) fn arguments(&self, name: &str) -> Result<Arguments<'_, 't>, Diag> {
+    /// EntityArguments of the only part, or of the part of a name.
+    pub(super) fn arguments(&self, name: &str) -> Result<EntityArguments<'_, 't>, Diag> {
         let part = if let [part] = self.parts.as_slice() { Some(part) } else { self.part(name) };
         let part = part.ok_or_else(|| self.fault(format!("#{} has no {name}", self.number)))?;
-        Ok(Arguments { entity: self, values: &part.arguments })
+        Ok(EntityArguments { entity: self, values: &part.arguments })
     }
 }
 
-/// Arguments of an entity, by their places from 0.
+/// EntityArguments of an entity, by their places from 0.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Arguments<'a, 't> {
+pub(super) struct EntityArguments<'a, 't> {
     entity: &'a Entity<'t>,
-    values: &'a [Value<'t>],
+    values: &'a [ArgumentValue<'t>],
 }
 
-impl<'t> Arguments<'_, 't> {
+impl<'t> EntityArguments<'_, 't> {
     fn wrong(&self, k: usize, due: &str) -> Diag {
         self.entity.fault(format!("argument {} of {} is not {due}", k + 1, self.entity.name()))
     }
 
-    fn value(&self, k: usize) -> Option<&Value<'t>> {
+    fn value(&self, k: usize) -> Option<&ArgumentValue<'t>> {
         self.values.get(k)
     }
 
     pub(super) fn number(&self, k: usize) -> Result<f64, Diag> {
-        match self.value(k) {
-            Some(Value::Number(x)) => Ok(*x),
-            Some(Value::Typed(_, inner)) if matches!(inner.as_slice(), [Value::Number(_)]) => inner
-                .iter()
-                .find_map(|v| if let Value::Number(x) = v { Some(*x) } else { None })
-                .ok_or_else(|| self.wrong(k, "a number")),
+        let value = match self.value(k) {
+            Some(ArgumentValue::Typed(_, inner)) if inner.len() == 1 => inner.first(),
+            value => value,
+        };
+        match value {
+            Some(ArgumentValue::Number(x)) => Ok(*x),
             _ => Err(self.wrong(k, "a number")),
         }
     }
 
     pub(super) fn reference(&self, k: usize) -> Result<u64, Diag> {
         match self.value(k) {
-            Some(Value::Reference(number)) => Ok(*number),
+            Some(ArgumentValue::Reference(number)) => Ok(*number),
             _ => Err(self.wrong(k, "an entity")),
         }
     }
 
     pub(super) fn text(&self, k: usize) -> String {
         match self.value(k) {
-            Some(Value::Text(raw)) => decoded(raw),
+            Some(ArgumentValue::Text(raw)) => decoded(raw),
             _ => String::new(),
         }
     }
 
     pub(super) fn word(&self, k: usize) -> Option<&'t str> {
-        if let Some(Value::Enumeration(word)) = self.value(k) { Some(word) } else { None }
+        if let Some(ArgumentValue::Enumeration(word)) = self.value(k) { Some(word) } else { None }
     }
 
-    fn list(&self, k: usize, due: &str) -> Result<&[Value<'t>], Diag> {
+    fn list(&self, k: usize, due: &str) -> Result<&[ArgumentValue<'t>], Diag> {
         match self.value(k) {
-            Some(Value::List(values)) => Ok(values),
+            Some(ArgumentValue::List(values)) => Ok(values),
             _ => Err(self.wrong(k, due)),
         }
     }
@@ -343,8 +347,8 @@ impl<'t> Arguments<'_, 't> {
     }
 }
 
-fn references(values: &[Value<'_>]) -> Option<Vec<u64>> {
-    values.iter().map(|value| if let Value::Reference(number) = value { Some(*number) } else { None }).collect()
+fn references(values: &[ArgumentValue<'_>]) -> Option<Vec<u64>> {
+    values.iter().map(|value| if let ArgumentValue::Reference(number) = value { Some(*number) } else { None }).collect()
 }
 
 #[cfg(test)]
@@ -359,7 +363,7 @@ mod tests {
     #[test]
     fn entities_are_found_and_parsed() {
         let text = file("#7=A('x',(#2,#3),.U.);\n/* #9=C(); */ #2 = (B(1.5) C($,*));\n");
-        let table = Table::read(SourceId::default(), &text).unwrap();
+        let table = EntityTable::read(SourceId::default(), &text).unwrap();
         let at = Span::default();
         let a = table.entity(7, at).unwrap();
         let arguments = a.arguments("A").unwrap();
@@ -377,20 +381,20 @@ mod tests {
     fn cut_files_are_refused() {
         let text = file("#1=A('it''s',(1.,2.));\n#2=(B(#1) C(.T.));\n");
         for end in 0..text.trim_end().len() {
-            let diag = Table::read(SourceId::default(), &text[..end]).expect_err("cut off");
+            let diag = EntityTable::read(SourceId::default(), &text[..end]).expect_err("cut off");
             assert!(diag.help.is_some() && diag.labels.iter().all(|l| l.span.range().end <= end), "{end}");
         }
-        assert!(Table::read(SourceId::default(), &text).is_ok());
+        assert!(EntityTable::read(SourceId::default(), &text).is_ok());
     }
 
     #[test]
     fn faulty_files_are_refused() {
         for data in ["#1=A();#1=B();", "#1=A(", "#1=A());", "#1=A(;", "#1 A();", "A();", "#1=A()#2=B();", "#1=A('x);"] {
-            assert!(Table::read(SourceId::default(), &file(data)).is_err(), "{data}");
+            assert!(EntityTable::read(SourceId::default(), &file(data)).is_err(), "{data}");
         }
         let deep = format!("#1=A({}{});#2=A(1 2);#3=1;#4=();#5=A() B();#6=A(,);", "(".repeat(40), ")".repeat(40));
         let text = file(&deep);
-        let table = Table::read(SourceId::default(), &text).unwrap();
+        let table = EntityTable::read(SourceId::default(), &text).unwrap();
         for number in 1..=6 {
             assert!(table.entity(number, Span::default()).is_err(), "#{number}");
         }

@@ -1,9 +1,9 @@
 //! The unit of length of a file: an SI unit with its prefix, or one that is converted to it, such as the inch.
 
+use super::super::Options;
 use super::super::found::Found;
-use super::super::stated::not_stated;
-use super::super::{LengthUnit, Options};
-use super::table::{Entity, Table};
+use super::super::stated::{Asked, SAME_UNIT, same_unit};
+use super::table::{Entity, EntityTable};
 use crate::diag::Diag;
 use crate::diag::codes::import as codes;
 use crate::source::Span;
@@ -11,9 +11,6 @@ use crate::units::trim;
 
 /// Most conversions from a unit to the metre. Files have one.
 const MOST_CONVERSIONS: usize = 8;
-
-/// Share by which units may differ that are the same: factors of files have some digits.
-const SAME: f64 = 1e-9;
 
 /// Names of the SI prefixes with their powers of ten.
 const PREFIXES: [(&str, i32); 16] = [
@@ -35,15 +32,11 @@ const PREFIXES: [(&str, i32); 16] = [
     ("ATTO", -18),
 ];
 
-fn same(a: f64, b: f64) -> bool {
-    (a - b).abs() <= SAME * a.abs()
-}
-
 /// Millimetres of the unit of length that the file or the caller states.
 ///
 /// # Errors
 /// A unit that is not stated, that is stated twice and not alike, or that is not one of length.
-pub(super) fn length(table: &Table<'_>, options: &Options, end: Span, found: &mut Found) -> Result<f64, Diag> {
+pub(super) fn length(table: &EntityTable<'_>, options: &Options, end: Span, found: &mut Found) -> Result<f64, Diag> {
     let mut stated: Option<(f64, Span)> = None;
     for context in table.of_kinds(&["GLOBAL_UNIT_ASSIGNED_CONTEXT"]) {
         let context = context?;
@@ -54,7 +47,7 @@ pub(super) fn length(table: &Table<'_>, options: &Options, end: Span, found: &mu
             }
             let mm = millimetres(table, unit)?;
             match stated {
-                Some((other, at)) if !same(mm, other) => {
+                Some((other, at)) if (mm - other).abs() > SAME_UNIT * mm => {
                     return Err(Diag::error(codes::CONTRADICTS, "the file has two units of length")
                         .label(context.span, format!("{} mm", trim(mm, 9)))
                         .label(at, format!("{} mm", trim(other, 9)))
@@ -64,27 +57,19 @@ pub(super) fn length(table: &Table<'_>, options: &Options, end: Span, found: &mu
             }
         }
     }
-    match (stated, options.unit) {
-        (Some((mm, at)), Some(given)) if !same(mm, given.mm()) => Err(Diag::error(
-            codes::CONTRADICTS,
-            format!("the unit of the file is {} mm, but `--unit` says {given}", trim(mm, 9)),
-        )
-        .label(at, "stated here")
-        .help("leave out `--unit`, or correct the file")),
-        (Some((mm, at)), _) => {
-            found.note(at, format!("the unit of length is {} mm", trim(mm, 9)));
-            Ok(mm)
-        }
-        (None, Some(given)) => {
-            found.note(None, format!("the unit of length is {given}, by `--unit`"));
-            Ok(LengthUnit::mm(given))
-        }
-        (None, None) => Err(not_stated("unit of length", "--unit", "mm, cm, m, in or ft", end)),
-    }
+    let Some((mm, at)) = stated else {
+        let mut asked = Asked::of(options, found, end);
+        let unit = asked.unit(None)?;
+        asked.end()?;
+        return Ok(unit.mm());
+    };
+    same_unit(options, mm, &format!("the unit of the file is {} mm", trim(mm, 9)), at)?;
+    found.note(at, format!("the unit of length is {} mm", trim(mm, 9)));
+    Ok(mm)
 }
 
 /// Millimetres of a unit.
-fn millimetres<'t>(table: &Table<'t>, mut unit: Entity<'t>) -> Result<f64, Diag> {
+fn millimetres<'t>(table: &EntityTable<'t>, mut unit: Entity<'t>) -> Result<f64, Diag> {
     let mut factor = 1.0;
     for _ in 0..MOST_CONVERSIONS {
         if unit.part("SI_UNIT").is_some() {

@@ -42,7 +42,7 @@ proptest! {
 
     #[test]
     fn changed_files_never_panic(
-        set in 0..6_usize,
+        set in 0..sets().len(),
         file in any::<Index>(),
         changes in prop::collection::vec((any::<Index>(), 0..6_usize, any::<u8>(), 0..PIECES.len()), 1..5),
     ) {
