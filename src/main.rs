@@ -11,7 +11,7 @@ use impellerc::driver::{
     self, Emit, Import, NcCheck, NcDiff, Options, Outcome, PartForm, PartOptions, RunOptions, Stages,
 };
 use impellerc::export::step::StepProtocol;
-use impellerc::import::{self, Axis, Handedness, LengthUnit, Start};
+use impellerc::import::{self, Axis, FaceChoice, FaceRole, Handedness, LengthUnit, Start};
 use impellerc::output::interrupt;
 use impellerc::sections::ThicknessDirection;
 use impellerc::sections::outline::Side;
@@ -234,7 +234,7 @@ enum Command {
 /// What the import takes.
 #[derive(Args)]
 struct ImportArguments {
-    /// Blade files, or a folder with them: .inf with its curve files, .geomTurbo, .ibl, .rtzt, .step (its faces are listed), tables of points
+    /// Blade files, or a folder with them: .inf with its curve files, .geomTurbo, .ibl, .rtzt, .step, tables of points
     #[arg(required = true)]
     files: Vec<PathBuf>,
 
@@ -282,6 +282,10 @@ struct ImportArguments {
     #[arg(long = import::SIDE_OPTION, value_enum, value_name = "SIDE")]
     side: Option<SideArgument>,
 
+    /// Face of a STEP file by its role: hub, shroud, pressure, suction, inlet, outlet. ROLE=#NUMBER or ROLE=NAME; several times
+    #[arg(long = "face", value_name = "ROLE=FACE", value_parser = face)]
+    faces: Vec<FaceChoice>,
+
     /// Row of blades, where the files have several
     #[arg(long, value_name = "NAME")]
     row: Option<String>,
@@ -313,6 +317,7 @@ impl ImportArguments {
                 SideArgument::Greater => Side::Greater,
                 SideArgument::Smaller => Side::Smaller,
             }),
+            faces: self.faces,
         };
         Import { files: self.files, output: self.output, row: self.row, force: self.force, options }
     }
@@ -340,6 +345,13 @@ enum SideArgument {
     Greater,
     /// At the smaller angle
     Smaller,
+}
+
+/// The face that the command line picks.
+fn face(text: &str) -> Result<FaceChoice, String> {
+    let roles: Vec<&str> = FaceRole::WORDS.iter().map(|(_, word)| *word).collect();
+    FaceChoice::parsed(text)
+        .ok_or_else(|| format!("write ROLE=#NUMBER or ROLE=NAME; the roles are {}", roles.join(", ")))
 }
 
 /// The unit of a word of the command line.

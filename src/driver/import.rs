@@ -4,6 +4,7 @@ use super::reading;
 use super::{Outcome, Stages, or_reported, shown_path};
 use crate::diag::codes::import as codes;
 use crate::diag::{Aborted, Diag, printable};
+use crate::import::faced_part;
 use crate::import::outlines::{doubtful, outlines};
 use crate::import::part_text::{self, PartSource};
 use crate::import::{self, Imported, ImportedRow, Options, limits};
@@ -62,7 +63,7 @@ fn run(options: &Import, stages: &mut Stages, outcome: &mut Outcome) -> Result<(
     said.push_str(&notes(&imported, sources));
     if let Some(path) = &options.output {
         or_reported(placed(row), sink)?;
-        let written = stages.run("write", || write(path, &part_text::write(&source), options.force, sources));
+        let written = stages.run("write", || write(path, &faced_part::write(&source), options.force, sources));
         said.push_str(&or_reported(written, sink)?);
     } else {
         said.push_str("nothing written: no `-o FILE`\n");
@@ -78,8 +79,8 @@ fn only_listed(imported: &Imported, options: &Import) -> Result<(), Diag> {
     }
     let at = imported.notes.last().and_then(|note| note.span).unwrap_or_default();
     Err(Diag::error(codes::NOT_READ, format!("a part is not written from the format {}", imported.format))
-        .label(at, "the faces of this file are listed, not read as blades")
-        .help("leave out `-o` to list the faces; export the blades as points, such as `.inf` with its curve files"))
+        .label(at, "no face of this file is picked, or has a name of our own export")
+        .help("leave out `-o` to list the faces, then state `--face hub=#NUMBER --face pressure=#NUMBER --face suction=#NUMBER`"))
 }
 
 /// Refuses to write splitters of which it is not known where they stand: whether the angles of their sections hold the pitch

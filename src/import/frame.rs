@@ -76,6 +76,15 @@ impl Axis {
             .find(|(letter, _)| word.eq_ignore_ascii_case(letter))
             .map(|(_, axis)| axis)
     }
+
+    /// Coordinates of a file in a frame with this axis as Z: they are exchanged in turn.
+    pub(super) fn to_z(self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        match self {
+            Self::X => [y, z, x],
+            Self::Y => [z, x, y],
+            Self::Z => [x, y, z],
+        }
+    }
 }
 
 impl fmt::Display for Axis {
@@ -130,11 +139,7 @@ impl Frame {
     /// A point in the part frame, mm. The axes are exchanged in turn, which keeps the handedness; a left-handed frame is
     /// mirrored at the plane of Z and X.
     pub(super) fn point(&self, [x, y, z]: [f64; 3], span: Span) -> Result<Point3<f64>, Diag> {
-        let [x, y, z] = match self.axis {
-            Axis::X => [y, z, x],
-            Axis::Y => [z, x, y],
-            Axis::Z => [x, y, z],
-        };
+        let [x, y, z] = self.axis.to_z([x, y, z]);
         let y = if self.handedness == Handedness::Left { -y } else { y };
         let point = Point3::new(x * self.mm, y * self.mm, z * self.mm);
         self.near(libm::hypot(libm::hypot(point.x, point.y), point.z), span)?;

@@ -7,6 +7,8 @@
 //! The readers touch no disk: [`read`] gets files by a function of the caller, and refuses more than [`limits`] allow.
 
 mod check;
+mod face_choice;
+pub mod faced_part;
 mod found;
 mod frame;
 mod geomturbo;
@@ -26,6 +28,7 @@ mod table;
 mod turbogrid;
 mod wheel_ends;
 
+pub use face_choice::{FaceChoice, FaceRole};
 pub use frame::{Axis, Handedness, LengthUnit};
 pub use loader::Fetch;
 
@@ -52,6 +55,26 @@ pub struct Imported {
     pub notes: Vec<Note>,
     /// What the file holds, line by line, where no blades can be told from it.
     pub listing: Vec<String>,
+    /// What surfaces the part has through the sections.
+    pub surfaces: BladeSurfaces,
+}
+
+/// Surfaces of a part through the sections of its blades.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum BladeSurfaces {
+    /// Those that the forms of the sections demand: faces and edges of closed loops, or ruled faces from the first to the last.
+    #[default]
+    BySections,
+    /// Ruled faces from the first to the last section, with edges that the lathe makes. Hub and shroud end with the blades.
+    Ruled {
+        /// Largest distance from the ends of the faces to hub and shroud, mm.
+        extend: f64,
+    },
+    /// Lofted faces through all sections, otherwise as ruled ones.
+    Lofted {
+        /// Largest distance from the ends of the faces to hub and shroud, mm.
+        extend: f64,
+    },
 }
 
 /// A row of blades.
@@ -122,6 +145,8 @@ pub struct Options {
     pub start: Option<Start>,
     /// Side of the pressure face; without it that of a blade that takes up work, see [`crate::sections::outline`].
     pub side: Option<Side>,
+    /// Faces of a STEP file by their roles.
+    pub faces: Vec<FaceChoice>,
 }
 
 /// A reader of a format.

@@ -49,7 +49,7 @@ const DIGITS: usize = 7;
 const NAMED: usize = 4;
 
 /// Whether the flow goes towards +Z: by hub and shroud, otherwise by the edges of the main blade.
-fn upward(source: &PartSource<'_>) -> bool {
+pub(super) fn upward(source: &PartSource<'_>) -> bool {
     let ends = |line: &Vec<[f64; 2]>| Some(line.last()?[1] - line.first()?[1]);
     let of_blade = || {
         let outline = &source.divided.first()?.first()?.outline;
@@ -71,7 +71,7 @@ fn coordinates(p: &Point3<f64>, over: bool) -> String {
 }
 
 /// A word of the language: letters, digits and underscores, beginning with a letter.
-fn word(text: &str, otherwise: &str) -> String {
+pub(super) fn word(text: &str, otherwise: &str) -> String {
     let letters = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' };
     let word: String = text.chars().map(letters).collect();
     let word = word.trim_matches('_').to_owned();
@@ -79,11 +79,11 @@ fn word(text: &str, otherwise: &str) -> String {
 }
 
 /// Name of a blade in the job.
-fn blade_name(k: usize) -> String {
+pub(super) fn blade_name(k: usize) -> String {
     if k == 0 { "main".to_owned() } else { format!("splitter_{k}") }
 }
 
-const FACES: [&str; 2] = ["pressure", "suction"];
+pub(super) const FACES: [&str; 2] = ["pressure", "suction"];
 
 /// The ends of the rulings with their sections: the last section is the tip.
 fn ends(divided: &[DividedSection]) -> Option<[(&'static str, &Outline); 2]> {
@@ -96,8 +96,8 @@ pub fn write(source: &PartSource<'_>) -> PartFiles {
     let over = upward(source);
     let ends = wheel(source);
     let (loops, curves) = match &ends {
-        Some(ends) => (loops(source, over), meridians(ends, over)),
-        None => (Vec::new(), curves(source, over)),
+        Some(ends) => (loops(source, over), meridians(ends.each_ref().map(|end| end.points.as_slice()), over)),
+        None => (Vec::new(), curves(source, over, false)),
     };
     let job = job(source, over, ends.as_ref());
     PartFiles { job, curves, loops, sections: sections(source, over), meridian: meridian(source.imported, over) }
@@ -119,7 +119,8 @@ fn wheel(source: &PartSource<'_>) -> Option<[CutMeridian; 2]> {
     (closed && few).then_some(ends)
 }
 
-fn job(source: &PartSource<'_>, over: bool, ends: Option<&[CutMeridian; 2]>) -> String {
+/// Comments at the head of a job: what was found.
+pub(super) fn head(source: &PartSource<'_>, over: bool) -> String {
     let mut text = String::new();
     for line in summary(source) {
         _ = writeln!(text, "// {line}");
@@ -129,6 +130,11 @@ fn job(source: &PartSource<'_>, over: bool, ends: Option<&[CutMeridian; 2]>) -> 
             "// Turned over about X, so that the inlet is up: y and z have the other sign than in the file.\n",
         );
     }
+    text
+}
+
+fn job(source: &PartSource<'_>, over: bool, ends: Option<&[CutMeridian; 2]>) -> String {
+    let mut text = head(source, over);
     if let Some([hub, shroud]) = ends {
         for (name, CutMeridian { beyond: [ahead, behind], .. }) in [("hub", hub), ("shroud", shroud)] {
             let (ahead, behind) = (trim(*ahead, 3), trim(*behind, 3));
@@ -208,35 +214,45 @@ fn loops(source: &PartSource<'_>, over: bool) -> Vec<(String, String)> {
 }
 
 /// Hub and shroud of the wheel as curves.
-fn meridians(ends: &[CutMeridian; 2], over: bool) -> String {
+pub(super) fn meridians(ends: [&[[f64; 2]]; 2], over: bool) -> String {
     let mut text =
         String::from("# Hub and shroud of the wheel in mm from inlet to outlet: meridians.\n# curve,number,x,y,z\n");
     for (name, line) in ["hub", "shroud"].iter().zip(ends) {
-        for (number, [r, z]) in line.points.iter().enumerate() {
+        for (number, [r, z]) in line.iter().enumerate() {
             _ = writeln!(text, "{name},{},{}", number + 1, coordinates(&Point3::new(*r, 0.0, *z), over));
         }
     }
     text
 }
 
-fn curves(source: &PartSource<'_>, over: bool) -> String {
+/// Points of a curve.
+fn curve(text: &mut String, name: &str, points: &[Point3<f64>], over: bool) {
+    for (number, p) in points.iter().enumerate() {
+        _ = writeln!(text, "{name},{},{}", number + 1, coordinates(p, over));
+    }
+}
+
+/// Curves of the faces: tip and root, and the sections between them where faces are lofted.
+pub(super) fn curves(source: &PartSource<'_>, over: bool, lofted: bool) -> String {
     let mut text =
         format!("# Faces of {} in mm. Z is the axis of rotation; points run from inlet to outlet.\n", source.name);
     text.push_str("# curve,number,x,y,z\n");
     for (k, divided) in source.divided.iter().enumerate() {
         for (face, name) in FACES.iter().enumerate() {
             for (end, outline) in ends(divided).into_iter().flatten() {
-                for (number, p) in outline.faces[face].iter().enumerate() {
-                    let blade = blade_name(k);
-                    _ = writeln!(text, "{blade}_{end}_{name},{},{}", number + 1, coordinates(p, over));
-                }
+                curve(&mut text, &format!("{}_{end}_{name}", blade_name(k)), &outline.faces[face], over);
+            }
+            let between = divided.get(1..divided.len().saturating_sub(1)).filter(|_| lofted).unwrap_or_default();
+            for (section, divided) in between.iter().enumerate() {
+                let named = format!("{}_{}_{name}", blade_name(k), section + 1);
+                curve(&mut text, &named, &divided.outline.faces[face], over);
             }
         }
     }
     text
 }
 
-fn sections(source: &PartSource<'_>, over: bool) -> String {
+pub(super) fn sections(source: &PartSource<'_>, over: bool) -> String {
     let thick = |form: &SectionForm| matches!(form, SectionForm::MeanLine { .. });
     let with_thickness = source.row.blades.iter().flat_map(|b| &b.sections).any(|s| thick(&s.form));
     let mut text = String::from("# Sections in mm, as they were read. Z is the axis of rotation.\n");
@@ -266,7 +282,7 @@ fn sections(source: &PartSource<'_>, over: bool) -> String {
     text
 }
 
-fn meridian(imported: &Imported, over: bool) -> Option<String> {
+pub(super) fn meridian(imported: &Imported, over: bool) -> Option<String> {
     let curves = [("hub", &imported.hub), ("shroud", &imported.shroud)];
     let mut text = String::from("# Hub and shroud in mm from inlet to outlet. Z is the axis of rotation.\ncurve,r,z\n");
     let mut any = false;

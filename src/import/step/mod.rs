@@ -1,8 +1,21 @@
-//! STEP files (ISO 10303-21 of AP203, AP214, AP242): their unit and their faces, with number, name and kind of surface.
+//! STEP files (ISO 10303-21 of AP203, AP214, AP242): their unit, the list of their faces, and the wheel of the faces that are
+//! picked.
 
+mod copies;
+mod curve;
+mod face;
+mod fitted;
 mod lexer;
+mod meridian;
+mod picks;
+mod placement;
+mod read_geometry;
+mod sheet;
+mod spline;
+mod surface;
 mod table;
 mod units;
+mod wheel;
 
 use super::Imported;
 use super::Options;
@@ -12,12 +25,14 @@ use crate::diag::codes::import as codes;
 use crate::diag::{Diag, printable};
 use crate::source::SourceId;
 use crate::units::trim;
+use placement::StepGeometry;
 use table::EntityTable;
+use wheel::StepWheel;
 
 /// Most faces that are listed. A wheel of 40 blades with fillets has some 500.
 const MOST_FACES: usize = 20_000;
 
-/// Lists the faces of a file.
+/// Reads the wheel of the faces that the caller picks, or that have the names of our own export. Without any it lists the faces.
 pub(super) fn read(
     ids: &[SourceId],
     loader: &mut Loader<'_>,
@@ -25,28 +40,28 @@ pub(super) fn read(
     found: &mut Found,
 ) -> Result<Imported, Diag> {
     let text = loader.text(ids.first().copied().unwrap_or_default());
+    let end = text.end();
     let (source, whole) = text.whole();
     let table = EntityTable::read(source, whole)?;
-    let mm = units::length(&table, options, text.end(), found)?;
-    let mut listing = vec![format!("unit of length: {} mm", trim(mm, 9)), "  number  surface  name".to_owned()];
-    for face in table.of_kinds(&["ADVANCED_FACE", "FACE_SURFACE"]) {
-        let face = face?;
-        if listing.len() > MOST_FACES {
-            return Err(Diag::error(codes::TOO_MUCH, format!("more than {MOST_FACES} faces, the limit"))
-                .label(face.span, "this one exceeds it")
-                .help("export one sector of the wheel alone"));
-        }
-        let arguments = face.arguments("FACE_SURFACE")?;
-        let surface = table.entity(arguments.reference(2)?, face.span)?;
-        listing.push(format!("  #{}  {}  {}", face.number, surface.name(), printable(&arguments.text(0))));
-    }
-    let faces = listing.len() - 2;
-    if faces == 0 {
+    let mm = units::length(&table, options, end, found)?;
+    let faces = picks::listed(&table, MOST_FACES)?;
+    if faces.is_empty() {
         return Err(Diag::error(codes::NOT_READ, "the file has no faces")
-            .label(text.end(), "no ADVANCED_FACE stands before its end")
+            .label(end, "no ADVANCED_FACE stands before its end")
             .help("export the wheel as a solid or as surfaces with their edges"));
     }
-    found.note(text.end(), format!("{faces} faces are listed; blades are not made from them"));
+    let picked = picks::picked(&faces, &options.faces, end)?;
+    if !picked.is_empty() {
+        let radians = units::angle(&table)?;
+        let geometry = StepGeometry { table: &table, mm, radians };
+        return StepWheel { geometry, faces: &faces, picked: &picked, options, end }.read(found);
+    }
+    let mut listing = vec![format!("unit of length: {} mm", trim(mm, 9)), "  number  surface  name".to_owned()];
+    let line = |face: &picks::ListedFace<'_>| {
+        format!("  #{}  {}  {}", face.entity.number, face.surface, printable(&face.name))
+    };
+    listing.extend(faces.iter().map(line));
+    found.note(end, format!("{} faces are listed; `--face` picks those of the wheel", faces.len()));
     Ok(Imported { listing, ..Imported::default() })
 }
 

@@ -341,10 +341,61 @@ impl<'t> EntityArguments<'_, 't> {
         }
     }
 
+    /// Whether an argument has a value.
+    pub(super) fn is_given(&self, k: usize) -> bool {
+        !matches!(self.value(k), None | Some(ArgumentValue::None))
+    }
+
+    /// A list of numbers.
+    pub(super) fn numbers(&self, k: usize) -> Result<Vec<f64>, Diag> {
+        let due = "a list of numbers";
+        numbers(self.list(k, due)?).ok_or_else(|| self.wrong(k, due))
+    }
+
+    /// A whole number from 0.
+    pub(super) fn count(&self, k: usize) -> Result<usize, Diag> {
+        whole(self.number(k)?).ok_or_else(|| self.wrong(k, "a whole number"))
+    }
+
+    /// A list of whole numbers from 0.
+    pub(super) fn counts(&self, k: usize) -> Result<Vec<usize>, Diag> {
+        let all: Option<Vec<usize>> = self.numbers(k)?.into_iter().map(whole).collect();
+        all.ok_or_else(|| self.wrong(k, "a list of whole numbers"))
+    }
+
+    fn rows<T>(
+        &self,
+        k: usize,
+        due: &str,
+        of: fn(&[ArgumentValue<'t>]) -> Option<Vec<T>>,
+    ) -> Result<Vec<Vec<T>>, Diag> {
+        let row = |value: &ArgumentValue<'t>| if let ArgumentValue::List(row) = value { of(row) } else { None };
+        self.list(k, due)?.iter().map(row).collect::<Option<Vec<_>>>().ok_or_else(|| self.wrong(k, due))
+    }
+
+    /// Rows of numbers.
+    pub(super) fn rows_of_numbers(&self, k: usize) -> Result<Vec<Vec<f64>>, Diag> {
+        self.rows(k, "a list of lists of numbers", numbers)
+    }
+
+    /// Rows of entities.
+    pub(super) fn rows_of_references(&self, k: usize) -> Result<Vec<Vec<u64>>, Diag> {
+        self.rows(k, "a list of lists of entities", references)
+    }
+
     pub(super) fn references(&self, k: usize) -> Result<Vec<u64>, Diag> {
         let due = "a list of entities";
         references(self.list(k, due)?).ok_or_else(|| self.wrong(k, due))
     }
+}
+
+fn numbers(values: &[ArgumentValue<'_>]) -> Option<Vec<f64>> {
+    values.iter().map(|value| if let ArgumentValue::Number(x) = value { Some(*x) } else { None }).collect()
+}
+
+/// A whole number that is not too large for an index.
+fn whole(x: f64) -> Option<usize> {
+    (x.fract() == 0.0 && (0.0..1e9).contains(&x)).then_some(x as usize)
 }
 
 fn references(values: &[ArgumentValue<'_>]) -> Option<Vec<u64>> {

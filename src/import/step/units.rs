@@ -68,6 +68,26 @@ pub(super) fn length(table: &EntityTable<'_>, options: &Options, end: Span, foun
     Ok(mm)
 }
 
+/// Radians of the unit of angles: a radian where the file has no other one.
+pub(super) fn angle(table: &EntityTable<'_>) -> Result<f64, Diag> {
+    for context in table.of_kinds(&["GLOBAL_UNIT_ASSIGNED_CONTEXT"]) {
+        let context = context?;
+        for number in context.arguments("GLOBAL_UNIT_ASSIGNED_CONTEXT")?.references(0)? {
+            let unit = table.entity(number, context.span)?;
+            if unit.part("PLANE_ANGLE_UNIT").is_none() || unit.part("CONVERSION_BASED_UNIT").is_none() {
+                continue;
+            }
+            let measure = table.entity(unit.arguments("CONVERSION_BASED_UNIT")?.reference(1)?, unit.span)?;
+            let radians = measure.arguments("MEASURE_WITH_UNIT")?.number(0)?;
+            if !(1e-6..10.0).contains(&radians) {
+                return Err(measure.fault("a unit of angles is not between 0.000001 and 10 rad"));
+            }
+            return Ok(radians);
+        }
+    }
+    Ok(1.0)
+}
+
 /// Millimetres of a unit.
 fn millimetres<'t>(table: &EntityTable<'t>, mut unit: Entity<'t>) -> Result<f64, Diag> {
     let mut factor = 1.0;

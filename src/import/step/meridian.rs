@@ -1,0 +1,131 @@
+//! Meridians of surfaces of revolution, found from the borders of their faces.
+
+use super::face::{StepFace, smooth_chains};
+use crate::diag::Diag;
+use crate::diag::codes::import as codes;
+use nalgebra::{Point3, Vector2};
+
+/// A meridian as a dense line of points (r, z), mm.
+#[derive(Clone, Debug)]
+pub(super) struct StepMeridian {
+    points: Vec<Vector2<f64>>,
+    lengths: Vec<f64>,
+}
+
+/// Radius and height of a point.
+pub(super) fn flat(p: &Point3<f64>) -> Vector2<f64> {
+    Vector2::new(libm::hypot(p.x, p.y), p.z)
+}
+
+impl StepMeridian {
+    /// The meridian through points; `None` without length.
+    pub(super) fn new(points: Vec<Vector2<f64>>) -> Option<Self> {
+        let mut kept: Vec<Vector2<f64>> = Vec::with_capacity(points.len());
+        let mut lengths: Vec<f64> = Vec::with_capacity(points.len());
+        for p in points {
+            match kept.last() {
+                None => lengths.push(0.0),
+                // A ring of a turned face stays at one place.
+                Some(last) if (p - last).norm() < 1e-9 => continue,
+                Some(last) => lengths.push(lengths[lengths.len() - 1] + (p - last).norm()),
+            }
+            kept.push(p);
+        }
+        (kept.len() >= 2).then_some(Self { points: kept, lengths })
+    }
+
+    pub(super) fn length(&self) -> f64 {
+        self.lengths.last().copied().unwrap_or(0.0)
+    }
+
+    /// Length from the start to the nearest place of the meridian, and the distance from it.
+    pub(super) fn nearest(&self, p: &Vector2<f64>) -> [f64; 2] {
+        let mut best = [0.0, f64::INFINITY];
+        for (pair, from) in self.points.windows(2).zip(&self.lengths) {
+            let way = pair[1] - pair[0];
+            let share = ((p - pair[0]).dot(&way) / way.norm_squared()).clamp(0.0, 1.0);
+            let far = (p - pair[0] - way * share).norm();
+            if far < best[1] {
+                best = [from + share * way.norm(), far];
+            }
+        }
+        best
+    }
+
+    /// Point at a length from the start.
+    pub(super) fn at(&self, length: f64) -> Vector2<f64> {
+        let k = self.lengths.partition_point(|l| *l < length).clamp(1, self.points.len() - 1);
+        let width = self.lengths[k] - self.lengths[k - 1];
+        self.points[k - 1] + (self.points[k] - self.points[k - 1]) * ((length - self.lengths[k - 1]) / width)
+    }
+
+    pub(super) fn reversed(&self) -> Self {
+        let whole = self.length();
+        Self {
+            points: self.points.iter().rev().copied().collect(),
+            lengths: self.lengths.iter().rev().map(|l| whole - l).collect(),
+        }
+    }
+
+    /// Points between two lengths, with equal steps.
+    pub(super) fn between(&self, [from, to]: [f64; 2], steps: usize) -> Vec<[f64; 2]> {
+        (0..=steps).map(|k| self.at(from + (to - from) * k as f64 / steps as f64).into()).collect()
+    }
+}
+
+/// The meridian of faces of a surface of revolution, points turned into the part frame by `turned`, and the largest distance of
+/// their borders from it, mm: zero for exact surfaces.
+pub(super) fn of_faces(
+    faces: &[StepFace],
+    turned: impl Fn(&Point3<f64>) -> Point3<f64>,
+) -> Result<(StepMeridian, f64), Diag> {
+    /// Of the points of borders, one in so many is checked.
+    const CHECKED: usize = 16;
+    /// Distance within which meridians of several faces meet, mm.
+    const MEET: f64 = 0.01;
+    let fault = |message: &str| {
+        let place = faces.first();
+        let mut diag = Diag::error(codes::NOT_READ, message.to_owned())
+            .help("pick faces of the hub that are surfaces of revolution with edges from inlet to outlet");
+        if let Some(face) = place {
+            diag = diag.label(face.span, format!("#{}", face.number));
+        }
+        diag
+    };
+    let flat_line =
+        |points: &Vec<Point3<f64>>| -> Vec<Vector2<f64>> { points.iter().map(|p| flat(&turned(p))).collect() };
+    let mut longest: Vec<StepMeridian> = Vec::new();
+    for face in faces {
+        let chains = face.borders.iter().flat_map(smooth_chains);
+        let lines = chains.filter_map(|chain| StepMeridian::new(flat_line(&chain)));
+        longest.extend(lines.max_by(|a, b| a.length().total_cmp(&b.length())));
+    }
+    longest.sort_by(|a, b| b.length().total_cmp(&a.length()));
+    let mut rest = longest.into_iter();
+    let Some(mut line) = rest.next() else { return Err(fault("the faces have no meridian")) };
+    let mut rest: Vec<StepMeridian> = rest.collect();
+    // Faces that lie behind each other: what ends at an end of the line goes on from there.
+    while let Some((k, joined)) = rest.iter().enumerate().find_map(|(k, other)| Some((k, joined(&line, other, MEET)?)))
+    {
+        line = joined;
+        rest.swap_remove(k);
+    }
+    let borders = faces.iter().flat_map(|face| face.borders.iter().flatten());
+    let checked = borders.flat_map(|edge| edge.iter().step_by(CHECKED));
+    let spread = checked.map(|p| line.nearest(&flat(&turned(p)))[1]).fold(0.0, f64::max);
+    Ok((line, spread))
+}
+
+/// Two meridians one behind the other; `None` where they do not meet, or lie on each other.
+fn joined(line: &StepMeridian, other: &StepMeridian, meet: f64) -> Option<StepMeridian> {
+    let ends = |line: &StepMeridian| [line.points[0], line.points[line.points.len() - 1]];
+    for line in [line.clone(), line.reversed()] {
+        for other in [other.clone(), other.reversed()] {
+            let ([_, last], [first, far]) = (ends(&line), ends(&other));
+            if (last - first).norm() < meet && line.nearest(&far)[1] > meet {
+                return StepMeridian::new(line.points.iter().chain(&other.points[1..]).copied().collect());
+            }
+        }
+    }
+    None
+}

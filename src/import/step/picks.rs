@@ -1,0 +1,150 @@
+//! Which faces of a STEP file are hub, shroud, pressure and suction face, and the edges: by the caller, or by the names that our
+//! own export gives.
+
+use super::table::{Entity, EntityTable};
+use crate::diag::codes::import as codes;
+use crate::diag::{Diag, printable};
+use crate::import::{FaceChoice, FaceRole};
+use crate::source::Span;
+
+/// Most faces that are named in a message.
+const NAMED: usize = 12;
+
+/// A face of the list.
+#[derive(Clone, Debug)]
+pub(super) struct ListedFace<'t> {
+    pub(super) entity: Entity<'t>,
+    pub(super) name: String,
+    pub(super) surface: String,
+}
+
+/// Lists all faces of a file, at most `most`.
+pub(super) fn listed<'t>(table: &EntityTable<'t>, most: usize) -> Result<Vec<ListedFace<'t>>, Diag> {
+    let mut faces = Vec::new();
+    for entity in table.of_kinds(&["ADVANCED_FACE", "FACE_SURFACE"]) {
+        let entity = entity?;
+        if faces.len() >= most {
+            return Err(Diag::error(codes::TOO_MUCH, format!("more than {most} faces, the limit"))
+                .label(entity.span, "this one exceeds it")
+                .help("export one sector of the wheel alone"));
+        }
+        let arguments = entity.arguments("FACE_SURFACE")?;
+        let surface = table.entity(arguments.reference(2)?, entity.span)?.name();
+        let name = arguments.text(0);
+        faces.push(ListedFace { entity, name, surface });
+    }
+    Ok(faces)
+}
+
+/// Faces of each role, by their places in the list.
+#[derive(Clone, Debug, Default)]
+pub(super) struct PickedFaces {
+    roles: Vec<(FaceRole, usize)>,
+}
+
+impl PickedFaces {
+    pub(super) fn is_empty(&self) -> bool {
+        self.roles.is_empty()
+    }
+
+    /// Faces of a role.
+    pub(super) fn of(&self, role: FaceRole) -> Vec<usize> {
+        self.roles.iter().filter(|(r, _)| *r == role).map(|(_, k)| *k).collect()
+    }
+
+    /// The face of a role that has one face at most.
+    pub(super) fn only(&self, role: FaceRole, faces: &[ListedFace<'_>]) -> Result<Option<usize>, Diag> {
+        match self.of(role).as_slice() {
+            [] => Ok(None),
+            [face] => Ok(Some(*face)),
+            [first, second, ..] => Err(Diag::error(codes::NOT_READ, format!("the role {role} has several faces"))
+                .label(faces[*second].entity.span, format!("#{}", faces[*second].entity.number))
+                .label(faces[*first].entity.span, format!("#{}", faces[*first].entity.number))
+                .help("pick one face; join the pieces of a face before the export. The hub alone may have several")),
+        }
+    }
+}
+
+/// The role that the name of a face of our own export tells: those of the first vane, and the hub.
+fn by_name(name: &str) -> Option<FaceRole> {
+    match name {
+        "vane 1 pressure face" => Some(FaceRole::Pressure),
+        "vane 1 suction face" => Some(FaceRole::Suction),
+        "vane 1 inlet edge" => Some(FaceRole::Inlet),
+        "vane 1 outlet edge" => Some(FaceRole::Outlet),
+        _ if name.starts_with("hub of channel ") => Some(FaceRole::Hub),
+        _ => None,
+    }
+}
+
+/// The faces of all roles. What the caller picks for a role replaces what names tell of it.
+pub(super) fn picked(faces: &[ListedFace<'_>], choices: &[FaceChoice], end: Span) -> Result<PickedFaces, Diag> {
+    let mut roles: Vec<(FaceRole, usize)> = Vec::new();
+    for choice in choices {
+        let number = choice.face.strip_prefix('#').and_then(|digits| digits.parse::<u64>().ok());
+        let fits = |face: &ListedFace<'_>| match number {
+            Some(number) => face.entity.number == number,
+            None => face.name == choice.face,
+        };
+        let found: Vec<usize> = (0..faces.len()).filter(|k| fits(&faces[*k])).collect();
+        match found.as_slice() {
+            [] => {
+                return Err(candidates(
+                    Diag::error(codes::NOT_STATED, format!("the file has no face `{}`", printable(&choice.face)))
+                        .label(end, "in this file"),
+                    faces,
+                    choice.role,
+                ));
+            }
+            [_, second, ..] if choice.role != FaceRole::Hub => {
+                return Err(Diag::error(
+                    codes::NOT_STATED,
+                    format!("{} faces have the name `{}`", found.len(), printable(&choice.face)),
+                )
+                .label(faces[*second].entity.span, "the second of them")
+                .help(format!(
+                    "give the number of the face, such as `--face {}=#{}`",
+                    choice.role, faces[*second].entity.number
+                )));
+            }
+            _ => {}
+        }
+        for k in found {
+            if let Some((other, _)) = roles.iter().find(|(role, face)| *face == k && *role != choice.role) {
+                return Err(Diag::error(
+                    codes::CONTRADICTS,
+                    format!("one face is picked as {other} and as {}", choice.role),
+                )
+                .label(faces[k].entity.span, format!("#{}", faces[k].entity.number))
+                .help("give each face one role"));
+            }
+            if !roles.contains(&(choice.role, k)) {
+                roles.push((choice.role, k));
+            }
+        }
+    }
+    let stated: Vec<FaceRole> = roles.iter().map(|(role, _)| *role).collect();
+    let named = faces.iter().enumerate().filter_map(|(k, face)| Some((by_name(&face.name)?, k)));
+    let taken: Vec<usize> = roles.iter().map(|(_, k)| *k).collect();
+    roles.extend(named.filter(|(role, k)| !stated.contains(role) && !taken.contains(k)));
+    Ok(PickedFaces { roles })
+}
+
+/// The fault of a role without a face.
+pub(super) fn missing(faces: &[ListedFace<'_>], role: FaceRole, end: Span) -> Diag {
+    let fault = Diag::error(codes::NOT_STATED, format!("nothing tells which face is the {role}"))
+        .label(end, "no face of this file has a name that tells it");
+    candidates(fault, faces, role)
+}
+
+/// Adds the faces from which the caller can pick.
+fn candidates(mut fault: Diag, faces: &[ListedFace<'_>], role: FaceRole) -> Diag {
+    for face in faces.iter().take(NAMED) {
+        fault = fault.note(format!("#{}: {} `{}`", face.entity.number, face.surface, printable(&face.name)));
+    }
+    if faces.len() > NAMED {
+        fault =
+            fault.note(format!("{} more faces; the command without `-o` and `--face` lists all", faces.len() - NAMED));
+    }
+    fault.help(format!("state `--face {role}=#NUMBER` or `--face {role}=NAME`"))
+}

@@ -1,0 +1,188 @@
+//! Surfaces of STEP files, with their first derivatives. Lengths are in mm, angles in rad, in the frame of the file.
+
+use super::curve::StepCurve;
+use super::placement::StepPlacement;
+use super::spline::{SplineKnots, projected};
+use nalgebra::{Matrix2, Point3, Rotation3, Unit, Vector2, Vector3, Vector4};
+
+/// Distance of a point from a surface at which it lies on it, mm: the search for its parameters ends there.
+const ON_SURFACE: f64 = 1e-10;
+
+/// Steps of the search for the parameters of a point.
+const STEPS: usize = 40;
+
+/// A surface by two parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum StepSurface {
+    /// A plane: its placement.
+    Plane(StepPlacement),
+    /// A cylinder or cone: its placement, its radius at the origin, mm, and the tangent of half of its opening angle.
+    Cone(StepPlacement, f64, f64),
+    /// A torus: its placement, its radius and that of its tube, mm. The first is zero for a sphere.
+    Torus(StepPlacement, f64, f64),
+    /// A curve turned about the Z axis of a placement.
+    Revolution(StepPlacement, StepCurve),
+    /// A curve moved along a way, mm.
+    Extrusion(StepCurve, Vector3<f64>),
+    /// A spline by its homogeneous control points, row after row of equal u.
+    Spline([SplineKnots; 2], Vec<Vector4<f64>>, usize),
+}
+
+/// A point of a surface with its derivatives by both parameters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct SurfaceJet {
+    pub(super) point: Point3<f64>,
+    pub(super) by: [Vector3<f64>; 2],
+}
+
+impl SurfaceJet {
+    /// Unit normal; `None` where the surface has no area.
+    pub(super) fn normal(&self) -> Option<Vector3<f64>> {
+        self.by[0].cross(&self.by[1]).try_normalize(1e-12)
+    }
+}
+
+impl StepSurface {
+    /// Point and first derivatives.
+    pub(super) fn at(&self, [u, v]: [f64; 2]) -> SurfaceJet {
+        let (sin, cos) = libm::sincos(u);
+        match self {
+            Self::Plane(frame) => {
+                let [x, y, _] = frame.axes;
+                SurfaceJet { point: frame.origin + x * u + y * v, by: [x, y] }
+            }
+            Self::Cone(frame, radius, slope) => {
+                let [x, y, z] = frame.axes;
+                let out = x * cos + y * sin;
+                let r = radius + v * slope;
+                SurfaceJet { point: frame.origin + out * r + z * v, by: [(y * cos - x * sin) * r, out * *slope + z] }
+            }
+            Self::Torus(frame, radius, tube) => {
+                let [x, y, z] = frame.axes;
+                let out = x * cos + y * sin;
+                let (up, along) = libm::sincos(v);
+                let r = radius + tube * along;
+                SurfaceJet {
+                    point: frame.origin + out * r + z * (tube * up),
+                    by: [(y * cos - x * sin) * r, (z * along - out * up) * *tube],
+                }
+            }
+            Self::Revolution(frame, curve) => {
+                let axis = frame.axes[2];
+                let turn = Rotation3::from_axis_angle(&Unit::new_unchecked(axis), u);
+                let (point, slope) = curve.at(v);
+                let arm = turn * (point - frame.origin);
+                SurfaceJet { point: frame.origin + arm, by: [axis.cross(&arm), turn * slope] }
+            }
+            Self::Extrusion(curve, way) => {
+                let (point, slope) = curve.at(u);
+                SurfaceJet { point: point + way * v, by: [slope, *way] }
+            }
+            Self::Spline(knots, control, columns) => {
+                let [along, across] = [knots[0].at(u), knots[1].at(v)];
+                let mut sums = [Vector4::zeros(); 3];
+                for (a, (value, slope)) in along.values.iter().zip(&along.slopes).enumerate() {
+                    let start = (along.first + a) * columns + across.first;
+                    let row = || control[start..].iter();
+                    let of = |w: &[f64]| -> Vector4<f64> { row().zip(w).map(|(c, w)| c * *w).sum() };
+                    let (at, by_v) = (of(&across.values), of(&across.slopes));
+                    sums[0] += at * *value;
+                    sums[1] += at * *slope;
+                    sums[2] += by_v * *value;
+                }
+                let (point, by) = projected(sums[0], [sums[1], sums[2]]);
+                SurfaceJet { point, by }
+            }
+        }
+    }
+
+    /// Ends of both parameters, where a parameter has ends.
+    fn domains(&self) -> [Option<[f64; 2]>; 2] {
+        let angle = Some([0.0, std::f64::consts::TAU]);
+        match self {
+            Self::Plane(_) => [None, None],
+            Self::Cone(..) => [angle, None],
+            Self::Torus(..) => [angle, angle],
+            Self::Revolution(_, curve) => [angle, curve.domain()],
+            Self::Extrusion(curve, _) => [curve.domain(), None],
+            Self::Spline(knots, ..) => [Some(knots[0].domain()), Some(knots[1].domain())],
+        }
+    }
+
+    /// Parameters near a point, from a table of places of the surface: where the search begins.
+    fn seed(&self, p: &Point3<f64>) -> [f64; 2] {
+        /// Places in a direction of a spline, a span, and the most of them.
+        const A_SPAN: usize = 4;
+        const MOST: usize = 200;
+        /// Places along a line whose parameter has no ends: they are found exactly by the first step.
+        const WITHOUT_ENDS: usize = 0;
+        let count = |k: usize| match self {
+            Self::Spline(knots, ..) => (A_SPAN * knots[k].spans()).clamp(12, MOST),
+            _ if self.domains()[k].is_none() => WITHOUT_ENDS,
+            _ => 48,
+        };
+        let (counts, domains) = ([count(0), count(1)], self.domains());
+        let at =
+            |k: usize, i: usize| domains[k].map_or(0.0, |[lo, hi]| lo + (hi - lo) * i as f64 / counts[k].max(1) as f64);
+        let places = (0..=counts[0]).flat_map(|i| (0..=counts[1]).map(move |j| (i, j)));
+        let mut best = (f64::INFINITY, [0.0, 0.0]);
+        for (i, j) in places {
+            let place = [at(0, i), at(1, j)];
+            let jet = self.at(place);
+            let mut way = p - jet.point;
+            // Straight lines without ends: the distance from the line.
+            if domains[1].is_none() && domains[0].is_some() {
+                let line = jet.by[1];
+                way -= line * (way.dot(&line) / line.norm_squared());
+            }
+            let far = way.norm_squared();
+            if far < best.0 {
+                best = (far, place);
+            }
+        }
+        best.1
+    }
+
+    /// Parameters of the point of the surface that is nearest to a point, and the distance, mm. The search begins at `near`, or
+    /// at the nearest of a table of places. Splines are searched within their domain and a little beyond.
+    pub(super) fn nearest(&self, p: &Point3<f64>, near: Option<[f64; 2]>) -> ([f64; 2], f64) {
+        /// Share of the domain by which a border may lie beyond it.
+        const BEYOND: f64 = 1e-3;
+        let bounded = |k: usize, x: f64| match (self, self.domains()[k]) {
+            (Self::Spline(..), Some([lo, hi])) => x.clamp(lo - BEYOND * (hi - lo), hi + BEYOND * (hi - lo)),
+            (Self::Revolution(_, StepCurve::Spline(..)), Some([lo, hi])) if k == 1 => x.clamp(lo, hi),
+            (Self::Extrusion(StepCurve::Spline(..), _), Some([lo, hi])) if k == 0 => x.clamp(lo, hi),
+            _ => x,
+        };
+        let mut place = near.unwrap_or_else(|| self.seed(p));
+        let mut far = (p - self.at(place).point).norm();
+        for _ in 0..STEPS {
+            if far < ON_SURFACE {
+                break;
+            }
+            let jet = self.at(place);
+            let way = p - jet.point;
+            let [a, b] = jet.by;
+            let normal = Matrix2::new(a.norm_squared(), a.dot(&b), a.dot(&b), b.norm_squared());
+            let Some(step) = normal.try_inverse().map(|inverse| inverse * Vector2::new(way.dot(&a), way.dot(&b)))
+            else {
+                break;
+            };
+            let mut share = 1.0;
+            let before = far;
+            while share > 1e-3 {
+                let next = [bounded(0, place[0] + share * step.x), bounded(1, place[1] + share * step.y)];
+                let distance = (p - self.at(next).point).norm();
+                if distance < far {
+                    (place, far) = (next, distance);
+                    break;
+                }
+                share *= 0.5;
+            }
+            if before - far < 1e-3 * ON_SURFACE {
+                break;
+            }
+        }
+        (place, far)
+    }
+}
