@@ -186,3 +186,95 @@ impl StepSurface {
         (place, far)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector4;
+
+    fn frame() -> StepPlacement {
+        let z = Vector3::new(1.0, 2.0, 2.0) / 3.0;
+        let x = Vector3::new(2.0, 1.0, -2.0) / 3.0;
+        StepPlacement { origin: Point3::new(1.0, -2.0, 3.0), axes: [x, z.cross(&x), z] }
+    }
+
+    fn all() -> Vec<StepSurface> {
+        let knots = |degree: usize, count: usize| {
+            let inside = count - degree - 1;
+            let multiplicities: Vec<usize> =
+                std::iter::once(degree + 1).chain(vec![1; inside]).chain(std::iter::once(degree + 1)).collect();
+            let values: Vec<f64> = (0..multiplicities.len()).map(|k| k as f64).collect();
+            SplineKnots::new(degree, &multiplicities, &values, count).expect("knots")
+        };
+        let point = |i: usize, j: usize| {
+            let (x, y) = (i as f64, j as f64);
+            let w = 1.0 + 0.1 * ((3 * i + 5 * j) % 4) as f64;
+            Vector4::new(x * w, y * w, (0.3 * x * y + (x - y).sin()) * w, w)
+        };
+        let control: Vec<Vector4<f64>> = (0..6).flat_map(|i| (0..5).map(move |j| point(i, j))).collect();
+        let curve = StepCurve::Spline(knots(4, 6), (0..6).map(|i| point(i, 2 * i % 5)).collect());
+        vec![
+            StepSurface::Plane(frame()),
+            StepSurface::Cone(frame(), 5.0, 0.0),
+            StepSurface::Cone(frame(), 5.0, 0.4),
+            StepSurface::Torus(frame(), 0.0, 5.0),
+            StepSurface::Torus(frame(), 9.0, 2.0),
+            StepSurface::Revolution(frame(), StepCurve::Ellipse(frame(), [3.0, 2.0])),
+            StepSurface::Revolution(frame(), curve.clone()),
+            StepSurface::Extrusion(curve, Vector3::new(0.1, 2.0, 5.0)),
+            StepSurface::Spline([knots(5, 6), knots(2, 5)], control, 5),
+        ]
+    }
+
+    /// Derivatives agree with differences, and the nearest place of a point of the surface is this point.
+    #[test]
+    fn derivatives_and_nearest_places_are_those_of_differences() {
+        for surface in all() {
+            let at = |place: [f64; 2]| surface.at(place);
+            for place in [[0.3, 0.4], [0.7, 0.9], [0.95, 0.2]] {
+                let step = 1e-6;
+                for k in 0..2 {
+                    let moved = |by: f64| at(std::array::from_fn(|i| place[i] + if i == k { by } else { 0.0 })).point;
+                    let difference = (moved(step) - moved(-step)) / (2.0 * step);
+                    let off = (difference - at(place).by[k]).norm();
+                    assert!(off < 1e-6 * (1.0 + difference.norm()), "{surface:?} {place:?} {off}");
+                }
+                let p = at(place).point;
+                let (found, far) = surface.nearest(&p, None);
+                assert!(far < 1e-8 && nalgebra::distance(&at(found).point, &p) < 1e-8, "{surface:?} {place:?} {far}");
+            }
+        }
+    }
+
+    /// Cylinder, cone, sphere and torus have the distances from axis and middle that their numbers say; a rational quadratic
+    /// arc turned about an axis is a sphere.
+    #[test]
+    fn known_shapes_have_their_radii() {
+        let frame = frame();
+        let split = |p: Point3<f64>| {
+            let way = p - frame.origin;
+            let z = way.dot(&frame.axes[2]);
+            [(way - frame.axes[2] * z).norm(), z]
+        };
+        for k in 0..30 {
+            let place = [0.2 * f64::from(k), 0.13 * f64::from(k) - 1.0];
+            let of = |surface: StepSurface| split(surface.at(place).point);
+            assert!((of(StepSurface::Cone(frame, 5.0, 0.0))[0] - 5.0).abs() < 1e-12);
+            let [r, z] = of(StepSurface::Cone(frame, 5.0, 0.4));
+            assert!((r - 5.0 - 0.4 * z).abs() < 1e-12);
+            let [r, z] = of(StepSurface::Torus(frame, 0.0, 5.0));
+            assert!((r.hypot(z) - 5.0).abs() < 1e-12);
+            let [r, z] = of(StepSurface::Torus(frame, 9.0, 2.0));
+            assert!(((r - 9.0).hypot(z) - 2.0).abs() < 1e-12);
+        }
+        let half = std::f64::consts::FRAC_1_SQRT_2;
+        let at = |x: f64, z: f64, w: f64| (frame.origin.coords + frame.axes[0] * x + frame.axes[2] * z).push(1.0) * w;
+        let knots = SplineKnots::new(2, &[3, 3], &[0.0, 1.0], 3).expect("knots");
+        let arc = StepCurve::Spline(knots, vec![at(4.0, 0.0, 1.0), at(4.0, 4.0, half), at(0.0, 4.0, 1.0)]);
+        let sphere = StepSurface::Revolution(frame, arc);
+        for k in 0..20 {
+            let [r, z] = split(sphere.at([0.3 * f64::from(k), f64::from(k) / 20.0]).point);
+            assert!((r.hypot(z) - 4.0).abs() < 1e-12, "{r} {z}");
+        }
+    }
+}

@@ -10,6 +10,7 @@ mod mutations;
 mod rtzt;
 mod sections;
 mod step;
+mod step_wheel;
 mod table;
 mod turbogrid;
 

@@ -1,7 +1,7 @@
 //! Random changes of files of every format: each text is read, or refused with a place. What is read is divided, or refused.
 
 use super::{human, read};
-use crate::import::{geomturbo, ibl, rtzt, step, table, turbogrid};
+use crate::import::{geomturbo, ibl, rtzt, step, step_wheel, table, turbogrid};
 use impellerc::diag::Severity;
 use impellerc::import::outlines::{doubtful, outlines};
 use impellerc::import::{Axis, LengthUnit, Options};
@@ -11,7 +11,15 @@ use proptest::sample::Index;
 
 /// Files of each format; the first is given.
 fn sets() -> Vec<Vec<(String, String)>> {
-    vec![turbogrid::example(), geomturbo::example(), ibl::example(), rtzt::example(), table::example(), step::example()]
+    vec![
+        turbogrid::example(),
+        geomturbo::example(),
+        ibl::example(),
+        rtzt::example(),
+        table::example(),
+        step::example(),
+        step_wheel::example(),
+    ]
 }
 
 const PIECES: [&str; 20] = [
@@ -70,7 +78,7 @@ proptest! {
         let options = Options {
             unit: (set != 0 && set != 1).then_some(LengthUnit::Millimetre),
             axis: (set == 2).then_some(Axis::Z),
-            blades: matches!(set, 2 | 4).then_some(5),
+            blades: matches!(set, 2 | 4 | 6).then_some(5),
             thickness: (set == 4).then_some(ThicknessDirection::Normal),
             ..Options::default()
         };
