@@ -54,7 +54,7 @@ impl<'t> StepGeometry<'_, 't> {
     pub(super) fn point(&self, number: u64, named_at: Span) -> Result<Point3<f64>, Diag> {
         let (entity, at) = self.three(number, named_at, "CARTESIAN_POINT")?;
         let at = at * self.mm;
-        if !(at.norm() <= limits::LENGTH) {
+        if at.norm().is_nan() || at.norm() > limits::LENGTH {
             return Err(Diag::error(
                 codes::TOO_MUCH,
                 format!("a point is farther than {} m from the origin", limits::LENGTH / 1000.0),

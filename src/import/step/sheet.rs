@@ -78,7 +78,7 @@ impl StepSheet {
             let whole = lengths[lengths.len() - 1].max(f64::MIN_POSITIVE);
             placed.push(SheetSide { shares: lengths.into_iter().map(|l| l / whole).collect(), places });
         }
-        if !(apart <= APART) {
+        if apart.is_nan() || apart > APART {
             return Err(fault(format!(
                 "the border of the face #{} is {apart:.3} mm away from its surface",
                 face.number

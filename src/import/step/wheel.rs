@@ -34,6 +34,15 @@ const SMALLER: f64 = 0.95;
 /// Points of a side of a face.
 const SIDE_STEPS: usize = 64;
 
+/// Hub and shroud between the ends of the blade.
+struct WheelEnds {
+    /// Points (r, z) from inlet to outlet, mm.
+    hub: Vec<[f64; 2]>,
+    shroud: Vec<[f64; 2]>,
+    /// Largest distance of the faces from them, mm.
+    extend: f64,
+}
+
 /// A wheel that is read.
 pub(super) struct StepWheel<'a, 't> {
     pub(super) geometry: StepGeometry<'a, 't>,
@@ -72,7 +81,7 @@ impl StepWheel<'_, '_> {
         let turned = move |p: &Point3<f64>| Point3::from(axis.to_z(p.coords.into()));
         let (hub, spread) = meridian::of_faces(&hub_faces, turned)?;
         self.revolved(&hub_faces, spread, &turned, found)?;
-        let hub = self.from_inlet(hub, &blade, &turned, found)?;
+        let hub = self.run_from_inlet(hub, &blade, &turned, found)?;
         let count = self.count(&blade[0], &turned, found)?;
         let along = |p: &Point3<f64>| hub.nearest(&flat(&turned(p)))[0];
         let above = |p: &Point3<f64>| hub.nearest(&flat(&turned(p)))[1];
@@ -85,7 +94,7 @@ impl StepWheel<'_, '_> {
                 format!("#{} `{}`: its edges lie within {gap} um of its surface", face.number, face.name),
             );
         }
-        let (hub, shroud, extend) = self.ends(&hub, &sheets, &blade, &turned, found)?;
+        let WheelEnds { hub, shroud, extend } = self.ends(&hub, &sheets, &blade, &turned, found)?;
         let fitted = fitted::sections(&sheets, &turned).ok_or_else(|| {
             Diag::error(codes::NOT_READ, "no surface goes through the points of a face")
                 .label(pressure.span, format!("#{}", pressure.number))
@@ -190,7 +199,7 @@ impl StepWheel<'_, '_> {
 
     /// The meridian of the hub from inlet to outlet: by an edge that was picked, otherwise the end of the blade nearer to the axis
     /// is the inlet.
-    fn from_inlet(
+    fn run_from_inlet(
         &self,
         hub: StepMeridian,
         blade: &[StepFace; 2],
@@ -283,7 +292,7 @@ impl StepWheel<'_, '_> {
         blade: &[StepFace; 2],
         turned: &dyn Fn(&Point3<f64>) -> Point3<f64>,
         found: &mut Found,
-    ) -> Result<(Vec<[f64; 2]>, Vec<[f64; 2]>, f64), Diag> {
+    ) -> Result<WheelEnds, Diag> {
         let row = |sheet: &StepSheet, t: f64| -> Vec<Vector2<f64>> {
             sheet.row(t, 8 * SIDE_STEPS).iter().map(|p| flat(&turned(p))).collect()
         };
@@ -322,7 +331,7 @@ impl StepWheel<'_, '_> {
         );
         self.straight([hub, &shroud], ranges, sheets, blade, turned, found)?;
         let [hub, shroud] = [(hub, ranges[0]), (&shroud, ranges[1])].map(|(line, range)| points(line, range));
-        Ok((hub, shroud, gaps[0].max(gaps[1])))
+        Ok(WheelEnds { hub, shroud, extend: gaps[0].max(gaps[1]) })
     }
 
     /// Refuses blades whose ends are not straight lines between the ends of hub and shroud in the meridian plane.
