@@ -8,6 +8,7 @@ mod part_file;
 mod reading;
 mod report;
 mod rest_stock;
+mod section_files;
 mod stages;
 
 use crate::diag::codes::{files, post as post_codes, syntax};
@@ -67,11 +68,13 @@ pub struct PartOptions {
     pub protocol: StepProtocol,
     /// Largest chord error of triangles, mm.
     pub chord: f64,
+    /// Number of sections of a blade.
+    pub sections: usize,
 }
 
 impl Default for PartOptions {
     fn default() -> Self {
-        Self { protocol: StepProtocol::default(), chord: 0.01 }
+        Self { protocol: StepProtocol::default(), chord: 0.01, sections: 11 }
     }
 }
 

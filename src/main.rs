@@ -28,7 +28,7 @@ const EXIT_CODES: &str = "Exit codes:
 If several apply, the largest is returned. A run writes all outputs or none. An output must not be an input of the run.";
 
 /// Values of `--emit` that are written to the file of `-o`.
-const PART_FORMS: [(&str, &str); 3] = [("emit", "step"), ("emit", "stl"), ("emit", "3mf")];
+const PART_FORMS: [(&str, &str); 4] = [("emit", "step"), ("emit", "stl"), ("emit", "3mf"), ("emit", "sections")];
 
 /// Exit codes of an import, for the help.
 const IMPORT_CODES: &str = "Exit codes:
@@ -75,6 +75,10 @@ struct Arguments {
     #[arg(long, default_value = "10um", value_name = "LENGTH", value_parser = chord)]
     chord: f64,
 
+    /// Number of sections of each blade, from 2 to 101
+    #[arg(long, default_value = "11", value_name = "NUMBER", value_parser = sections)]
+    sections: usize,
+
     /// Write the certificate to this file, with the hash of the NC text
     #[arg(long, value_name = "FILE.json")]
     certificate: Option<PathBuf>,
@@ -102,7 +106,7 @@ impl Arguments {
             ProtocolArgument::Ap242 => StepProtocol::Ap242,
             ProtocolArgument::Ap214 => StepProtocol::Ap214,
         };
-        PartOptions { protocol, chord: self.chord }
+        PartOptions { protocol, chord: self.chord, sections: self.sections }
     }
 }
 
@@ -404,6 +408,8 @@ enum EmitArgument {
     /// The part as triangles in a 3MF file, which `-o` names
     #[value(name = "3mf")]
     ThreeMf,
+    /// Sections of the blades for TurboGrid: the `.inf` file that `-o` names, with files of hub, shroud and profiles beside it
+    Sections,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -456,6 +462,7 @@ fn main() -> ExitCode {
                     EmitArgument::Step => Emit::Part(PartForm::Step),
                     EmitArgument::Stl => Emit::Part(PartForm::Stl),
                     EmitArgument::ThreeMf => Emit::Part(PartForm::ThreeMf),
+                    EmitArgument::Sections => Emit::Part(PartForm::Sections),
                 }),
                 part,
                 run: run.options(post),
@@ -473,6 +480,12 @@ fn chord(text: &str) -> Result<f64, String> {
     let length = split.and_then(|(number, size)| Some(number.trim().parse::<f64>().ok()? * size));
     let within = length.filter(|mm| (0.999e-4..=1.0).contains(mm));
     within.ok_or_else(|| "the chord error must be from 0.1um to 1mm, such as 10um".to_owned())
+}
+
+/// Number of sections of a blade.
+fn sections(text: &str) -> Result<usize, String> {
+    let number = text.trim().parse().ok().filter(|n| (2..=101).contains(n));
+    number.ok_or_else(|| "a blade has from 2 to 101 sections".to_owned())
 }
 
 /// Number of bytes of a size such as `4GB` or `500 MB`.

@@ -1,17 +1,20 @@
 //! The part as a file for other programs.
 
-use super::{Options, PartForm, Stages, or_reported, shown_path};
+use super::{Options, PartForm, Stages, or_reported, section_files, shown_path};
 use crate::diag::codes::geometry;
 use crate::diag::{Aborted, Diag, Sink};
 use crate::export::step::StepFile;
 use crate::export::three_mf::three_mf;
+use crate::export::turbogrid::turbogrid;
 use crate::ir::Program;
 use crate::output::Outputs;
-use crate::part::shell::{Shell, ShellFault, ShellSurface, shell};
+use crate::part::blade_loops::blade_loops;
+use crate::part::shell::{PatchFault, Shell, ShellFault, ShellSurface, shell};
 use crate::part::solid::{self, Volume};
+use crate::part::{Part, SurfaceKind};
 use crate::source::SourceMap;
-use crate::units::{Mm, trim};
-use std::path::Path;
+use crate::units::trim;
+use std::path::{Path, PathBuf};
 
 /// What the solid is.
 const SOLID: &str = "finished part, closed by bore and back of its stock";
@@ -36,13 +39,69 @@ pub(super) fn write(
         }
     }
     or_reported(outputs.announce("-o", path), sink)?;
-    let (bytes, said) = match form {
-        PartForm::Step => step(options, program, stages, sink)?,
-        PartForm::Stl | PartForm::ThreeMf => triangles(options, form, program, stages, sink)?,
+    let (files, said) = match form {
+        PartForm::Step => one_file(path, step(options, program, stages, sink)?),
+        PartForm::Stl | PartForm::ThreeMf => one_file(path, triangles(options, form, program, stages, sink)?),
+        PartForm::Sections => sections(options, path, program, stages, sink)?,
     };
-    or_reported(outputs.stage("-o", path, &bytes).and_then(|()| outputs.commit()), sink)?;
+    for (path, bytes) in &files {
+        or_reported(outputs.stage("-o", path, bytes), sink)?;
+    }
+    or_reported(outputs.commit(), sink)?;
     let lines: String = said.iter().map(|line| format!("  {line}\n")).collect();
     Ok(format!("wrote {}\n{lines}", shown_path(path)))
+}
+
+/// Files with their paths, and what they hold.
+type Written = (Vec<(PathBuf, Vec<u8>)>, Vec<String>);
+
+fn one_file(path: &Path, (bytes, said): (Vec<u8>, Vec<String>)) -> Written {
+    (vec![(path.to_path_buf(), bytes)], said)
+}
+
+/// The files of the sections, and what they hold.
+fn sections(
+    options: &Options,
+    path: &Path,
+    program: &Program,
+    stages: &mut Stages,
+    sink: &mut Sink,
+) -> Result<Written, Aborted> {
+    let part = &program.part;
+    let made = stages.run("sections", || blade_loops(part, options.part.sections));
+    let blades = or_reported(made.map_err(|fault| no_shell(&ShellFault::Patches(fault), program)), sink)?;
+    let (beside, names) = section_files::places(path);
+    let files =
+        turbogrid(part, &blades, &names, &format!("{} by impellerc {}", program.name, env!("CARGO_PKG_VERSION")));
+    let read = or_reported(stages.run("read back", || section_files::read_back(&files, &names)), sink)?;
+    let near = stages.run("compare", || section_files::distance_between(part, &blades, &read));
+    let count = blades.first().map_or(0, |blade| blade.loops.len());
+    let points = blades.first().and_then(|blade| Some(blade.loops.first()?.len())).unwrap_or(0);
+    let mut said = vec![
+        format!(
+            "{} blades in each of {} sectors, {count} sections of {points} points each",
+            blades.len(),
+            part.vane_count
+        ),
+        "equal steps up each ruling from hub to shroud; without fillets".to_owned(),
+    ];
+    for blade in &blades {
+        let form = |end: usize| if blade.rounded[end] { "round" } else { "cut off: two corners" };
+        let name = &part.blade(blade.blade).name;
+        said.push(format!("{name}: leading edge {}, trailing edge {}", form(0), form(1)));
+    }
+    said.push(match near {
+        Some(distance) => {
+            format!("read back, surfaces through the sections are within {distance:.1e} mm of the part between them")
+        }
+        None => {
+            "read back, the sections do not divide into faces and edges: state the edges where they are read".to_owned()
+        }
+    });
+    let texts = [files.hub, files.shroud, files.profile];
+    let mut written = vec![(path.to_path_buf(), files.index.into_bytes())];
+    written.extend(beside.into_iter().zip(texts).map(|(path, text)| (path, text.into_bytes())));
+    Ok((written, said))
 }
 
 /// The STEP file, and what it holds.
@@ -53,11 +112,11 @@ fn step(
     sink: &mut Sink,
 ) -> Result<(Vec<u8>, Vec<String>), Aborted> {
     // Fillets are left out: not all wheels with them have passed the checks of OpenCASCADE (`docs/export.md`).
-    let sharp = program.part.with_fillet(None);
+    let sharp = program.part.without_fillets();
     let made = stages.run("shell", || shell(&sharp, &program.stock));
     let shell = or_reported(made.map_err(|fault| no_shell(&fault, program)), sink)?;
     let volume = stages.run("volume", || solid::volume(&sharp, &program.stock));
-    let said = said(&shell, volume.as_ref(), program.part.main().fillet);
+    let said = said(&shell, volume.as_ref(), &program.part);
     let file = StepFile { name: &program.name, description: &said, shell: &shell, protocol: options.part.protocol };
     let text = stages.run("write", || file.text());
     Ok((text.into_bytes(), said))
@@ -73,7 +132,7 @@ fn triangles(
 ) -> Result<(Vec<u8>, Vec<String>), Aborted> {
     let chord = options.part.chord;
     let made = stages.run("mesh", || solid::mesh_within(&program.part, &program.stock, chord));
-    let found = or_reported(made.ok_or_else(|| no_shell(&ShellFault::NoPatches, program)), sink)?;
+    let found = or_reported(made.map_err(|fault| no_shell(&fault, program)), sink)?;
     let exact = format!("chord error {:.2} um, at most {} um allowed", found.error * 1e3, trim(chord * 1e3, 3));
     let size = format!(
         "{} triangles, {} vertices, closed, volume {:.3} mm3",
@@ -89,9 +148,13 @@ fn triangles(
 }
 
 /// What the solid is and how exact it is, a line each.
-fn said(shell: &Shell, volume: Option<&Volume>, fillet: Option<Mm>) -> Vec<String> {
-    let without =
-        fillet.map(|radius| format!("; without its fillets of {radius}: the roots are sharp")).unwrap_or_default();
+fn said(shell: &Shell, volume: Option<&Volume>, part: &Part) -> Vec<String> {
+    let mut radii: Vec<String> = part.blades.iter().filter_map(|blade| Some(blade.fillet?.to_string())).collect();
+    radii.dedup();
+    let without = match radii.as_slice() {
+        [] => String::new(),
+        radii => format!("; without its fillets of {}: the roots are sharp", radii.join(", ")),
+    };
     let mut lines = vec![
         format!("{SOLID}{without}"),
         format!("{} faces, {} edges, {} vertices", shell.faces.len(), shell.edges.len(), shell.vertices.len()),
@@ -122,15 +185,24 @@ fn no_shell(fault: &ShellFault, program: &Program) -> Diag {
         Diag::error(geometry::NO_SHELL, format!("the part has no closed surface: {reason}"))
             .label(program.name_span, "this part cannot be written")
     };
+    let name = |kind: &SurfaceKind| kind.in_sectors(&[0]);
     match fault {
-        ShellFault::NoPatches => diag(
-            "blades with rounded edges, splitters, and fillets that do not reach both ends are not built yet"
-                .to_owned(),
-        ),
-        ShellFault::NotNear(kind, distance) => {
-            diag(format!("{} is off its spline by {distance:.1e} mm", kind.in_sectors(&[0])))
+        ShellFault::Patches(PatchFault::Fillet(kind)) => {
+            diag(format!("the fillet of {} does not reach both of its ends", name(kind)))
+                .help("state a smaller fillet, or write STEP, which has no fillets")
         }
-        ShellFault::Open(kind) => diag(format!("a border of {} meets no other", kind.in_sectors(&[0]))),
+        ShellFault::Patches(PatchFault::Gap(kind, distance)) => {
+            diag(format!("{} leaves the end of a face by {distance:.1e} mm", name(kind)))
+        }
+        ShellFault::Patches(PatchFault::Folded(kind)) => {
+            diag(format!("lines between the borders of {} cross each other", name(kind)))
+                .help("its blades end too near to each other or to the ends of hub or shroud")
+        }
+        ShellFault::NoSpline(kind) => diag(format!("no spline runs through the points of {}", name(kind))),
+        ShellFault::NotNear(kind, distance) => {
+            diag(format!("{} is off its surface in the file by {distance:.1e} mm with the most points", name(kind)))
+        }
+        ShellFault::Open(kind) => diag(format!("a border of {} meets no other", name(kind))),
         ShellFault::NotClosedByStock => diag("bore and back of the stock do not close it".to_owned())
             .help("state a back face below the hub, and a bore smaller than the inlet of the hub"),
     }

@@ -37,6 +37,8 @@ pub enum PartForm {
     Stl,
     /// Triangles in a 3MF file.
     ThreeMf,
+    /// Sections of the blades in files for TurboGrid.
+    Sections,
 }
 
 /// Times of the stages that ran.

@@ -8,3 +8,4 @@ pub mod setup_sheet;
 pub mod source_map;
 pub mod step;
 pub mod three_mf;
+pub mod turbogrid;

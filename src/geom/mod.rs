@@ -27,7 +27,7 @@ pub use curve::{CurveDerivatives, NurbsCurve};
 pub use dual::{AxisAt, DualCurve, Pieces};
 pub use elliptic_cone::EllipticCone;
 pub use geodesic::BandMetric;
-pub use interpolate::{interpolate, interpolate_grid};
+pub use interpolate::{interpolate, interpolate_at, interpolate_grid};
 pub use lofted::LoftedSurface;
 pub use revolution::Revolution;
 pub use ruled::RuledSurface;

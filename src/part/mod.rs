@@ -20,19 +20,28 @@
 //! | `kept` | surfaces that milling leaves as the lathe made them, over the unit square |
 //! | `sample` | points of all surfaces |
 //! | `sheet` | walls of channels with their fillets |
+//! | `patch` | directions and steps of four-sided patches |
+//! | `unrolled` | turned surfaces as planes, and patches in them between given borders |
+//! | `blade_sheets` | grids of points over a blade |
+//! | `blade_loops` | closed loops round the blades from hub to shroud |
+//! | `hub_patches` | four-sided patches over the hub of a sector |
 //! | `patches` | four-sided patches that cover the milled part of the wheel |
 //! | `solid` | the closed part as a mesh, and its volume |
 //! | `shell` | the closed part as NURBS faces with shared edges |
 
 mod blade;
+pub mod blade_loops;
+mod blade_sheets;
 mod borders;
 pub mod chart;
 mod chart_table;
 mod continued;
 mod extent;
+mod hub_patches;
 pub mod kept;
 mod names;
 mod passage;
+mod patch;
 mod patches;
 mod rolling_ball;
 mod row;
@@ -42,6 +51,7 @@ pub mod shell;
 pub mod solid;
 mod stock;
 pub mod surface;
+mod unrolled;
 
 pub use blade::{Blade, BladeId, Face, FaceId, Guides, RulingEnd};
 pub use borders::Rolling;

@@ -82,6 +82,14 @@ impl Part {
         Self { row, charts: OnceLock::new(), walls: OnceLock::new() }
     }
 
+    /// The same part with sharp roots.
+    #[must_use]
+    pub fn without_fillets(&self) -> Self {
+        let mut row = self.row.clone();
+        row.blades.iter_mut().for_each(|blade| blade.fillet = None);
+        Self { row, charts: OnceLock::new(), walls: OnceLock::new() }
+    }
+
     /// The same part with another fillet of the main blade.
     #[must_use]
     pub fn with_fillet(&self, fillet: Option<Mm>) -> Self {

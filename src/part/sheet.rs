@@ -80,6 +80,11 @@ impl<'a> Sheet<'a> {
 
     /// u at which a row meets the line in the meridian plane between the ends of hub and shroud at u = 0 or 1.
     pub(super) fn meets(&self, end: f64, w: f64) -> Option<f64> {
+        // An edge that is a surface of its own begins at the end of the face, and ends at the faces itself.
+        if self.id.edge_end().is_some() || self.part.edge(self.id.blade, usize::from(end > 0.5)).is_some() {
+            let reached = (self.range[0]..=self.range[1]).contains(&end);
+            return reached.then_some(end);
+        }
         let [hub, shroud] = self.part.end_line(self.id.blade, end);
         let normal = Vector2::new(hub.y - shroud.y, shroud.x - hub.x).normalize();
         let gap = |u: f64| {

@@ -4,9 +4,11 @@
 //! surfaces, which two neighbours have in common, so that no edge needs a tolerance. Steps are halved until the surfaces are
 //! near enough to the patches. Planes and cylinders of the blank close the shell: nose, bore, back face, rim.
 
-use super::patches::{PatchDirection, Patches, SheetPatch, Spacing, Steps};
+pub use super::patch::PatchFault;
+use super::patch::{PatchDirection, SheetPatch, Spacing, Steps};
+use super::patches::Patches;
 use super::{Part, Stock, SurfaceId, SurfaceKind};
-use crate::geom::{NurbsCurve, NurbsSurface, interpolate_grid};
+use crate::geom::{GeomError, NurbsCurve, NurbsSurface, interpolate_at, interpolate_grid};
 use nalgebra::Point3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
@@ -18,15 +20,15 @@ const NEAR: f64 = 1e-4;
 /// spline through its points rounds it off.
 const NEAR_FILLET: f64 = 1e-3;
 
-/// The same across channels and blades, mm: there borders are circles of planes and cylinders. OpenCASCADE gives edges a tolerance
-/// of 1e-7 mm and refuses one that is farther from its cylinder; half steps do not show the largest distance.
+/// The same for borders on the circles of planes and cylinders, mm. OpenCASCADE gives edges a tolerance of 1e-7 mm and refuses one
+/// that is farther from its cylinder; half steps do not show the largest distance.
 const NEAR_CIRCLES: f64 = 5e-8;
 
 /// Distance below which ends of edges are one vertex, mm: rounding of turned copies is far below, and no edge is so short.
 const SAME: f64 = 1e-7;
 
 /// Steps at the start, and the most of them in a direction.
-const STEPS: Steps = Steps([32, 8, 3, 16, 4]);
+const STEPS: Steps = Steps([32, 8, 3, 16, 4, 4, 4]);
 const MOST_STEPS: usize = 1024;
 
 /// The curve of an edge.
@@ -109,8 +111,10 @@ pub struct Shell {
 /// Why a part has no closed shell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ShellFault {
-    /// A part with splitters or rounded edges, or with a fillet that does not extend from inlet to outlet.
-    NoPatches,
+    /// The part has no patches.
+    Patches(PatchFault),
+    /// The points of this kind of patch have no spline.
+    NoSpline(SurfaceKind),
     /// The surfaces do not come near enough to the patches of this kind with the most steps: the distance, mm.
     NotNear(SurfaceKind, f64),
     /// The patches of this kind have a border that is no border of another, or is not on the circle of the turned surfaces.
@@ -145,28 +149,28 @@ type Fitted = (SheetPatch, NurbsSurface);
 /// Spline surfaces of the patches of sector 0, and their largest distance to the patches.
 fn fit(part: &Part) -> Result<(Vec<Fitted>, f64), ShellFault> {
     let mut steps = STEPS;
-    let fillet = part.main().fillet.is_some();
+    let fillet = part.blades.iter().any(|blade| blade.fillet.is_some());
     let spacing = if fillet { Spacing::FineEnds } else { Spacing::Equal };
     loop {
-        let patches = Patches::new(part, steps.times(2), spacing).ok_or(ShellFault::NoPatches)?.of_sector(0).0;
-        let fitted: Option<Vec<_>> = patches.into_par_iter().map(fit_patch).collect();
-        let fitted = fitted.ok_or(ShellFault::NoPatches)?;
+        let patches = Patches::new(part, steps.times(2), spacing).map_err(ShellFault::Patches)?;
+        let fitted: Vec<_> =
+            patches.of_sector(0).0.into_par_iter().map(fit_patch).collect::<Result<_, ShellFault>>()?;
         let mut more = steps;
-        for (patch, _, errors) in &fitted {
-            for (direction, error) in patch.directions.into_iter().zip(*errors) {
-                let near = match direction {
-                    PatchDirection::Channel | PatchDirection::Blade => NEAR_CIRCLES,
-                    _ if fillet && !matches!(patch.kind, SurfaceKind::Face(_) | SurfaceKind::Tip(_)) => NEAR_FILLET,
-                    _ => NEAR,
-                };
-                if error <= near {
-                    continue;
-                }
+        let mut wanted = |kind: SurfaceKind, direction: PatchDirection, error: f64, near: f64| {
+            if error > near {
                 more.0[direction as usize] = 2 * steps.of(direction);
-                if more.of(direction) > MOST_STEPS {
-                    return Err(ShellFault::NotNear(patch.kind, error));
-                }
             }
+            if more.of(direction) > MOST_STEPS { Err(ShellFault::NotNear(kind, error)) } else { Ok(()) }
+        };
+        for (patch, _, errors) in &fitted {
+            let blunted = fillet && !matches!(patch.kind, SurfaceKind::Face(_) | SurfaceKind::Tip(_));
+            for (direction, error) in patch.directions.into_iter().zip(*errors) {
+                wanted(patch.kind, direction, error, if blunted { NEAR_FILLET } else { NEAR })?;
+            }
+        }
+        for (direction, line) in patches.rings.iter().flatten() {
+            let error = off_circle(line).map_err(|_| ShellFault::NoSpline(SurfaceKind::Rim))?;
+            wanted(SurfaceKind::Rim, *direction, error, NEAR_CIRCLES)?;
         }
         if more == steps {
             let error = fitted.iter().flat_map(|(_, _, errors)| *errors).fold(0.0, f64::max);
@@ -176,12 +180,22 @@ fn fit(part: &Part) -> Result<(Vec<Fitted>, f64), ShellFault> {
     }
 }
 
+/// Largest distance of the curve through every second point of a line to the points between them.
+fn off_circle(line: &[Point3<f64>]) -> Result<f64, GeomError> {
+    let last = (line.len() - 1) as f64;
+    let coarse: Vec<Point3<f64>> = line.iter().step_by(2).copied().collect();
+    let parameters: Vec<f64> = (0..coarse.len()).map(|i| i as f64 / (coarse.len() - 1) as f64).collect();
+    let curve = interpolate_at(&parameters, &coarse, 3)?;
+    let off = line.iter().enumerate().map(|(i, p)| (curve.point(i as f64 / last) - p).norm());
+    Ok(off.fold(0.0, f64::max))
+}
+
 /// The surface through every second point of a patch, with its largest distances to the points between them along the
 /// columns, along the rows, and along both.
-fn fit_patch(patch: SheetPatch) -> Option<(SheetPatch, NurbsSurface, [f64; 3])> {
+fn fit_patch(patch: SheetPatch) -> Result<(SheetPatch, NurbsSurface, [f64; 3]), ShellFault> {
     let coarse: Vec<Vec<Point3<f64>>> =
         patch.rows.iter().step_by(2).map(|row| row.iter().step_by(2).copied().collect()).collect();
-    let surface = interpolate_grid(&coarse).ok()?;
+    let surface = interpolate_grid(&coarse).map_err(|_| ShellFault::NoSpline(patch.kind))?;
     let mut errors = [0.0_f64; 3];
     let last = patch.rows.len() - 1;
     for (j, row) in patch.rows.iter().enumerate() {
@@ -196,7 +210,7 @@ fn fit_patch(patch: SheetPatch) -> Option<(SheetPatch, NurbsSurface, [f64; 3])> 
             errors[kind] = errors[kind].max((at - p).norm());
         }
     }
-    Some((patch, surface, errors))
+    Ok((patch, surface, errors))
 }
 
 /// Joins faces to a shell.

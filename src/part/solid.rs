@@ -1,12 +1,15 @@
 //! The finished part as a closed triangle mesh, from the design surfaces only, and its volume: patches of all sectors, and
 //! front, bore, back and outside of the blank.
 
-use super::patches::{PatchDirection, Patches, Spacing, Steps};
-use super::{Part, Stock};
+use super::patch::{PatchDirection, Spacing, Steps};
+use super::patches::Patches;
+use super::shell::ShellFault;
+use super::{Part, Stock, SurfaceKind};
 use crate::geom::angle::nearest_turn;
 use crate::stock::Mesh;
 use nalgebra::Point3;
 use std::collections::BTreeMap;
+use std::f64::consts::TAU;
 
 /// A volume with an estimate of its error.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +26,7 @@ const STEPS: [usize; 4] = [24, 12, 12, 4];
 /// Volume of the finished part: all vanes milled, no stock over the shroud. The error of chords of uniform grids is
 /// quadratic in the step; two refinements remove it.
 ///
-/// `None` when a fillet does not extend from inlet to outlet, and for a part with splitters.
+/// `None` for a part without patches.
 pub fn volume(part: &Part, stock: &Stock) -> Option<Volume> {
     let of = |factor: usize| mesh(part, stock, STEPS.map(|n| n * factor)).map(|solid| solid.volume());
     let (coarse, middle, fine) = (of(1)?, of(2)?, of(4)?);
@@ -35,7 +38,7 @@ pub fn volume(part: &Part, stock: &Stock) -> Option<Volume> {
 /// Mesh of the finished part; the steps are those along a wall, up each of its two surfaces, across a channel, and
 /// across a vane. `None` as for [`volume`].
 pub fn mesh(part: &Part, stock: &Stock, [along, up, across, thick]: [usize; 4]) -> Option<Mesh> {
-    let patches = Patches::new(part, Steps([along, up, up, across, thick]), Spacing::Equal)?;
+    let patches = Patches::new(part, Steps([along, up, up, across, thick, thick, thick]), Spacing::Equal).ok()?;
     Some(mesh_of(part, stock, &patches))
 }
 
@@ -49,22 +52,26 @@ pub struct ChordMesh {
 }
 
 /// Steps of a mesh at the start, and the most of them in a direction.
-const COARSE: Steps = Steps([12, 3, 2, 3, 1]);
+const COARSE: Steps = Steps([12, 3, 2, 3, 1, 1, 1]);
 const MOST_STEPS: usize = 2048;
 
 /// Mesh of the finished part whose triangles are within a chord error of the surfaces: steps are halved until points half way
-/// between two places are near enough to their chord, in both directions together. `None` as for [`volume`], and for an
-/// error that so many triangles do not keep.
-pub fn mesh_within(part: &Part, stock: &Stock, chord: f64) -> Option<ChordMesh> {
+/// between two places are near enough to their chord, in both directions together.
+///
+/// # Errors
+/// [`ShellFault`]: a part without patches, and an error that so many triangles do not keep.
+pub fn mesh_within(part: &Part, stock: &Stock, chord: f64) -> Result<ChordMesh, ShellFault> {
     let mut steps = COARSE;
     loop {
-        let twice = Patches::new(part, steps.times(2), Spacing::FineEnds)?;
+        let twice = Patches::new(part, steps.times(2), Spacing::FineEnds).map_err(ShellFault::Patches)?;
         let (patches, rings) = twice.of_sector(0);
         let mut more = steps;
-        let mut worst = 0.0_f64;
+        let (mut worst, mut widest_kind) = (0.0_f64, SurfaceKind::Rim);
         for patch in &patches {
             let errors = chords(&patch.rows);
-            worst = worst.max(errors[0] + errors[1]);
+            if errors[0] + errors[1] > worst {
+                (worst, widest_kind) = (errors[0] + errors[1], patch.kind);
+            }
             for (direction, error) in patch.directions.into_iter().zip(errors) {
                 if error > 0.5 * chord {
                     more.0[direction as usize] = 2 * steps.of(direction);
@@ -80,16 +87,16 @@ pub fn mesh_within(part: &Part, stock: &Stock, chord: f64) -> Option<ChordMesh> 
         let circle = around * (1.0 - libm::cos(0.5 * widest.fold(0.0, f64::max)));
         worst = worst.max(circle);
         if circle > chord {
-            [PatchDirection::Channel, PatchDirection::Blade]
-                .iter()
-                .for_each(|d| more.0[*d as usize] = 2 * steps.of(*d));
+            [PatchDirection::Channel, PatchDirection::Blade, PatchDirection::Shoulder, PatchDirection::Before]
+                .into_iter()
+                .for_each(|d| more.0[d as usize] = 2 * steps.of(d));
         }
         if more == steps {
-            let patches = Patches::new(part, steps, Spacing::FineEnds)?;
-            return Some(ChordMesh { mesh: mesh_of(part, stock, &patches), error: worst });
+            let patches = Patches::new(part, steps, Spacing::FineEnds).map_err(ShellFault::Patches)?;
+            return Ok(ChordMesh { mesh: mesh_of(part, stock, &patches), error: worst });
         }
         if more.0.iter().any(|n| *n > MOST_STEPS) {
-            return None;
+            return Err(ShellFault::NotNear(widest_kind, worst));
         }
         steps = more;
     }
@@ -122,29 +129,28 @@ pub(super) fn mesh_of(part: &Part, stock: &Stock, patches: &Patches<'_>) -> Mesh
         }
         rings.iter_mut().zip(ends).for_each(|(ring, end)| ring.extend(end));
     }
-    // Over front, bore, back and outside from the first circle to the second.
-    let [first, last] = &mut rings;
     let corners = turned_rest(part, stock);
+    let about = |ring: &[Point3<f64>], [r, z]: [f64; 2]| -> Vec<Point3<f64>> {
+        let at = |p: &Point3<f64>| {
+            let radius = libm::hypot(p.x, p.y);
+            Point3::new(p.x / radius * r, p.y / radius * r, z)
+        };
+        ring.iter().map(at).collect()
+    };
+    let [first, last] = rings;
+    let mut inside = vec![first.clone(), about(&first, corners[0]), about(&first, corners[1])];
+    let mut outside = vec![about(&last, corners[2])];
     // Where the blank ends with the hub there is no ring between them.
-    let to_hub = corners.len() - usize::from(corners[2][0] == part.hub.meridian(1.0).point.x);
-    let mut grid: Vec<Vec<Point3<f64>>> = vec![first.clone()];
-    for (k, [r, z]) in corners.iter().take(to_hub).enumerate() {
-        let ring: &[Point3<f64>] = if k < corners.len() / 2 { first } else { last };
-        grid.push(
-            ring.iter()
-                .map(|p| {
-                    let radius = libm::hypot(p.x, p.y);
-                    Point3::new(p.x / radius * r, p.y / radius * r, *z)
-                })
-                .collect(),
-        );
+    if corners[2][0] != part.hub.meridian(1.0).point.x {
+        outside.push(about(&last, corners[3]));
     }
-    grid.push(last.clone());
-    for row in &mut grid {
-        let start = row[0];
-        row.push(start);
+    outside.push(last);
+    let turned = !patches.turned();
+    mesh.annulus(&inside[2], &outside[0], turned);
+    for grid in [&mut inside, &mut outside] {
+        grid.iter_mut().for_each(|row| row.extend(row.first().copied()));
+        mesh.grid(grid, turned);
     }
-    mesh.grid(&grid, !patches.turned());
     mesh.solid
 }
 
@@ -181,12 +187,44 @@ impl Mesher {
         let indices: Vec<Vec<u32>> = rows.iter().map(|row| row.iter().map(|p| self.vertex(p)).collect()).collect();
         for pair in indices.windows(2) {
             for (low, high) in pair[0].windows(2).zip(pair[1].windows(2)) {
-                for [a, b, c] in [[low[0], low[1], high[1]], [low[0], high[1], high[0]]] {
-                    // On the axis a row is one point.
-                    if a != b && b != c && c != a {
-                        self.solid.triangles.push(if turned { [a, c, b] } else { [a, b, c] });
-                    }
-                }
+                self.triangle([low[0], low[1], high[1]], turned);
+                self.triangle([low[0], high[1], high[0]], turned);
+            }
+        }
+    }
+
+    fn triangle(&mut self, [a, b, c]: [u32; 3], turned: bool) {
+        // On the axis a row is one point.
+        if a != b && b != c && c != a {
+            self.solid.triangles.push(if turned { [a, c, b] } else { [a, b, c] });
+        }
+    }
+
+    /// Triangles between two circles about Z, each by points counter-clockwise; `turned` as for a grid with the first circle as its
+    /// first row.
+    fn annulus(&mut self, first: &[Point3<f64>], last: &[Point3<f64>], turned: bool) {
+        let azimuth = |p: &Point3<f64>| libm::atan2(p.y, p.x);
+        let start = azimuth(&last[0]);
+        // Angles from the first point of the second circle, which ascend; the first circle begins with the least.
+        let around = |p: &Point3<f64>| (azimuth(p) - start).rem_euclid(TAU);
+        let from = (0..first.len()).min_by(|a, b| around(&first[*a]).total_cmp(&around(&first[*b]))).unwrap_or(0);
+        let low: Vec<(f64, u32)> =
+            (0..first.len()).map(|i| &first[(from + i) % first.len()]).map(|p| (around(p), self.vertex(p))).collect();
+        let high: Vec<(f64, u32)> =
+            last.iter().enumerate().map(|(i, p)| (if i == 0 { 0.0 } else { around(p) }, self.vertex(p))).collect();
+        let at = |ring: &[(f64, u32)], i: usize| {
+            let (angle, index) = ring[i % ring.len()];
+            (angle + if i < ring.len() { 0.0 } else { TAU }, index)
+        };
+        let (mut i, mut j) = (0, 0);
+        while i < low.len() || j < high.len() {
+            let (a, b) = (at(&low, i).1, at(&high, j).1);
+            if j == high.len() || (i < low.len() && at(&low, i + 1).0 < at(&high, j + 1).0) {
+                self.triangle([a, at(&low, i + 1).1, b], turned);
+                i += 1;
+            } else {
+                self.triangle([a, at(&high, j + 1).1, b], turned);
+                j += 1;
             }
         }
     }

@@ -63,6 +63,7 @@ mod removal;
 mod report;
 mod rest_machining;
 mod rough;
+mod section_files;
 mod sections;
 mod sector_subprograms;
 mod solids;

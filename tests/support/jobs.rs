@@ -51,7 +51,16 @@ pub fn options(job: &str, machine: Option<&str>) -> Options {
 
 /// The program of a shipped job, see [`options`].
 pub fn program(job: &str, machine: Option<&str>) -> Program {
-    driver::front(&options(job, machine), &mut Stages::default(), &mut Outcome::default()).unwrap().unwrap()
+    front(&options(job, machine))
+}
+
+/// The program of a job of any folder.
+pub fn program_at(job: &str) -> Program {
+    front(&Options { job: PathBuf::from(job), ..Options::default() })
+}
+
+fn front(options: &Options) -> Program {
+    driver::front(options, &mut Stages::default(), &mut Outcome::default()).unwrap().unwrap()
 }
 
 /// The machine with the control of a dialect, where the machine of the jobs has another control.

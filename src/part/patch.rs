@@ -1,0 +1,111 @@
+//! Four-sided patches: directions and numbers of their steps, and the points of a patch.
+
+use super::SurfaceKind;
+use nalgebra::{Point3, Vector3};
+
+/// A direction of patches. All patches that meet in a border have the same steps along it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum PatchDirection {
+    /// Along a blade.
+    Along,
+    /// From the hub up a fillet.
+    Fillet,
+    /// Up a face.
+    Face,
+    /// Across a channel.
+    Channel,
+    /// Across a blade.
+    Blade,
+    /// Along a rounded edge, from a face to the middle part of the edge.
+    Shoulder,
+    /// From a blade that ends inside of the part to the circle at the inlet or the outlet of the hub.
+    Before,
+}
+
+/// Numbers of steps in each [`PatchDirection`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Steps(pub [usize; 7]);
+
+impl Steps {
+    /// Number of steps in a direction.
+    pub(super) fn of(&self, direction: PatchDirection) -> usize {
+        self.0[direction as usize]
+    }
+
+    /// As many times the steps.
+    #[must_use]
+    pub(super) fn times(self, factor: usize) -> Self {
+        Self(self.0.map(|n| n * factor))
+    }
+}
+
+/// Spacing of the places along a blade.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Spacing {
+    /// Equal steps.
+    Equal,
+    /// Shorter steps near both ends, where a fillet bends: the ball rolls beyond the ends of the face, which goes on straight.
+    FineEnds,
+}
+
+impl Spacing {
+    /// Shares of the way along a blade at equal steps of a parameter; their derivatives are continuous.
+    pub(super) fn shares(self, steps: usize) -> Vec<f64> {
+        /// Share of the length near an end that is fine: fillets of the shipped wheels bend within a twentieth.
+        const NEAR_END: f64 = 0.06;
+        /// Density of places at an end, over that in the middle.
+        const DENSER: f64 = 10.0;
+        // Integral of 1 + DENSER (exp(-(s / NEAR_END)^2) + exp(-((1 - s) / NEAR_END)^2)).
+        let bell = DENSER * NEAR_END / std::f64::consts::FRAC_2_SQRT_PI;
+        let [at_end, whole] = [0.0, 1.0 / NEAR_END].map(libm::erf);
+        let sum = |s: f64| s + bell * (libm::erf(s / NEAR_END) + whole - at_end - libm::erf((1.0 - s) / NEAR_END));
+        let share = |t: f64| {
+            let (mut low, mut high) = (0.0, 1.0);
+            // Bisection down to rounding.
+            for _ in 0..54 {
+                let middle = 0.5 * (low + high);
+                if sum(middle) < t * sum(1.0) { low = middle } else { high = middle }
+            }
+            0.5 * (low + high)
+        };
+        let equal = (0..=steps).map(|i| i as f64 / steps as f64);
+        match self {
+            Self::Equal => equal.collect(),
+            Self::FineEnds => equal.map(|t| if t == 0.0 || t == 1.0 { t } else { share(t) }).collect(),
+        }
+    }
+}
+
+/// Rows of points, all of one length.
+pub(super) type Grid = Vec<Vec<Point3<f64>>>;
+
+/// A surface over the unit square by points at equal steps.
+#[derive(Clone, Debug)]
+pub(super) struct SheetPatch {
+    /// Kind of the surface.
+    pub kind: SurfaceKind,
+    /// Directions of its columns and of its rows.
+    pub directions: [PatchDirection; 2],
+    /// Rows of points.
+    pub rows: Grid,
+    /// True when columns and rows run clockwise as seen from outside.
+    pub turned: bool,
+}
+
+/// Why a part has no patches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PatchFault {
+    /// A fillet does not extend along this surface from end to end.
+    Fillet(SurfaceKind),
+    /// The edge leaves the border of a face of its blade by this distance, mm.
+    Gap(SurfaceKind, f64),
+    /// Lines between the borders of the surface cross each other.
+    Folded(SurfaceKind),
+}
+
+/// True when columns and rows run clockwise as seen against a normal, at the middle of a grid.
+pub(super) fn clockwise(rows: &[Vec<Point3<f64>>], normal: &Vector3<f64>) -> bool {
+    let (i, j) = ((rows.len() - 1) / 2, (rows[0].len() - 1) / 2);
+    let [p, q, s] = [rows[i][j], rows[i][j + 1], rows[i + 1][j]];
+    (q - p).cross(&(s - p)).dot(normal) < 0.0
+}
