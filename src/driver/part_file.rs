@@ -53,9 +53,9 @@ pub(super) fn write(
 }
 
 /// Files with their paths, and what they hold.
-type Written = (Vec<(PathBuf, Vec<u8>)>, Vec<String>);
+type PartFiles = (Vec<(PathBuf, Vec<u8>)>, Vec<String>);
 
-fn one_file(path: &Path, (bytes, said): (Vec<u8>, Vec<String>)) -> Written {
+fn one_file(path: &Path, (bytes, said): (Vec<u8>, Vec<String>)) -> PartFiles {
     (vec![(path.to_path_buf(), bytes)], said)
 }
 
@@ -66,7 +66,7 @@ fn sections(
     program: &Program,
     stages: &mut Stages,
     sink: &mut Sink,
-) -> Result<Written, Aborted> {
+) -> Result<PartFiles, Aborted> {
     let part = &program.part;
     let made = stages.run("sections", || blade_loops(part, options.part.sections));
     let blades = or_reported(made.map_err(|fault| no_shell(&ShellFault::Patches(fault), program)), sink)?;

@@ -1,7 +1,7 @@
 //! Grids of points over a blade: its faces with their fillets, its edges, its tip.
 
 use super::chart::Chart;
-use super::patch::{Grid, PatchDirection, PatchFault, SheetPatch, Steps, clockwise};
+use super::patch::{PatchDirection, PatchFault, PointRows, SheetPatch, Steps, clockwise};
 use super::sheet::Sheet;
 use super::unrolled::Unrolled;
 use super::{BladeId, FaceId, Part, Surface, SurfaceKind};
@@ -24,7 +24,7 @@ pub(super) struct BladeSheets {
     /// Faces: the one that looks ahead, and the other.
     sides: [FaceId; 2],
     /// Their grids, from the leading to the trailing edge.
-    pub(super) faces: [Grid; 2],
+    pub(super) faces: [PointRows; 2],
     /// Leading and trailing edge.
     pub(super) ends: [EndSheets; 2],
     /// Row at which the faces begin; 0 without fillets.
@@ -34,7 +34,7 @@ pub(super) struct BladeSheets {
 /// Grids over an edge, from the face behind to the face ahead.
 pub(super) struct EndSheets {
     /// Directions across, and grids.
-    pub(super) parts: Vec<(PatchDirection, Grid)>,
+    pub(super) parts: Vec<(PatchDirection, PointRows)>,
     /// The edge, where it is a surface of its own.
     rounded: Option<FaceId>,
     /// True when the blade ends before the circle at the end of the hub.
@@ -123,7 +123,7 @@ impl BladeSheets {
         patches: &mut Vec<SheetPatch>,
         [below, above]: [SurfaceKind; 2],
         across: PatchDirection,
-        grid: &Grid,
+        grid: &PointRows,
         turned: bool,
     ) {
         let mut add = |kind, up, rows: &[Vec<Point3<f64>>]| {
@@ -140,9 +140,9 @@ impl BladeSheets {
         let part = form.part;
         let [ahead, behind] = self.faces.each_ref().map(|face| &face[face.len() - 1]);
         let steps = form.steps.of(PatchDirection::Blade);
-        let rows: Grid = behind.iter().zip(ahead).map(|(p, q)| bridge(p, q, steps, Some(&part.shroud))).collect();
+        let rows: PointRows = behind.iter().zip(ahead).map(|(p, q)| bridge(p, q, steps, Some(&part.shroud))).collect();
         let kind = SurfaceKind::Tip(self.blade);
-        let mut add = |rows: Grid, along| {
+        let mut add = |rows: PointRows, along| {
             let p = rows[rows.len() / 2][rows[0].len() / 2];
             let u = part.shroud.closest(Vector2::new(libm::hypot(p.x, p.y), p.z)).0;
             let normal: Vector3<f64> = part.shroud.normal(u, libm::atan2(p.y, p.x));
@@ -165,12 +165,12 @@ impl BladeSheets {
 }
 
 /// A column of a grid.
-fn column(grid: &Grid, at: usize) -> Vec<Point3<f64>> {
+fn column(grid: &PointRows, at: usize) -> Vec<Point3<f64>> {
     grid.iter().map(|row| row[at]).collect()
 }
 
 /// Grids over an edge that the lathe makes, between the ends of the face behind and of the face ahead.
-fn turned_edge(form: &SheetForm<'_>, [behind, ahead]: &[Vec<Point3<f64>>; 2], inside: bool) -> Grid {
+fn turned_edge(form: &SheetForm<'_>, [behind, ahead]: &[Vec<Point3<f64>>; 2], inside: bool) -> PointRows {
     let steps = form.steps.of(PatchDirection::Blade);
     let top = behind.len() - 1;
     let on = |j: usize| match j {
@@ -187,8 +187,8 @@ fn rounded_edge(
     edge: FaceId,
     reversed: bool,
     faces: &[Vec<Point3<f64>>; 2],
-    sheet: &impl Fn(FaceId, &[f64]) -> Result<Grid, PatchFault>,
-) -> Result<Vec<(PatchDirection, Grid)>, PatchFault> {
+    sheet: &impl Fn(FaceId, &[f64]) -> Result<PointRows, PatchFault>,
+) -> Result<Vec<(PatchDirection, PointRows)>, PatchFault> {
     let directions = [PatchDirection::Shoulder, PatchDirection::Blade, PatchDirection::Shoulder];
     let mut parts = Vec::new();
     for (direction, range) in directions.into_iter().zip(PARTS.windows(2)) {

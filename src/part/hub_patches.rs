@@ -12,14 +12,14 @@
 //! ```
 
 use super::blade_sheets::{BladeSheets, SheetForm};
-use super::patch::{Grid, PatchDirection, PatchFault, SheetPatch, clockwise};
+use super::patch::{PatchDirection, PatchFault, PointRows, SheetPatch, clockwise};
 use super::unrolled::Unrolled;
 use super::{Part, PassageId, SurfaceKind};
 use crate::geom::angle::nearest_turn;
 use nalgebra::{Point3, Rotation3, Vector2};
 
 /// Points of a line on the hub.
-type Line = Vec<Point3<f64>>;
+type HubLine = Vec<Point3<f64>>;
 
 /// How far a cut leaves the line on which its face would go on, over the opening between the blades; and how far its blade at most.
 const BESIDE: f64 = 0.25;
@@ -42,13 +42,13 @@ const ARCS: [f64; 4] = [0.0, 0.1, 0.9, 1.0];
 pub(super) struct HubPatch {
     pub(super) patch: SheetPatch,
     /// The end of the last column that belongs to the next sector, from a row on, as its points are in sector 0.
-    pub(super) next: Option<Line>,
+    pub(super) next: Option<HubLine>,
 }
 
 /// Patches over the hub of sector 0, and the lines on the circles at its ends, counter-clockwise.
 pub(super) struct HubPatches {
     pub(super) patches: Vec<HubPatch>,
-    pub(super) rings: [Vec<(PatchDirection, Line)>; 2],
+    pub(super) rings: [Vec<(PatchDirection, HubLine)>; 2],
 }
 
 /// The hub with the blades on it.
@@ -61,13 +61,13 @@ struct Layout<'a> {
 /// An end of the passage behind a blade.
 struct PassageEnd {
     /// The line from blade to blade.
-    between: Line,
+    between: HubLine,
     /// Cuts from both blades to the circle, or parts of the circle at blades that end on it; none where both end on it.
-    cuts: Option<[Line; 2]>,
+    cuts: Option<[HubLine; 2]>,
     /// The circle between the cuts.
-    arc: Line,
+    arc: HubLine,
     /// The second cut as it is in the sector of its blade.
-    second: Line,
+    second: HubLine,
 }
 
 pub(super) fn hub_patches(form: &SheetForm<'_>, blades: &[BladeSheets]) -> Result<HubPatches, PatchFault> {
@@ -133,9 +133,9 @@ impl Layout<'_> {
         let one = self.cut((k, 0, end), &Rotation3::identity(), &from, &to);
         // As it is in the sector of its blade.
         let back = turn.inverse();
-        let mut second: Line = self.cut((next, 1, end), &turn, &to, &from).iter().map(|p| back * p).collect();
+        let mut second: HubLine = self.cut((next, 1, end), &turn, &to, &from).iter().map(|p| back * p).collect();
         second[0] = own;
-        let mut other: Line = second.iter().map(|p| turn * p).collect();
+        let mut other: HubLine = second.iter().map(|p| turn * p).collect();
         other[0] = to;
         let arc = self.plane.line(&one[before], &other[before], ABOUT, channel);
         PassageEnd { between, cuts: Some([one, other]), arc, second }
@@ -150,7 +150,7 @@ impl Layout<'_> {
         turn: &Rotation3<f64>,
         from: &Point3<f64>,
         opposite: &Point3<f64>,
-    ) -> Line {
+    ) -> HubLine {
         let steps = self.steps(PatchDirection::Before);
         let outward = if side == 0 { 1.0 } else { -1.0 };
         let start = self.plane.place(from, -ABOUT * outward);
@@ -189,8 +189,8 @@ impl Layout<'_> {
         found: &mut HubPatches,
         kind: usize,
         directions: [PatchDirection; 2],
-        rows: Grid,
-        next: Option<Line>,
+        rows: PointRows,
+        next: Option<HubLine>,
     ) {
         let p = rows[rows.len() / 2][rows[0].len() / 2];
         let [u, _] = self.plane.place(&p, 0.0);
@@ -199,7 +199,7 @@ impl Layout<'_> {
         found.patches.push(HubPatch { patch: SheetPatch { kind, directions, rows, turned }, next });
     }
 
-    fn filled(&self, k: usize, rows: [&[Point3<f64>]; 2], sides: [&[Point3<f64>]; 2]) -> Result<Grid, PatchFault> {
+    fn filled(&self, k: usize, rows: [&[Point3<f64>]; 2], sides: [&[Point3<f64>]; 2]) -> Result<PointRows, PatchFault> {
         self.plane.filled(rows, sides).ok_or(PatchFault::Folded(SurfaceKind::Hub(PassageId::new(k))))
     }
 
@@ -207,7 +207,7 @@ impl Layout<'_> {
     fn passage(&self, ends: &[PassageEnd; 2], k: usize, found: &mut HubPatches) -> Result<(), PatchFault> {
         let (next, turn, angle) = self.next(k);
         let own = &self.blades[next].faces[1][0];
-        let second: Line = own.iter().map(|p| turn * p).collect();
+        let second: HubLine = own.iter().map(|p| turn * p).collect();
         let rows = self.filled(k, [&ends[0].between, &ends[1].between], [&self.blades[k].faces[0][0], &second])?;
         let next = (angle > 0.0).then(|| own.clone());
         self.add(found, k, [PatchDirection::Channel, PatchDirection::Along], rows, next);
@@ -245,7 +245,7 @@ impl Layout<'_> {
         found: &mut HubPatches,
     ) -> Result<(), PatchFault> {
         let sheets = &self.blades[k].ends[end];
-        let feet: Vec<&Line> = sheets.parts.iter().map(|(_, grid)| &grid[0]).collect();
+        let feet: Vec<&HubLine> = sheets.parts.iter().map(|(_, grid)| &grid[0]).collect();
         if !sheets.inside {
             found.rings[end].extend(sheets.parts.iter().map(|(direction, grid)| (*direction, grid[0].clone())));
             return Ok(());

@@ -77,7 +77,7 @@ impl Spacing {
 }
 
 /// Rows of points, all of one length.
-pub(super) type Grid = Vec<Vec<Point3<f64>>>;
+pub(super) type PointRows = Vec<Vec<Point3<f64>>>;
 
 /// A surface over the unit square by points at equal steps.
 #[derive(Clone, Debug)]
@@ -87,7 +87,7 @@ pub(super) struct SheetPatch {
     /// Directions of its columns and of its rows.
     pub directions: [PatchDirection; 2],
     /// Rows of points.
-    pub rows: Grid,
+    pub rows: PointRows,
     /// True when columns and rows run clockwise as seen from outside.
     pub turned: bool,
 }

@@ -7,7 +7,7 @@ use super::Part;
 use super::blade_sheets::{BladeSheets, SheetForm};
 use super::chart::charts;
 use super::hub_patches::{HubPatch, hub_patches};
-use super::patch::{Grid, PatchDirection, PatchFault, SheetPatch, Spacing, Steps};
+use super::patch::{PatchDirection, PatchFault, PointRows, SheetPatch, Spacing, Steps};
 use nalgebra::Point3;
 
 /// The patches of all sectors.
@@ -46,7 +46,7 @@ impl<'a> Patches<'a> {
     pub(super) fn of_sector(&self, sector: u32) -> (Vec<SheetPatch>, [Vec<Point3<f64>>; 2]) {
         let [turn, next] = [sector, (sector + 1) % self.part.vane_count].map(|k| self.part.sector_rotation(k));
         let turned = |patch: &SheetPatch| {
-            let rows: Grid = patch.rows.iter().map(|row| row.iter().map(|p| turn * p).collect()).collect();
+            let rows: PointRows = patch.rows.iter().map(|row| row.iter().map(|p| turn * p).collect()).collect();
             SheetPatch { rows, ..*patch }
         };
         let mut patches: Vec<SheetPatch> = self.blades.iter().map(turned).collect();

@@ -21,7 +21,7 @@ pub struct Volume {
 }
 
 /// Steps of a grid along and up a wall, across a channel, and across a vane.
-const STEPS: [usize; 4] = [24, 12, 12, 4];
+const STEPS: [usize; 4] = [48, 12, 16, 8];
 
 /// Volume of the finished part: all vanes milled, no stock over the shroud. The error of chords of uniform grids is
 /// quadratic in the step; two refinements remove it.

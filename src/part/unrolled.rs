@@ -1,6 +1,6 @@
 //! A turned surface as a plane, in which lines and four-sided patches between given borders are found.
 
-use super::patch::Grid;
+use super::patch::PointRows;
 use crate::geom::Revolution;
 use crate::geom::angle::nearest_turn;
 use nalgebra::{Point3, Vector2};
@@ -85,7 +85,7 @@ impl<'a> Unrolled<'a> {
 
     /// Points between four borders (Coons): the first and the last row, the first and the last column. The borders stay as they
     /// are. `None` where lines between borders cross each other.
-    pub(super) fn filled(&self, [first, last]: [&[Point3<f64>]; 2], sides: [&[Point3<f64>]; 2]) -> Option<Grid> {
+    pub(super) fn filled(&self, [first, last]: [&[Point3<f64>]; 2], sides: [&[Point3<f64>]; 2]) -> Option<PointRows> {
         let places = |line: &[Point3<f64>], about: f64| {
             let mut about = about;
             let place = |p: &Point3<f64>| {
