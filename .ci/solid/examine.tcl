@@ -1,5 +1,5 @@
 # What OpenCASCADE finds in the STEP file that STEPFILE names; gate.py judges it. The search for crossings takes most of the
-# time and runs where CROSSINGS is set: `all`, or numbers of faces among which it searches.
+# time and runs where CROSSINGS is set.
 pload MODELING
 pload XSDRAW
 catch {stepread $::env(STEPFILE) s *} read
@@ -12,18 +12,8 @@ foreach shape [directory s_*] {
     puts [vprops $shape 1e-9 -full]
     freebounds $shape 1e-7
     foreach bounds [list ${shape}_o ${shape}_c] { puts "FREE\n[nbshapes $bounds]" }
-    set faces [explode $shape f]
-    if {[info exists ::env(CROSSINGS)]} {
-        if {$::env(CROSSINGS) == "all"} {
-            puts [bopargcheck $shape]
-        } else {
-            set chosen {}
-            foreach number $::env(CROSSINGS) { lappend chosen [lindex $faces [expr {$number - 1}]] }
-            compound {*}$chosen some
-            puts [bopargcheck some]
-        }
-    }
-    foreach face $faces {
+    if {[info exists ::env(CROSSINGS)]} { puts [bopargcheck $shape] }
+    foreach face [explode $shape f] {
         mksurface surface $face
         puts "KIND [lindex [split [dump surface] \n] 3]"
     }

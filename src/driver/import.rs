@@ -80,7 +80,7 @@ fn only_listed(imported: &Imported, options: &Import) -> Result<(), Diag> {
     let at = imported.notes.last().and_then(|note| note.span).unwrap_or_default();
     Err(Diag::error(codes::NOT_READ, format!("a part is not written from the format {}", imported.format))
         .label(at, "no face of this file is picked, or has a name of our own export")
-        .help("leave out `-o` to list the faces, then state `--face hub=#NUMBER --face pressure=#NUMBER --face suction=#NUMBER`"))
+        .help("leave out `-o` to list the faces, then pick them by number or name with `--face`; `impellerc import --help` names the roles"))
 }
 
 /// Refuses to write splitters of which it is not known where they stand: whether the angles of their sections hold the pitch
