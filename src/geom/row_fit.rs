@@ -13,10 +13,7 @@ use nalgebra::{DMatrix, Point3, Vector3, Vector4};
 const DEGREE: usize = MAX_DEGREE;
 
 /// Points of a row in a span at the start, on average: a spline with fewer control points smooths noise.
-const POINTS_A_SPAN: usize = 8;
-
-/// Points of all rows in a half of a span, at least: fewer say nothing of the curve between them.
-const LEAST_POINTS: usize = 2;
+const POINTS_A_SPAN: usize = 40;
 
 /// Weight of the squared second differences of control points, against the squared distances of points. At a nose with a radius
 /// of 1 mm and control points every 0.2 mm it moves the curve by less than a nanometre.
@@ -24,6 +21,15 @@ const SMOOTH: f64 = 1e-7;
 
 /// Spans, at most.
 const MOST_SPANS: usize = 400;
+
+/// Spans are halved down to this part of the tolerance, to compare fits.
+const FINER: f64 = 32.0;
+
+/// Places of a span at which directions are compared.
+const LOOKS: usize = 6;
+
+/// Turn that is worth more knots, rad: a wave 1 mm long and 0.01 um high adds 2e-4.
+const LESS_TURN: f64 = 1e-4;
 
 /// Rounds in which each parameter is moved to the foot of its point.
 const CORRECTIONS: usize = 4;
@@ -51,10 +57,13 @@ pub struct RowFit {
     control: Vec<Vec<Vector3<f64>>>,
     /// Largest distance of a point of each row to its spline, with the index of the point.
     pub residuals: Vec<(f64, usize)>,
+    /// Sum of the turns along all rows, rad.
+    turn: f64,
 }
 
 /// Splines on common knots through rows, each within `tolerance` of all its points where the points allow it: else with the
-/// residuals that remain.
+/// residuals that remain. Of the fits within the tolerance the one is taken that turns least: too few knots make waves beside a
+/// nose, and too many follow the noise of the points.
 ///
 /// `None` for rows with fewer than four points, or parameters that do not ascend.
 pub fn fit_rows(rows: &[Row], closed: bool, tolerance: f64) -> Option<RowFit> {
@@ -78,10 +87,17 @@ pub fn fit_rows(rows: &[Row], closed: bool, tolerance: f64) -> Option<RowFit> {
         let Some(found) = RowFit::on(rows, closed, &inner) else {
             return best;
         };
-        let better = best.as_ref().is_none_or(|b| found.fit.worst() < b.worst());
-        let halves: Vec<f64> =
-            found.failing(&inner, tolerance).iter().filter_map(|span| halving(&all, *span)).collect();
-        if better {
+        // For the tolerance two points of all rows are enough: fewer say nothing of the curve between them. A row without
+        // points in a half may turn there, so that for less than the tolerance each row has two.
+        let needed = found.failing(&inner, tolerance);
+        let finer = found.failing(&inner, tolerance / FINER).into_iter().filter(|span| !needed.contains(span));
+        let finer = finer.filter_map(|span| halving(rows, span, |points| points.iter().all(|n| *n >= 2)));
+        let halves: Vec<f64> = needed
+            .iter()
+            .filter_map(|span| halving(rows, *span, |points| points.iter().sum::<usize>() >= 2))
+            .chain(finer)
+            .collect();
+        if best.as_ref().is_none_or(|best| found.fit.is_better(best, tolerance)) {
             best = Some(found.fit);
         }
         if halves.is_empty() || inner.len() + halves.len() > MOST_SPANS {
@@ -94,7 +110,7 @@ pub fn fit_rows(rows: &[Row], closed: bool, tolerance: f64) -> Option<RowFit> {
 
 /// Inner knots at the start: with equal numbers of points between them, over all rows.
 fn start(all: &[f64], least: usize, closed: bool) -> Vec<f64> {
-    let spans = (least / POINTS_A_SPAN).max(if closed { DEGREE + 1 } else { 1 });
+    let spans = (least / POINTS_A_SPAN).clamp(if closed { DEGREE + 1 } else { 1 }, MOST_SPANS / 4);
     let at = |k: usize| {
         let i = (k * all.len() / spans).clamp(1, all.len() - 1);
         0.5 * (all[i - 1] + all[i])
@@ -104,11 +120,14 @@ fn start(all: &[f64], least: usize, closed: bool) -> Vec<f64> {
     inner
 }
 
-/// Parameter that halves a span; `None` where a half would have too few of all points.
-fn halving(all: &[f64], [from, to]: [f64; 2]) -> Option<f64> {
+/// Parameter that halves a span; `None` where the numbers of points of the rows in a half are not enough.
+fn halving(rows: &[Row], [from, to]: [f64; 2], enough: impl Fn(&[usize]) -> bool) -> Option<f64> {
     let middle = 0.5 * (from + to);
-    let within = |from: f64, to: f64| all.partition_point(|u| *u < to) - all.partition_point(|u| *u <= from);
-    (within(from, middle) >= LEAST_POINTS && within(middle, to) >= LEAST_POINTS).then_some(middle)
+    let points = |from: f64, to: f64| -> Vec<usize> {
+        let within = |at: &[f64]| at.partition_point(|u| *u < to) - at.partition_point(|u| *u <= from);
+        rows.iter().map(|row| within(&row.parameters)).collect()
+    };
+    (enough(&points(from, middle)) && enough(&points(middle, to))).then_some(middle)
 }
 
 /// A fit with the errors of its points.
@@ -137,7 +156,7 @@ impl JudgedFit {
 impl RowFit {
     fn on(rows: &[Row], closed: bool, inner: &[f64]) -> Option<JudgedFit> {
         let knots = if closed { periodic(inner) } else { clamped(inner) };
-        let mut fit = Self { closed, knots, control: Vec::new(), residuals: Vec::new() };
+        let mut fit = Self { closed, knots, control: Vec::new(), residuals: Vec::new(), turn: 0.0 };
         let mut feet = Vec::new();
         for row in rows {
             let (control, found) = fit.through(row)?;
@@ -146,7 +165,34 @@ impl RowFit {
             fit.residuals.push(worst);
             feet.push(found);
         }
+        fit.turn = fit.turn_of_all();
         Some(JudgedFit { fit, feet })
+    }
+
+    /// True for the smaller residual where one is out of tolerance, else for the one that turns less.
+    fn is_better(&self, than: &Self, tolerance: f64) -> bool {
+        if self.worst().max(than.worst()) > tolerance {
+            return self.worst() < than.worst();
+        }
+        self.turn < than.turn - LESS_TURN
+    }
+
+    /// Sum of the turns of the tangents along all rows, without signs, rad. It does not depend on how sharp a nose is, and each
+    /// wave adds to it.
+    fn turn_of_all(&self) -> f64 {
+        let domain = &self.knots[DEGREE..self.knots.len() - DEGREE];
+        let along = |curve: &NurbsCurve| {
+            let places = domain.windows(2).flat_map(|span| {
+                let step = (span[1] - span[0]) / LOOKS as f64;
+                (0..LOOKS).map(move |k| span[0] + step * (k as f64 + 0.5))
+            });
+            let tangents: Vec<Vector3<f64>> = places.map(|u| curve.derivatives(u).first).collect();
+            tangents
+                .windows(2)
+                .map(|pair| libm::atan2(pair[0].cross(&pair[1]).norm(), pair[0].dot(&pair[1])))
+                .sum::<f64>()
+        };
+        self.control.iter().map(|control| along(&self.curve(control))).sum()
     }
 
     /// Largest distance of a point to its spline, mm.

@@ -9,6 +9,7 @@ pub mod angles;
 mod edges;
 pub mod facts;
 mod fold;
+mod joined;
 pub mod loft;
 mod mean_line;
 pub mod outline;

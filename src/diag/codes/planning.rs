@@ -34,9 +34,12 @@ a cutter radius R and a thickness t. On a large part with a small cutter, such c
 allowed.\n\nRemedy: give a larger thickness after `rest over`, or use no rest machining in this operation.";
     TOO_HOLLOW = "IMP0408", "the cutter is larger than the radius of a concave surface",
         "Where the hub or a face is concave, a ball fits only if its radius is smaller than the radius of curvature \
-of the surface. A larger ball touches the surface on both sides of its line and gouges there.\n\nExample: a meridian \
+of the surface. A larger ball touches the surface on both sides of its line and gouges there. On faces, fillets and edges the \
+compiler measures how deep the cutter would cut in beside each contact; half of the chord tolerance is allowed, so that a \
+wave of a fraction of a micrometre does not count.\n\nExample: a meridian \
 that turns from axial to radial within 2 mm, and a ball of 6 mm diameter.\n\nRemedy: use a ball smaller than the \
-diameter in the help line, or a surface without the sharp turn.";
+diameter in the help line, or a surface without the sharp turn. Where the waves are those of a fit to sections, state a \
+smaller `fit`.";
     NOT_FLANK_MILLABLE = "IMP0409", "the side of the cutter does not fit the face",
         "`method minimax` finds the axis path whose envelope has the least deviation from a strip of the face. Even \
 this deviation is larger than the contracts on gouge and excess allow, less the chord tolerance.\n\nExample: one \

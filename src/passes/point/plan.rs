@@ -7,12 +7,12 @@
 
 use super::axes::VaneAxis;
 use super::spiral::Around;
-use super::vane_surface::{VaneSurface, nominal_tilt};
+use super::vane_surface::{Beside, VaneSurface, nominal_tilt};
 use crate::diag::{Aborted, Diag, codes::planning};
 use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind};
 use crate::method::Lines;
 use crate::part::{
-    BladeId, Part, Surface, SurfaceKind,
+    BladeId, FaceSurface, Part, Surface, SurfaceKind,
     chart::{Chart, Shape, charts, edges, edges_of},
 };
 use crate::passes::context::{
@@ -22,9 +22,6 @@ use crate::passes::context::{
 use crate::passes::lines::{self, DriveSurface, constant_scallop};
 use crate::units::length;
 use rayon::prelude::*;
-
-/// Difference of curvatures, 1/mm, within which a ball has the radius of its fillet.
-const SAME_RADIUS: f64 = 1e-6;
 
 /// Plans a point milling operation.
 ///
@@ -187,34 +184,36 @@ fn no_fillet(cx: &mut PassContext<'_>, operation: &Operation) -> Aborted {
     Aborted
 }
 
-/// Refuses a cutter that is less curved than a hollow of a surface.
+/// Refuses a cutter that would cut into the surface beside its line: one that is less curved than a hollow.
+///
+/// Half of the chord tolerance is allowed. The interpolation takes the other part of what a contract on gouge leaves.
 fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, surface: &VaneSurface<'_>) -> Result<(), Aborted> {
-    let (rest, bulge, [x, y]) = surface.most_hollow();
-    // A ball in a fillet of its own radius leaves nothing.
-    if rest > 0.0 || (surface.hollow.is_some() && rest > -SAME_RADIUS) {
+    let allowed = 0.5 * cx.program.tolerances.chord.get();
+    let Beside { depth, sphere, at: [x, y] } = surface.deepest_beside(allowed);
+    if depth <= allowed {
         return Ok(());
     }
     let tool = &cx.program.tools[operation.tool];
     let place = surface.chart.place(x, y);
-    let hollow_radius = -1.0 / bulge;
-    cx.sink.push(
-        Diag::error(
-            planning::TOO_HOLLOW,
-            format!(
-                "the radius of {} is larger than the concave radius of the {}, {}",
-                tool.name,
-                surface.name(),
-                length(hollow_radius)
-            ),
-        )
-        .label(operation.span, "in this operation")
-        .label(tool.span, "this cutter would gouge the surface beside its line")
-        .place(
-            format!("{} at u = {:.3}, v = {:.3}", surface.name(), place.parameters[0], place.parameters[1]),
-            place.position,
-        )
-        .help(format!("use a ball of less than {:.2} mm diameter", (200.0 * hollow_radius).floor() / 100.0)),
-    );
+    let mut diag = Diag::error(
+        planning::TOO_HOLLOW,
+        format!("{} would cut {} deep into the {} beside its line", tool.name, length(depth), surface.name()),
+    )
+    .label(operation.span, "in this operation")
+    .label(
+        tool.span,
+        format!("this cutter is wider than a hollow; {} are allowed, half of the chord tolerance", length(allowed)),
+    )
+    .place(
+        format!("{} at u = {:.3}, v = {:.3}", surface.name(), place.parameters[0], place.parameters[1]),
+        place.position,
+    )
+    .help(format!("use a ball of less than {:.2} mm diameter", (200.0 * sphere).floor() / 100.0));
+    if matches!(cx.program.part.face(surface.side).surface, FaceSurface::Lofted(_)) && surface.hollow.is_none() {
+        diag =
+            diag.note("a curve that is fitted to the points of a section has waves; a smaller `fit` makes them lower");
+    }
+    cx.sink.push(diag);
     Err(Aborted)
 }
 

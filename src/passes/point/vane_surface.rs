@@ -11,7 +11,8 @@ use crate::part::{
 };
 use crate::passes::context::AxisTilt;
 use crate::passes::lines::{CutterPose, DriveSurface, METRIC_STATIONS, SurfaceLine, highest_ridge};
-use nalgebra::{Matrix2, SymmetricEigen, Vector3};
+use nalgebra::{Matrix2, SymmetricEigen, Vector2, Vector3};
+use rayon::prelude::*;
 
 /// Layers of the metric across a surface.
 const LAYERS: usize = 25;
@@ -21,6 +22,9 @@ const STEP: f64 = 1e-4;
 
 /// Places along and across a surface at which its curvature is compared with that of the cutter.
 const LOOKS: [usize; 2] = [120, 12];
+
+/// Places on each side of a contact, in a direction, at which the surface is compared with the cutter.
+const BESIDE: usize = 24;
 
 /// Lower bound of steps per unit across a surface: a ball in a fillet of its own radius has infinite steps.
 const LEAST_ACROSS: f64 = 1e-6;
@@ -107,22 +111,64 @@ impl VaneSurface<'_> {
         (form[(1, 1)] - form[(0, 1)] * form[(0, 1)] / form[(0, 0)].max(LEAST_ACROSS)).max(0.0).sqrt()
     }
 
-    /// Most hollow place: least sum of both curvatures (surface and cutter), the curvature of the surface there, and
-    /// (x, y).
-    pub(crate) fn most_hollow(&self) -> (f64, f64, [f64; 2]) {
-        let mut worst = (f64::INFINITY, 0.0, [0.5; 2]);
-        for i in 0..=LOOKS[0] {
-            for j in 0..=LOOKS[1] {
-                let (x, y) = (i as f64 / LOOKS[0] as f64, j as f64 / LOOKS[1] as f64);
-                let at = self.local(x, y);
-                let rest = least_against(&(self.cutter_form(x, y, &at) + at.bulge), &at.first);
-                if rest < worst.0 {
-                    worst = (rest, least_against(&at.bulge, &at.first), [x, y]);
+    /// How deep the cutter would cut into the surface beside its contacts, at the worst of them.
+    ///
+    /// In each direction the cutter is taken for the sphere of its curvature there. Depths are measured on the surface, so
+    /// that a wave of a fraction of a micrometre counts for its depth, not for its radius.
+    pub(crate) fn deepest_beside(&self, allowed: f64) -> Beside {
+        let places: Vec<[usize; 2]> = (0..=LOOKS[0]).flat_map(|i| (0..=LOOKS[1]).map(move |j| [i, j])).collect();
+        let worst =
+            |a: Beside, b: Beside| Beside { sphere: a.sphere.min(b.sphere), ..if b.depth > a.depth { b } else { a } };
+        places
+            .into_par_iter()
+            .map(|[i, j]| self.beside([i as f64 / LOOKS[0] as f64, j as f64 / LOOKS[1] as f64], allowed))
+            .reduce(|| Beside { depth: 0.0, sphere: f64::INFINITY, at: [0.5; 2] }, worst)
+    }
+
+    /// The same at one contact.
+    fn beside(&self, at: [f64; 2], allowed: f64) -> Beside {
+        let mut worst = Beside { depth: 0.0, sphere: f64::INFINITY, at };
+        let [x, y] = at;
+        let local = self.local(x, y);
+        let cutter = self.cutter_form(x, y, &local);
+        let place = self.chart.place(x, y);
+        for way in [Vector2::x(), Vector2::y(), least_against(&(cutter + local.bulge), &local.first).1] {
+            let length = way.dot(&(local.first * way)).sqrt();
+            let curvature = way.dot(&(cutter * way)) / (length * length);
+            if !(length > 0.0 && curvature > 0.0) {
+                continue;
+            }
+            let radius = 1.0 / curvature;
+            for k in (1..=BESIDE).flat_map(|k| [k as f64, -(k as f64)]) {
+                // Steps grow with the distance: waves are short, and hollows as wide as the cutter.
+                let share = k / BESIDE as f64;
+                let step = way * (radius * share * share.abs() / length);
+                let [x, y] = [x + step.x, y + step.y];
+                if !((0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y)) {
+                    continue;
+                }
+                let off = self.chart.place(x, y).position - place.position;
+                let (height, square) = (off.dot(&place.normal), off.norm_squared());
+                let depth = radius - (square - 2.0 * radius * height + radius * radius).max(0.0).sqrt();
+                worst.depth = worst.depth.max(depth);
+                if height > allowed {
+                    worst.sphere = worst.sphere.min((square - allowed * allowed) / (2.0 * (height - allowed)));
                 }
             }
         }
         worst
     }
+}
+
+/// What the cutter does beside a contact.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Beside {
+    /// Depth to which it cuts into the surface there, mm.
+    pub(crate) depth: f64,
+    /// Radius of the largest sphere that cuts in no deeper than allowed, mm.
+    pub(crate) sphere: f64,
+    /// The contact, (x, y).
+    pub(crate) at: [f64; 2],
 }
 
 impl VaneSurface<'_> {
@@ -132,10 +178,12 @@ impl VaneSurface<'_> {
     }
 }
 
-/// Least ratio of two forms over all directions.
-fn least_against(form: &Matrix2<f64>, metric: &Matrix2<f64>) -> f64 {
-    let Some(root) = metric.cholesky().and_then(|c| c.l().try_inverse()) else { return 0.0 };
-    SymmetricEigen::new(root * form * root.transpose()).eigenvalues.min()
+/// Least ratio of two forms over all directions, and the direction.
+fn least_against(form: &Matrix2<f64>, metric: &Matrix2<f64>) -> (f64, Vector2<f64>) {
+    let Some(root) = metric.cholesky().and_then(|c| c.l().try_inverse()) else { return (0.0, Vector2::zeros()) };
+    let eigen = SymmetricEigen::new(root * form * root.transpose());
+    let k = eigen.eigenvalues.imin();
+    (eigen.eigenvalues[k], root.transpose() * eigen.eigenvectors.column(k))
 }
 
 /// Tilt off the surface for which lines are laid, radians. The tilt of a barrel determines which radius cuts.
@@ -217,7 +265,7 @@ impl DriveSurface for VaneSurface<'_> {
             for j in 0..LOOKS[1] {
                 let y = low + high * (j as f64 + 0.5) / LOOKS[1] as f64;
                 let (form, at) = self.form(x, y, height);
-                let least = least_against(&form, &at.first).max(0.0).sqrt();
+                let least = least_against(&form, &at.first).0.max(0.0).sqrt();
                 sum += at.first.determinant().max(0.0).sqrt() * least * high * cell;
             }
         }
