@@ -21,7 +21,7 @@ TOLERANCE = 1e-6
 VOLUME = 1e-6
 # Most faces of a file in which crossings are looked for, and the longest time of a search.
 SEARCHED = 70
-SECONDS = 600
+SECONDS = 1800
 
 
 def examine(libraries, path, crossings):
