@@ -2,7 +2,7 @@
 
 use super::blade_sheets::{BladeSheets, SheetForm};
 use super::chart::charts;
-use super::patch::{PatchFault, Spacing, Steps};
+use super::patch::{AlongSpacing, PatchFault, Steps};
 use super::{BladeId, Part};
 use nalgebra::Point3;
 
@@ -31,7 +31,7 @@ pub fn blade_loops(part: &Part, count: usize) -> Result<Vec<BladeLoops>, PatchFa
     let sharp = part.without_fillets();
     let charts = charts(&sharp);
     let steps = Steps([ALONG, 1, count.max(2) - 1, 1, MIDDLE, SHOULDER, 1]);
-    let form = SheetForm { part: &sharp, charts: &charts, steps, along: Spacing::Equal.shares(ALONG) };
+    let form = SheetForm { part: &sharp, charts: &charts, steps, along: AlongSpacing::Equal.shares(ALONG) };
     sharp.blade_ids().map(|blade| Ok(round(&sharp, &BladeSheets::new(&form, blade)?, blade))).collect()
 }
 

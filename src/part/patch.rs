@@ -41,14 +41,14 @@ impl Steps {
 
 /// Spacing of the places along a blade.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Spacing {
+pub(super) enum AlongSpacing {
     /// Equal steps.
     Equal,
     /// Shorter steps near both ends, where a fillet bends: the ball rolls beyond the ends of the face, which goes on straight.
     FineEnds,
 }
 
-impl Spacing {
+impl AlongSpacing {
     /// Shares of the way along a blade at equal steps of a parameter; their derivatives are continuous.
     pub(super) fn shares(self, steps: usize) -> Vec<f64> {
         /// Share of the length near an end that is fine: fillets of the shipped wheels bend within a twentieth.

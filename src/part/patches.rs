@@ -7,7 +7,7 @@ use super::Part;
 use super::blade_sheets::{BladeSheets, SheetForm};
 use super::chart::charts;
 use super::hub_patches::{HubPatch, hub_patches};
-use super::patch::{PatchDirection, PatchFault, PointRows, SheetPatch, Spacing, Steps};
+use super::patch::{AlongSpacing, PatchDirection, PatchFault, PointRows, SheetPatch, Steps};
 use nalgebra::Point3;
 
 /// The patches of all sectors.
@@ -24,7 +24,7 @@ pub(super) struct Patches<'a> {
 impl<'a> Patches<'a> {
     /// # Errors
     /// [`PatchFault`].
-    pub(super) fn new(part: &'a Part, steps: Steps, spacing: Spacing) -> Result<Self, PatchFault> {
+    pub(super) fn new(part: &'a Part, steps: Steps, spacing: AlongSpacing) -> Result<Self, PatchFault> {
         let charts = charts(part);
         let along = spacing.shares(steps.of(PatchDirection::Along));
         let form = SheetForm { part, charts: &charts, steps, along };

@@ -79,6 +79,11 @@ impl Part {
             shroud: Revolution::new(shroud, beyond),
             blades: std::iter::once(main).chain(splitters).collect(),
         };
+        Self::of(row)
+    }
+
+    /// A part whose tables are made when they are asked for.
+    fn of(row: BladeRow) -> Self {
         Self { row, charts: OnceLock::new(), walls: OnceLock::new() }
     }
 
@@ -87,7 +92,7 @@ impl Part {
     pub fn without_fillets(&self) -> Self {
         let mut row = self.row.clone();
         row.blades.iter_mut().for_each(|blade| blade.fillet = None);
-        Self { row, charts: OnceLock::new(), walls: OnceLock::new() }
+        Self::of(row)
     }
 
     /// The same part with another fillet of the main blade.
@@ -95,7 +100,7 @@ impl Part {
     pub fn with_fillet(&self, fillet: Option<Mm>) -> Self {
         let mut row = self.row.clone();
         row.blades[0].fillet = fillet;
-        Self { row, charts: OnceLock::new(), walls: OnceLock::new() }
+        Self::of(row)
     }
 
     /// Tables of the charts of sector 0. `make` makes them at the first call; it must not wait for other threads.

@@ -5,7 +5,7 @@
 //! near enough to the patches. Planes and cylinders of the blank close the shell: nose, bore, back face, rim.
 
 pub use super::patch::PatchFault;
-use super::patch::{PatchDirection, SheetPatch, Spacing, Steps};
+use super::patch::{AlongSpacing, PatchDirection, SheetPatch, Steps};
 use super::patches::Patches;
 use super::{Part, Stock, SurfaceId, SurfaceKind};
 use crate::geom::{GeomError, NurbsCurve, NurbsSurface, interpolate_at, interpolate_grid};
@@ -150,7 +150,7 @@ type Fitted = (SheetPatch, NurbsSurface);
 fn fit(part: &Part) -> Result<(Vec<Fitted>, f64), ShellFault> {
     let mut steps = STEPS;
     let fillet = part.blades.iter().any(|blade| blade.fillet.is_some());
-    let spacing = if fillet { Spacing::FineEnds } else { Spacing::Equal };
+    let spacing = if fillet { AlongSpacing::FineEnds } else { AlongSpacing::Equal };
     loop {
         let patches = Patches::new(part, steps.times(2), spacing).map_err(ShellFault::Patches)?;
         let fitted: Vec<_> =

@@ -1,7 +1,7 @@
 //! The finished part as a closed triangle mesh, from the design surfaces only, and its volume: patches of all sectors, and
 //! front, bore, back and outside of the blank.
 
-use super::patch::{PatchDirection, Spacing, Steps};
+use super::patch::{AlongSpacing, PatchDirection, Steps};
 use super::patches::Patches;
 use super::shell::ShellFault;
 use super::{Part, Stock, SurfaceKind};
@@ -38,7 +38,7 @@ pub fn volume(part: &Part, stock: &Stock) -> Option<Volume> {
 /// Mesh of the finished part; the steps are those along a wall, up each of its two surfaces, across a channel, and
 /// across a vane. `None` as for [`volume`].
 pub fn mesh(part: &Part, stock: &Stock, [along, up, across, thick]: [usize; 4]) -> Option<Mesh> {
-    let patches = Patches::new(part, Steps([along, up, up, across, thick, thick, thick]), Spacing::Equal).ok()?;
+    let patches = Patches::new(part, Steps([along, up, up, across, thick, thick, thick]), AlongSpacing::Equal).ok()?;
     Some(mesh_of(part, stock, &patches))
 }
 
@@ -63,7 +63,7 @@ const MOST_STEPS: usize = 2048;
 pub fn mesh_within(part: &Part, stock: &Stock, chord: f64) -> Result<ChordMesh, ShellFault> {
     let mut steps = COARSE;
     loop {
-        let twice = Patches::new(part, steps.times(2), Spacing::FineEnds).map_err(ShellFault::Patches)?;
+        let twice = Patches::new(part, steps.times(2), AlongSpacing::FineEnds).map_err(ShellFault::Patches)?;
         let (patches, rings) = twice.of_sector(0);
         let mut more = steps;
         let (mut worst, mut widest_kind) = (0.0_f64, SurfaceKind::Rim);
@@ -92,7 +92,7 @@ pub fn mesh_within(part: &Part, stock: &Stock, chord: f64) -> Result<ChordMesh, 
                 .for_each(|d| more.0[d as usize] = 2 * steps.of(d));
         }
         if more == steps {
-            let patches = Patches::new(part, steps, Spacing::FineEnds).map_err(ShellFault::Patches)?;
+            let patches = Patches::new(part, steps, AlongSpacing::FineEnds).map_err(ShellFault::Patches)?;
             return Ok(ChordMesh { mesh: mesh_of(part, stock, &patches), error: worst });
         }
         if more.0.iter().any(|n| *n > MOST_STEPS) {

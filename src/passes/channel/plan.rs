@@ -15,7 +15,7 @@ use crate::method::{Lines, Spacing};
 use crate::part::{Part, Passage, Surface};
 use crate::passes::context::{
     PassContext, STATIONS, in_passage,
-    limits::{check_fillet, check_points},
+    limits::{check_fillet, check_points, less_than_radius},
 };
 use crate::passes::lines::{self, DriveSurface, LaidLines, LineDirection, constant_scallop, left_to_ridges, scallop};
 
@@ -152,16 +152,12 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, radius: f64) ->
         .label(tool.span, "this ball would gouge the hub beside its line")
         .place(format!("hub at u = {worst:.3}"), at)
         .help(match (part.main().fillet, operation.kind.of_larger_tool()) {
-            (_, Some(_)) => less_than(hollow_radius),
-            (Some(f), None) => less_than(hollow_radius.min(f.get())),
+            (_, Some(_)) => less_than_radius(hollow_radius),
+            (Some(f), None) => less_than_radius(hollow_radius.min(f.get())),
             (None, None) => what_would_do(part, radius),
         }),
     );
     Err(Aborted)
-}
-
-fn less_than(radius: f64) -> String {
-    format!("use a ball of less than {:.2} mm diameter", (200.0 * radius).floor() / 100.0)
 }
 
 /// Refuses a ball that is too big for the fillets or for the space between them.

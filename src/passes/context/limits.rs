@@ -83,3 +83,8 @@ pub(crate) fn check_fillet(
     );
     Err(Aborted)
 }
+
+/// The remedy for a ball that is larger than a hollow: a diameter of less than twice the radius, mm.
+pub(crate) fn less_than_radius(radius: f64) -> String {
+    format!("use a ball of less than {:.2} mm diameter", (200.0 * radius).floor() / 100.0)
+}

@@ -7,7 +7,7 @@
 
 use super::axes::VaneAxis;
 use super::spiral::Around;
-use super::vane_surface::{Beside, VaneSurface, nominal_tilt};
+use super::vane_surface::{CutBeside, VaneSurface, nominal_tilt};
 use crate::diag::{Aborted, Diag, codes::planning};
 use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind};
 use crate::method::Lines;
@@ -17,7 +17,7 @@ use crate::part::{
 };
 use crate::passes::context::{
     AxisTilt, PassContext, from_outlet,
-    limits::{check_fillet, check_points},
+    limits::{check_fillet, check_points, less_than_radius},
 };
 use crate::passes::lines::{self, DriveSurface, constant_scallop};
 use crate::units::length;
@@ -189,7 +189,7 @@ fn no_fillet(cx: &mut PassContext<'_>, operation: &Operation) -> Aborted {
 /// Half of the chord tolerance is allowed. The interpolation takes the other part of what a contract on gouge leaves.
 fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, surface: &VaneSurface<'_>) -> Result<(), Aborted> {
     let allowed = 0.5 * cx.program.tolerances.chord.get();
-    let Beside { depth, sphere, at: [x, y] } = surface.deepest_beside(allowed);
+    let CutBeside { depth, sphere, at: [x, y] } = surface.deepest_beside(allowed);
     if depth <= allowed {
         return Ok(());
     }
@@ -208,7 +208,7 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, surface: &VaneS
         format!("{} at u = {:.3}, v = {:.3}", surface.name(), place.parameters[0], place.parameters[1]),
         place.position,
     )
-    .help(format!("use a ball of less than {:.2} mm diameter", (200.0 * sphere).floor() / 100.0));
+    .help(less_than_radius(sphere));
     if matches!(cx.program.part.face(surface.side).surface, FaceSurface::Lofted(_)) && surface.hollow.is_none() {
         diag =
             diag.note("a curve that is fitted to the points of a section has waves; a smaller `fit` makes them lower");

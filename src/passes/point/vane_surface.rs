@@ -115,19 +115,21 @@ impl VaneSurface<'_> {
     ///
     /// In each direction the cutter is taken for the sphere of its curvature there. Depths are measured on the surface, so
     /// that a wave of a fraction of a micrometre counts for its depth, not for its radius.
-    pub(crate) fn deepest_beside(&self, allowed: f64) -> Beside {
+    pub(crate) fn deepest_beside(&self, allowed: f64) -> CutBeside {
         let places: Vec<[usize; 2]> = (0..=LOOKS[0]).flat_map(|i| (0..=LOOKS[1]).map(move |j| [i, j])).collect();
-        let worst =
-            |a: Beside, b: Beside| Beside { sphere: a.sphere.min(b.sphere), ..if b.depth > a.depth { b } else { a } };
+        let worst = |a: CutBeside, b: CutBeside| CutBeside {
+            sphere: a.sphere.min(b.sphere),
+            ..if b.depth > a.depth { b } else { a }
+        };
         places
             .into_par_iter()
             .map(|[i, j]| self.beside([i as f64 / LOOKS[0] as f64, j as f64 / LOOKS[1] as f64], allowed))
-            .reduce(|| Beside { depth: 0.0, sphere: f64::INFINITY, at: [0.5; 2] }, worst)
+            .reduce(|| CutBeside { depth: 0.0, sphere: f64::INFINITY, at: [0.5; 2] }, worst)
     }
 
     /// The same at one contact.
-    fn beside(&self, at: [f64; 2], allowed: f64) -> Beside {
-        let mut worst = Beside { depth: 0.0, sphere: f64::INFINITY, at };
+    fn beside(&self, at: [f64; 2], allowed: f64) -> CutBeside {
+        let mut worst = CutBeside { depth: 0.0, sphere: f64::INFINITY, at };
         let [x, y] = at;
         let local = self.local(x, y);
         let cutter = self.cutter_form(x, y, &local);
@@ -162,7 +164,7 @@ impl VaneSurface<'_> {
 
 /// What the cutter does beside a contact.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Beside {
+pub(crate) struct CutBeside {
     /// Depth to which it cuts into the surface there, mm.
     pub(crate) depth: f64,
     /// Radius of the largest sphere that cuts in no deeper than allowed, mm.
