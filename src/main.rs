@@ -11,7 +11,7 @@ use impellerc::driver::{
     self, Emit, Import, NcCheck, NcDiff, Options, Outcome, PartForm, PartOptions, RunOptions, Stages,
 };
 use impellerc::export::step::StepProtocol;
-use impellerc::import::{self, Axis, FaceChoice, FaceRole, Handedness, LengthUnit, Start};
+use impellerc::import::{self, Axis, FaceChoice, FaceRole, Handedness, LengthUnit, Start, job_frame::Zero};
 use impellerc::output::interrupt;
 use impellerc::sections::ThicknessDirection;
 use impellerc::sections::outline::Side;
@@ -290,6 +290,10 @@ struct ImportArguments {
     #[arg(long = "face", value_name = "ROLE=FACE", value_parser = face)]
     faces: Vec<FaceChoice>,
 
+    /// Place on the axis of rotation that becomes zero of the part
+    #[arg(long, value_enum, default_value = "file", value_name = "PLACE")]
+    zero: ZeroArgument,
+
     /// Row of blades, where the files have several
     #[arg(long, value_name = "NAME")]
     row: Option<String>,
@@ -323,8 +327,20 @@ impl ImportArguments {
             }),
             faces: self.faces,
         };
-        Import { files: self.files, output: self.output, row: self.row, force: self.force, options }
+        let zero = match self.zero {
+            ZeroArgument::File => Zero::File,
+            ZeroArgument::Top => Zero::Top,
+        };
+        Import { files: self.files, output: self.output, row: self.row, force: self.force, zero, options }
     }
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum ZeroArgument {
+    /// The origin of the files
+    File,
+    /// The height of the highest point of blades, hub and shroud
+    Top,
 }
 
 #[derive(Clone, Copy, ValueEnum)]

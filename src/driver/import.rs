@@ -5,6 +5,7 @@ use super::{Outcome, Stages, or_reported, shown_path};
 use crate::diag::codes::import as codes;
 use crate::diag::{Aborted, Diag, printable};
 use crate::import::faced_part;
+use crate::import::job_frame::Zero;
 use crate::import::outlines::{doubtful, outlines};
 use crate::import::part_text::{self, PartSource};
 use crate::import::{self, Imported, ImportedRow, Options, limits};
@@ -23,6 +24,8 @@ pub struct Import {
     pub row: Option<String>,
     /// Replace files that exist.
     pub force: bool,
+    /// Zero of the part that is written.
+    pub zero: Zero,
     /// What the caller states of the files.
     pub options: Options,
 }
@@ -58,7 +61,8 @@ fn run(options: &Import, stages: &mut Stages, outcome: &mut Outcome) -> Result<(
     let read: Vec<String> = names.iter().map(|name| own_name(name)).collect();
     let stem = options.output.as_ref().and_then(|path| path.file_stem()).map(|s| s.display().to_string());
     let name = printable(stem.as_deref().unwrap_or("part")).into_owned();
-    let source = PartSource { imported: &imported, row, divided: &divided, read: &read, name: &name };
+    let source =
+        PartSource { imported: &imported, row, divided: &divided, read: &read, name: &name, zero: options.zero };
     let mut said: String = part_text::summary(&source).into_iter().map(|line| line + "\n").collect();
     said.push_str(&notes(&imported, sources));
     if let Some(path) = &options.output {

@@ -12,8 +12,8 @@ use nalgebra::{DMatrix, Point3, Vector3, Vector4};
 /// Degree of the splines.
 const DEGREE: usize = MAX_DEGREE;
 
-/// Points of a row in a span at the start, on average: a spline with fewer control points smooths noise.
-const POINTS_A_SPAN: usize = 40;
+/// Judged points of a row in a span at the start, on average: a spline with fewer control points smooths noise.
+const POINTS_A_SPAN: usize = 8;
 
 /// Weight of the squared second differences of control points, against the squared distances of points. At a nose with a radius
 /// of 1 mm and control points every 0.2 mm it moves the curve by less than a nanometre.
@@ -42,6 +42,15 @@ pub struct Row {
     pub points: Vec<Point3<f64>>,
     /// Their parameters.
     pub parameters: Vec<f64>,
+    /// Whether each is a point that the spline must meet within the tolerance. The others lead it between those.
+    pub judged: Vec<bool>,
+}
+
+impl Row {
+    /// Number of points that the spline must meet.
+    fn judged(&self) -> usize {
+        self.judged.iter().filter(|judged| **judged).count()
+    }
 }
 
 /// Control points of a row, with the parameter and the distance of the foot of each of its points.
@@ -55,13 +64,13 @@ pub struct RowFit {
     knots: Vec<f64>,
     /// Control points by row.
     control: Vec<Vec<Vector3<f64>>>,
-    /// Largest distance of a point of each row to its spline, with the index of the point.
+    /// Largest distance of a judged point of each row to its spline, with the index of the point.
     pub residuals: Vec<(f64, usize)>,
     /// Sum of the turns along all rows, rad.
     turn: f64,
 }
 
-/// Splines on common knots through rows, each within `tolerance` of all its points where the points allow it: else with the
+/// Splines on common knots through rows, each within `tolerance` of all its judged points where the points allow it: else with the
 /// residuals that remain. Of the fits within the tolerance the one is taken that turns least: too few knots make waves beside a
 /// nose, and too many follow the noise of the points.
 ///
@@ -69,6 +78,7 @@ pub struct RowFit {
 pub fn fit_rows(rows: &[Row], closed: bool, tolerance: f64) -> Option<RowFit> {
     let ascends = |row: &Row| {
         row.points.len() == row.parameters.len()
+            && row.points.len() == row.judged.len()
             && row.points.len() > DEGREE
             && row.parameters.windows(2).all(|pair| pair[0] < pair[1])
             && row.points.iter().all(|p| p.coords.iter().all(|x| x.is_finite()))
@@ -80,7 +90,7 @@ pub fn fit_rows(rows: &[Row], closed: bool, tolerance: f64) -> Option<RowFit> {
     }
     let mut all: Vec<f64> = rows.iter().flat_map(|row| row.parameters.iter().copied()).collect();
     all.sort_by(f64::total_cmp);
-    let least = rows.iter().map(|row| row.points.len()).min().unwrap_or(0);
+    let least = rows.iter().map(Row::judged).min().unwrap_or(0);
     let mut inner = start(&all, least, closed);
     let mut best: Option<RowFit> = None;
     loop {
@@ -89,8 +99,9 @@ pub fn fit_rows(rows: &[Row], closed: bool, tolerance: f64) -> Option<RowFit> {
         };
         // For the tolerance two points of all rows are enough: fewer say nothing of the curve between them. A row without
         // points in a half may turn there, so that for less than the tolerance each row has two.
-        let needed = found.failing(&inner, tolerance);
-        let finer = found.failing(&inner, tolerance / FINER).into_iter().filter(|span| !needed.contains(span));
+        let needed = found.failing(&inner, tolerance, |row, i| rows[row].judged[i]);
+        let finer =
+            found.failing(&inner, tolerance / FINER, |_, _| true).into_iter().filter(|span| !needed.contains(span));
         let finer = finer.filter_map(|span| halving(rows, span, |points| points.iter().all(|n| *n >= 2)));
         let halves: Vec<f64> = needed
             .iter()
@@ -138,15 +149,17 @@ struct JudgedFit {
 }
 
 impl JudgedFit {
-    /// Spans with a point out of tolerance.
-    fn failing(&self, inner: &[f64], tolerance: f64) -> Vec<[f64; 2]> {
+    /// Spans with a point out of tolerance, of those that count: by row and index.
+    fn failing(&self, inner: &[f64], tolerance: f64, counts: impl Fn(usize, usize) -> bool) -> Vec<[f64; 2]> {
         let mut ends = vec![0.0];
         ends.extend_from_slice(inner);
         ends.push(1.0);
         let mut fails = vec![false; ends.len() - 1];
-        for (u, distance) in self.feet.iter().flatten() {
-            if *distance > tolerance {
-                fails[ends.partition_point(|e| e <= u).clamp(1, ends.len() - 1) - 1] = true;
+        for (row, feet) in self.feet.iter().enumerate() {
+            for (i, (u, distance)) in feet.iter().enumerate() {
+                if *distance > tolerance && counts(row, i) {
+                    fails[ends.partition_point(|e| e <= u).clamp(1, ends.len() - 1) - 1] = true;
+                }
             }
         }
         ends.windows(2).zip(fails).filter(|(_, fails)| *fails).map(|(span, _)| [span[0], span[1]]).collect()
@@ -160,7 +173,8 @@ impl RowFit {
         let mut feet = Vec::new();
         for row in rows {
             let (control, found) = fit.through(row)?;
-            let worst = found.iter().enumerate().fold((0.0, 0), |w, (i, (_, d))| if *d > w.0 { (*d, i) } else { w });
+            let judged = found.iter().enumerate().filter(|(i, _)| row.judged[*i]);
+            let worst = judged.fold((0.0, 0), |w, (i, (_, d))| if *d > w.0 { (*d, i) } else { w });
             fit.control.push(control);
             fit.residuals.push(worst);
             feet.push(found);
@@ -195,7 +209,7 @@ impl RowFit {
         self.control.iter().map(|control| along(&self.curve(control))).sum()
     }
 
-    /// Largest distance of a point to its spline, mm.
+    /// Largest distance of a judged point to its spline, mm.
     pub fn worst(&self) -> f64 {
         self.residuals.iter().map(|r| r.0).fold(0.0, f64::max)
     }
@@ -379,7 +393,7 @@ mod tests {
         let parameters: Vec<f64> = (0..count).map(|i| i as f64 / last as f64).collect();
         let points =
             parameters.iter().map(|u| Point3::new(30.0 * (TAU * u).cos(), 4.0 * (TAU * u).sin(), height)).collect();
-        Row { points, parameters }
+        Row { points, parameters, judged: vec![true; count] }
     }
 
     #[test]

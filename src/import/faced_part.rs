@@ -1,8 +1,9 @@
 //! The text of a part whose faces are given as surfaces: ruled or lofted faces with hub and shroud of their own.
 
 use super::BladeSurfaces;
+use super::job_frame::JobFrame;
 use super::part_text::{
-    self, FACES, PartFiles, PartSource, blade_name, curves, head, meridian, meridians, sections, upward, word,
+    self, FACES, PartFiles, PartSource, blade_name, curves, head, meridian, meridians, sections, word,
 };
 use crate::units::trim;
 use std::fmt::Write as _;
@@ -12,7 +13,7 @@ const WITHOUT_A_WORD: f64 = 0.1;
 
 /// Writes the files of a part: with the faces that were imported, or as its sections demand.
 pub fn write(source: &PartSource<'_>) -> PartFiles {
-    FacedPart::of(source).map_or_else(|| part_text::write(source), |faces| faces.files(source, upward(source)))
+    FacedPart::of(source).map_or_else(|| part_text::write(source), |faces| faces.files(source))
 }
 
 /// A part of faces.
@@ -36,20 +37,21 @@ impl<'a> FacedPart<'a> {
     }
 
     /// Files of the part.
-    fn files(&self, source: &PartSource<'_>, over: bool) -> PartFiles {
+    fn files(&self, source: &PartSource<'_>) -> PartFiles {
+        let frame = JobFrame::of(source.zero, (source.imported, source.divided), Some(self.ends));
         // Each table has a heading of its own.
-        let curves = curves(source, over, self.lofted) + &meridians(self.ends, over);
+        let curves = curves(source, frame, self.lofted) + &meridians(self.ends, frame);
         PartFiles {
-            job: self.job(source, over),
+            job: self.job(source, frame),
             curves,
             loops: Vec::new(),
-            sections: sections(source, over),
-            meridian: meridian(source.imported, over),
+            sections: sections(source, frame),
+            meridian: meridian(source.imported, frame),
         }
     }
 
-    fn job(&self, source: &PartSource<'_>, over: bool) -> String {
-        let mut text = head(source, over);
+    fn job(&self, source: &PartSource<'_>, frame: JobFrame) -> String {
+        let mut text = head(source, frame);
         text.push_str("// Hub and shroud end with the blades. Add fillets, stock, tools, operations and contracts.\n");
         text.push_str("edition 2026\n\n");
         _ = writeln!(text, "part {} {{\n  vanes {}", word(source.name, "imported"), source.row.count);

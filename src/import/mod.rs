@@ -13,6 +13,7 @@ mod found;
 mod frame;
 mod geomturbo;
 mod ibl;
+pub mod job_frame;
 pub mod limits;
 mod lines;
 mod loader;

@@ -1,8 +1,6 @@
 //! A part in the language, from what was imported: its text, its curves, and tables of sections, hub and shroud.
-//!
-//! The language has the axis of rotation in Z with the inlet above the outlet. A blade whose flow goes towards +Z is turned
-//! over: about X by half a turn, which mirrors nothing.
 
+use super::job_frame::{JobFrame, Zero};
 use super::wheel_ends::{CutMeridian, cut};
 use super::{Imported, ImportedBlade, ImportedRow};
 use crate::sections::SectionForm;
@@ -40,6 +38,8 @@ pub struct PartSource<'a> {
     pub read: &'a [String],
     /// Name of the part and of its files, without an ending.
     pub name: &'a str,
+    /// Zero of the part.
+    pub zero: Zero,
 }
 
 /// Digits behind the point of written coordinates, mm: a tenth of a nanometre, so that reading them changes nothing.
@@ -48,24 +48,8 @@ const DIGITS: usize = 7;
 /// Most files that are named one by one.
 const NAMED: usize = 4;
 
-/// Whether the flow goes towards +Z: by hub and shroud, otherwise by the edges of the main blade.
-pub(super) fn upward(source: &PartSource<'_>) -> bool {
-    let ends = |line: &Vec<[f64; 2]>| Some(line.last()?[1] - line.first()?[1]);
-    let of_blade = || {
-        let outline = &source.divided.first()?.first()?.outline;
-        Some(outline.faces[0].last()?.z - outline.faces[0].first()?.z)
-    };
-    let of_line = source.imported.hub.as_ref().or(source.imported.shroud.as_ref()).and_then(ends);
-    of_line.or_else(of_blade).is_some_and(|dz| dz > 0.0)
-}
-
-/// A point in the frame of the job.
-fn turned(p: &Point3<f64>, over: bool) -> Point3<f64> {
-    if over { Point3::new(p.x, -p.y, -p.z) } else { *p }
-}
-
-fn coordinates(p: &Point3<f64>, over: bool) -> String {
-    let p = turned(p, over);
+fn coordinates(p: &Point3<f64>, frame: JobFrame) -> String {
+    let p = frame.point(p);
     // A sum with zero has no sign of its own.
     [p.x, p.y, p.z].map(|x| trim(x + 0.0, DIGITS)).join(",")
 }
@@ -93,14 +77,15 @@ fn ends(divided: &[DividedSection]) -> Option<[(&'static str, &Outline); 2]> {
 /// Writes the files of a part. Where all sections are closed and hub and shroud are known, the blades have these sections;
 /// otherwise their faces are ruled from the first to the last section.
 pub fn write(source: &PartSource<'_>) -> PartFiles {
-    let over = upward(source);
     let ends = wheel(source);
-    let (loops, curves) = match &ends {
-        Some(ends) => (loops(source, over), meridians(ends.each_ref().map(|end| end.points.as_slice()), over)),
-        None => (Vec::new(), curves(source, over, false)),
+    let lines = ends.as_ref().map(|ends| ends.each_ref().map(|end| end.points.as_slice()));
+    let frame = JobFrame::of(source.zero, (source.imported, source.divided), lines);
+    let (loops, curves) = match lines {
+        Some(lines) => (loops(source, frame), meridians(lines, frame)),
+        None => (Vec::new(), curves(source, frame, false)),
     };
-    let job = job(source, over, ends.as_ref());
-    PartFiles { job, curves, loops, sections: sections(source, over), meridian: meridian(source.imported, over) }
+    let job = job(source, frame, ends.as_ref());
+    PartFiles { job, curves, loops, sections: sections(source, frame), meridian: meridian(source.imported, frame) }
 }
 
 /// Hub and shroud of the wheel, where all blades have closed sections.
@@ -120,21 +105,19 @@ fn wheel(source: &PartSource<'_>) -> Option<[CutMeridian; 2]> {
 }
 
 /// Comments at the head of a job: what was found.
-pub(super) fn head(source: &PartSource<'_>, over: bool) -> String {
+pub(super) fn head(source: &PartSource<'_>, frame: JobFrame) -> String {
     let mut text = String::new();
     for line in summary(source) {
         _ = writeln!(text, "// {line}");
     }
-    if over {
-        text.push_str(
-            "// Turned over about X, so that the inlet is up: y and z have the other sign than in the file.\n",
-        );
+    for line in frame.told() {
+        _ = writeln!(text, "// {line}");
     }
     text
 }
 
-fn job(source: &PartSource<'_>, over: bool, ends: Option<&[CutMeridian; 2]>) -> String {
-    let mut text = head(source, over);
+fn job(source: &PartSource<'_>, frame: JobFrame, ends: Option<&[CutMeridian; 2]>) -> String {
+    let mut text = head(source, frame);
     if let Some([hub, shroud]) = ends {
         for (name, CutMeridian { beyond: [ahead, behind], .. }) in [("hub", hub), ("shroud", shroud)] {
             let (ahead, behind) = (trim(*ahead, 3), trim(*behind, 3));
@@ -162,7 +145,7 @@ fn job(source: &PartSource<'_>, over: bool, ends: Option<&[CutMeridian; 2]>) -> 
             for (edge, form) in ["leading", "trailing"].iter().zip(stated) {
                 form.map(|form| writeln!(text, "    {edge}-edge {}", form.name()));
             }
-            _ = writeln!(text, "    pressure {}", looks(divided, over));
+            _ = writeln!(text, "    pressure {}", looks(divided, frame));
         } else {
             ruled_faces(&mut text, divided, &name, &file);
         }
@@ -179,9 +162,9 @@ fn job(source: &PartSource<'_>, over: bool, ends: Option<&[CutMeridian; 2]>) -> 
 }
 
 /// Where the pressure face looks in the frame of the job, seen from +Z.
-fn looks(divided: &[DividedSection], over: bool) -> &'static str {
+fn looks(divided: &[DividedSection], frame: JobFrame) -> &'static str {
     let greater = divided.first().is_some_and(|d| d.pressure == Side::Greater);
-    if greater == over { "clockwise" } else { "counter-clockwise" }
+    if greater == frame.over { "clockwise" } else { "counter-clockwise" }
 }
 
 fn ruled_faces(text: &mut String, divided: &[DividedSection], blade: &str, file: &str) {
@@ -195,7 +178,7 @@ fn ruled_faces(text: &mut String, divided: &[DividedSection], blade: &str, file:
 }
 
 /// Closed sections of each blade.
-fn loops(source: &PartSource<'_>, over: bool) -> Vec<(String, String)> {
+fn loops(source: &PartSource<'_>, frame: JobFrame) -> Vec<(String, String)> {
     let of = |(k, blade): (usize, &ImportedBlade)| {
         let mut text = format!(
             "# Sections of {} of {} in mm, from hub to shroud. Z is the axis of rotation.\n# curve,number,x,y,z\n",
@@ -205,7 +188,7 @@ fn loops(source: &PartSource<'_>, over: bool) -> Vec<(String, String)> {
         for (section, given) in blade.sections.iter().enumerate() {
             let SectionForm::Loop(points) = &given.form else { continue };
             for (number, p) in points.iter().enumerate() {
-                _ = writeln!(text, "section_{:02},{},{}", section + 1, number + 1, coordinates(p, over));
+                _ = writeln!(text, "section_{:02},{},{}", section + 1, number + 1, coordinates(p, frame));
             }
         }
         (blade_name(k), text)
@@ -214,45 +197,45 @@ fn loops(source: &PartSource<'_>, over: bool) -> Vec<(String, String)> {
 }
 
 /// Hub and shroud of the wheel as curves.
-pub(super) fn meridians(ends: [&[[f64; 2]]; 2], over: bool) -> String {
+pub(super) fn meridians(ends: [&[[f64; 2]]; 2], frame: JobFrame) -> String {
     let mut text =
         String::from("# Hub and shroud of the wheel in mm from inlet to outlet: meridians.\n# curve,number,x,y,z\n");
     for (name, line) in ["hub", "shroud"].iter().zip(ends) {
         for (number, [r, z]) in line.iter().enumerate() {
-            _ = writeln!(text, "{name},{},{}", number + 1, coordinates(&Point3::new(*r, 0.0, *z), over));
+            _ = writeln!(text, "{name},{},{}", number + 1, coordinates(&Point3::new(*r, 0.0, *z), frame));
         }
     }
     text
 }
 
 /// Points of a curve.
-fn curve(text: &mut String, name: &str, points: &[Point3<f64>], over: bool) {
+fn curve(text: &mut String, name: &str, points: &[Point3<f64>], frame: JobFrame) {
     for (number, p) in points.iter().enumerate() {
-        _ = writeln!(text, "{name},{},{}", number + 1, coordinates(p, over));
+        _ = writeln!(text, "{name},{},{}", number + 1, coordinates(p, frame));
     }
 }
 
 /// Curves of the faces: tip and root, and the sections between them where faces are lofted.
-pub(super) fn curves(source: &PartSource<'_>, over: bool, lofted: bool) -> String {
+pub(super) fn curves(source: &PartSource<'_>, frame: JobFrame, lofted: bool) -> String {
     let mut text =
         format!("# Faces of {} in mm. Z is the axis of rotation; points run from inlet to outlet.\n", source.name);
     text.push_str("# curve,number,x,y,z\n");
     for (k, divided) in source.divided.iter().enumerate() {
         for (face, name) in FACES.iter().enumerate() {
             for (end, outline) in ends(divided).into_iter().flatten() {
-                curve(&mut text, &format!("{}_{end}_{name}", blade_name(k)), &outline.faces[face], over);
+                curve(&mut text, &format!("{}_{end}_{name}", blade_name(k)), &outline.faces[face], frame);
             }
             let between = divided.get(1..divided.len().saturating_sub(1)).filter(|_| lofted).unwrap_or_default();
             for (section, divided) in between.iter().enumerate() {
                 let named = format!("{}_{}_{name}", blade_name(k), section + 1);
-                curve(&mut text, &named, &divided.outline.faces[face], over);
+                curve(&mut text, &named, &divided.outline.faces[face], frame);
             }
         }
     }
     text
 }
 
-pub(super) fn sections(source: &PartSource<'_>, over: bool) -> String {
+pub(super) fn sections(source: &PartSource<'_>, frame: JobFrame) -> String {
     let thick = |form: &SectionForm| matches!(form, SectionForm::MeanLine { .. });
     let with_thickness = source.row.blades.iter().flat_map(|b| &b.sections).any(|s| thick(&s.form));
     let mut text = String::from("# Sections in mm, as they were read. Z is the axis of rotation.\n");
@@ -264,7 +247,7 @@ pub(super) fn sections(source: &PartSource<'_>, over: bool) -> String {
             let head = format!("{},{},{span}", blade_name(b), k + 1);
             let mut line = |face: &str, p: &Point3<f64>, thickness: Option<f64>| {
                 let thickness = thickness.map_or_else(String::new, |t| format!(",{}", trim(t, DIGITS)));
-                _ = writeln!(text, "{head},{face},{}{thickness}", coordinates(p, over));
+                _ = writeln!(text, "{head},{face},{}{thickness}", coordinates(p, frame));
             };
             match &section.form {
                 SectionForm::Loop(points) => points.iter().for_each(|p| line("", p, None)),
@@ -282,15 +265,14 @@ pub(super) fn sections(source: &PartSource<'_>, over: bool) -> String {
     text
 }
 
-pub(super) fn meridian(imported: &Imported, over: bool) -> Option<String> {
+pub(super) fn meridian(imported: &Imported, frame: JobFrame) -> Option<String> {
     let curves = [("hub", &imported.hub), ("shroud", &imported.shroud)];
     let mut text = String::from("# Hub and shroud in mm from inlet to outlet. Z is the axis of rotation.\ncurve,r,z\n");
     let mut any = false;
     for (name, curve) in curves {
         for [r, z] in curve.iter().flatten() {
             any = true;
-            let z = if over { -z } else { *z };
-            _ = writeln!(text, "{name},{},{}", trim(*r, DIGITS), trim(z + 0.0, DIGITS));
+            _ = writeln!(text, "{name},{},{}", trim(*r, DIGITS), trim(frame.height(*z) + 0.0, DIGITS));
         }
     }
     any.then_some(text)

@@ -61,16 +61,25 @@ impl JoinedSections {
     }
 }
 
-/// Points round a section with their lengths along the chords.
+/// A point of a section with its length along the chords.
+#[derive(Clone, Copy)]
+struct RowPoint {
+    at: Point3<f64>,
+    length: f64,
+    /// False for a point between those of the file.
+    given: bool,
+}
+
+/// Points round a section.
 struct SectionRow {
-    points: Vec<(Point3<f64>, f64)>,
+    points: Vec<RowPoint>,
     /// Lengths at the start, then for each piece at the nose of an edge and at the end of the piece.
     anchors: Vec<f64>,
 }
 
 impl SectionRow {
     fn new(outline: &Outline, chain: &[Run]) -> Option<Self> {
-        let mut points: Vec<(Point3<f64>, f64)> = Vec::new();
+        let mut points: Vec<RowPoint> = Vec::new();
         let mut anchors = vec![0.0];
         for (piece, back) in chain {
             let given = match piece {
@@ -85,21 +94,21 @@ impl SectionRow {
             // The first point of a piece is the last one of the piece before.
             for p in ordered.into_iter().skip(usize::from(!points.is_empty())) {
                 let length = match points.last() {
-                    Some((before, length)) => {
-                        let chord = (p - before).norm();
+                    Some(before) => {
+                        let chord = (p - before.at).norm();
                         if !(chord > 0.0 && chord.is_finite()) {
                             return None;
                         }
-                        length + chord
+                        before.length + chord
                     }
                     None => 0.0,
                 };
-                points.push((p, length));
+                points.push(RowPoint { at: p, length, given: true });
             }
             if matches!(piece, OutlinePiece::Edge(_)) {
                 anchors.push(half_turn(&points[first..]));
             }
-            anchors.push(points.last()?.1);
+            anchors.push(points.last()?.length);
         }
         Some(Self { points, anchors })
     }
@@ -116,54 +125,60 @@ impl SectionRow {
             // The last point is the first one again. The row begins at the first anchor, wherever that is.
             self.points.pop();
             let (from, to) = (self.anchors[0], self.anchors[self.anchors.len() - 1]);
-            for (_, length) in &mut self.points {
-                *length += if *length < from { to - from } else { 0.0 };
-                *length -= if *length >= to { to - from } else { 0.0 };
+            for p in &mut self.points {
+                p.length += if p.length < from { to - from } else { 0.0 };
+                p.length -= if p.length >= to { to - from } else { 0.0 };
             }
-            self.points.sort_by(|a, b| a.1.total_cmp(&b.1));
+            self.points.sort_by(|a, b| a.length.total_cmp(&b.length));
         }
         let map = MonotoneMap::new(&self.anchors, shares, closed);
-        let (points, lengths): (Vec<_>, Vec<f64>) = self.points.into_iter().unzip();
-        Row { points, parameters: lengths.into_iter().map(|s| map.at(s)).collect() }
+        Row {
+            points: self.points.iter().map(|p| p.at).collect(),
+            parameters: self.points.iter().map(|p| map.at(p.length)).collect(),
+            judged: self.points.iter().map(|p| p.given).collect(),
+        }
     }
 }
 
 /// The points with further ones between them, on a cubic spline through them: sections have few points where the next one has
 /// many, and a fit goes where it likes between points. The parameters of the spline are centripetal (Lee 1989): with those of
 /// chord lengths it overshoots beside a nose.
-fn dense(points: &[(Point3<f64>, f64)], closed: bool) -> Option<Vec<(Point3<f64>, f64)>> {
+fn dense(points: &[RowPoint], closed: bool) -> Option<Vec<RowPoint>> {
     // A closed row goes on round its start, so that the spline has no end there.
     let round = if closed { ROUND.min(points.len() - 1) } else { 0 };
-    let (last, whole) = (points.len() - 1, points[points.len() - 1].1);
-    let before = (last - round..last).map(|i| (points[i].0, points[i].1 - whole));
-    let after = (1..=round).map(|i| (points[i].0, points[i].1 + whole));
-    let all: Vec<(Point3<f64>, f64)> = before.chain(points.iter().copied()).chain(after).collect();
+    let (last, whole) = (points.len() - 1, points[points.len() - 1].length);
+    let turned = |i: usize, by: f64| RowPoint { length: points[i].length + by, ..points[i] };
+    let before = (last - round..last).map(|i| turned(i, -whole));
+    let after = (1..=round).map(|i| turned(i, whole));
+    let all: Vec<RowPoint> = before.chain(points.iter().copied()).chain(after).collect();
     let mut at = vec![0.0];
     for pair in all.windows(2) {
-        at.push(at[at.len() - 1] + (pair[1].0 - pair[0].0).norm().sqrt());
+        at.push(at[at.len() - 1] + (pair[1].at - pair[0].at).norm().sqrt());
     }
     let end = at[at.len() - 1];
     at.iter_mut().for_each(|t| *t /= end);
-    let places: Vec<Point3<f64>> = all.iter().map(|p| p.0).collect();
+    let places: Vec<Point3<f64>> = all.iter().map(|p| p.at).collect();
     let curve = interpolate_at(&at, &places, 3.min(places.len() - 1)).ok()?;
     let mut dense = vec![points[0]];
     for i in round..round + last {
         let directions = [at[i], at[i + 1]].map(|t| curve.derivatives(t).first);
         let turn = libm::atan2(directions[0].cross(&directions[1]).norm(), directions[0].dot(&directions[1]));
         let parts = ((turn / TURN_A_PART).ceil() as usize).clamp(LEAST_PARTS, MOST_PARTS);
-        let (from, to) = (all[i].1, all[i + 1].1);
+        let (from, to) = (all[i].length, all[i + 1].length);
         for k in 1..parts {
             let share = k as f64 / parts as f64;
-            dense.push((curve.point(at[i] + (at[i + 1] - at[i]) * share), from + (to - from) * share));
+            let place = curve.point(at[i] + (at[i + 1] - at[i]) * share);
+            dense.push(RowPoint { at: place, length: from + (to - from) * share, given: false });
         }
-        dense.push((all[i + 1].0, to));
+        dense.push(all[i + 1]);
     }
     Some(dense)
 }
 
 /// Length at which half of the turn of a piece is done. The direction of a chord is that of its middle.
-fn half_turn(points: &[(Point3<f64>, f64)]) -> f64 {
-    let chords: Vec<_> = points.windows(2).map(|pair| (0.5 * (pair[0].1 + pair[1].1), pair[1].0 - pair[0].0)).collect();
+fn half_turn(points: &[RowPoint]) -> f64 {
+    let chords: Vec<_> =
+        points.windows(2).map(|pair| (0.5 * (pair[0].length + pair[1].length), pair[1].at - pair[0].at)).collect();
     let mut turned = vec![0.0];
     for pair in chords.windows(2) {
         let [(_, a), (_, b)] = [pair[0], pair[1]];
@@ -176,7 +191,7 @@ fn half_turn(points: &[(Point3<f64>, f64)]) -> f64 {
             a + (b - a) * (half - turned[k - 1]) / (turned[k] - turned[k - 1])
         }
         // One chord, or a straight piece.
-        _ => 0.5 * (points[0].1 + points[points.len() - 1].1),
+        _ => 0.5 * (points[0].length + points[points.len() - 1].length),
     }
 }
 
@@ -213,8 +228,8 @@ fn smooth_ends(rows: &mut [SectionRow], chain: &[Run], closed: bool) {
 /// Heights of sections: distances along the points nearest to an anchor.
 fn heights(rows: &[SectionRow], anchor: usize) -> Vec<f64> {
     let at = |row: &SectionRow| {
-        let k = row.points.partition_point(|(_, length)| *length < row.anchors[anchor]);
-        row.points[k.min(row.points.len() - 1)].0
+        let k = row.points.partition_point(|p| p.length < row.anchors[anchor]);
+        row.points[k.min(row.points.len() - 1)].at
     };
     let mut heights = vec![0.0];
     for pair in rows.windows(2) {

@@ -33,11 +33,13 @@ fn reduced_job_stage_by_stage() {
     check("reduced", "bytes", &all);
 }
 
-/// `tests/quick/angles.rs` has the oracles of its blades.
+/// `tests/quick/angles.rs` has the oracles of blades by angles.
 #[test]
-fn a_wheel_with_splitters_by_angles() {
-    check("splitter", "job", &emitted("splitter", Emit::Job));
-    check("splitter", "ir", &emitted("splitter", Emit::Ir));
+fn wheels_by_angles() {
+    for job in ["splitter", "blisk"] {
+        check(job, "job", &emitted(job, Emit::Job));
+        check(job, "ir", &emitted(job, Emit::Ir));
+    }
 }
 
 #[test]

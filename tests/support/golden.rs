@@ -27,6 +27,7 @@ pub const GOLDENS: &[(&str, &[&str])] = &[
         ],
     ),
     ("splitter", &["job", "ir"]),
+    ("blisk", &["job", "ir"]),
     ("import", &["IMP1001", "IMP1002", "IMP1003", "IMP1004", "IMP1005", "IMP1006", "IMP1007", "IMP1008", "IMP1009"]),
     ("point", &["ir", "plan", "certificate", "siemens-840d", "linuxcnc"]),
     // For LinuxCNC, `.ci/run` compiles the whole job, and the interpreter of LinuxCNC reads it.

@@ -11,7 +11,7 @@ names a reach, or a diameter of holder, shank or cutter. Each of these changes i
 required clearance helps too.";
     NO_AXIS = "IMP0502", "no clear tool axis at a contact",
         "At a contact of this operation, no tool axis keeps the side of the cutter, the shank and the holder at the \
-required clearance from vanes and hub. The search covers all tool axes within 41 deg of the direction of the channel. \
+required clearance from vanes and hub. The search covers all tool axes within 70 deg of the direction of the channel. \
 The message gives the distances and the place. At the machine such a tool would touch a vane.\n\nRemedy: the help \
 line names a reach, a holder diameter or a cutter diameter. With each of these changes a collision-free tool axis \
 exists at this place.";

@@ -6,7 +6,7 @@
 //! `ruling` changes nothing. Layers have already made roughing lines clear. A pass without a clear axis is an error
 //! that names the place.
 
-use super::clear_axes::ClearAxes;
+use super::clear_axes::{ClearAxes, StandingBall, is_steep};
 use super::orient_tool::tilted_points;
 use super::sequence;
 use crate::analysis::flank::SIDE_CLEARANCE;
@@ -144,6 +144,11 @@ fn too_near(
         };
         blocked.par_iter().all(|(k, _)| clear(*k))
     });
+    let help = if corridor_is_clear(cx, operation, oriented, blocked) {
+        format!("`method corridor` finds a clear tool axis at these places; with `method blend`, {help}")
+    } else {
+        help
+    };
     let diag = Diag::error(
         orientation::COLLISION,
         format!(
@@ -161,6 +166,27 @@ fn too_near(
         1 => diag,
         count => diag.note(format!("{count} of {} passes are too near; this is the worst place", planned.passes.len())),
     }
+}
+
+/// True where `method corridor` would find a clear axis at the worst place of each pass, and another method is chosen.
+fn corridor_is_clear(
+    cx: &PassContext<'_>,
+    operation: &Operation,
+    oriented: &ClOperation,
+    blocked: &[(usize, Miss)],
+) -> bool {
+    let ball = cx.program.tools[operation.tool].solid.cutter.ends_in_ball();
+    if operation.kind.axis_method() != Some(AxisMethod::Blend) || !ball {
+        return false;
+    }
+    let clear = ClearAxes::new(cx.program, cx.obstacles, operation);
+    blocked.par_iter().all(|(pass, (station, _))| {
+        let point = oriented.passes.get(*pass).and_then(|pass| pass.points.get(*station));
+        point.is_some_and(|p| {
+            let ball = StandingBall::at(p, clear.radius());
+            clear.candidates(&ball, &p.axis, sequence::MARGIN).iter().any(is_steep)
+        })
+    })
 }
 
 /// The least tilt angle, degrees, that clears a pass, or the worst place and by how much the tool is too near there, mm.

@@ -12,18 +12,31 @@ use crate::contract::Guarded;
 use crate::diag::{Diag, codes::orientation};
 use crate::geom::EllipticCone;
 use crate::geom::elliptic_cone::frame_about;
-use crate::ir::{Operation, Program};
+use crate::ir::{ClPoint, Operation, Program};
 use crate::operation::Allowances;
 use crate::orient::inscribe::{Proof, inscribe};
 use crate::passes::context::{Ends, Obstacles, remedy};
 use nalgebra::{Point3, Vector2, Vector3};
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Required distance of the side of the cutter from the part, from one diameter over the tip on, mm.
 pub(crate) const SIDE: f64 = 0.5;
 
 /// Angles from the middle at which axes are tried, degrees.
 const RINGS: [f64; 9] = [2.5, 5.0, 8.0, 11.0, 15.0, 20.0, 26.0, 33.0, 41.0];
+
+/// Angles at which axes are tried where none of [`RINGS`] is clear, degrees: along a twisted channel the tool comes in over
+/// the inlet or over the outlet.
+const WIDER_RINGS: [f64; 3] = [50.0, 60.0, MOST_AWAY];
+
+/// Largest angle from the middle, degrees.
+const MOST_AWAY: f64 = 70.0;
+
+/// Directions from which the search goes on where no axis on the rings is clear: those that lack least.
+const STARTS: usize = 4;
+
+/// Steps of that search, degrees: the first one, and the least.
+const STEPS: [f64; 2] = [4.0, 0.25];
 
 /// Axes tried on each ring.
 const AROUND: usize = 16;
@@ -35,11 +48,48 @@ const LEAST_TILT: f64 = 0.1;
 /// Largest cone about an axis, as a tangent in the plane at height one.
 const REACH: f64 = 0.6;
 
+/// Distance of a contact from the centre of its ball below which they have no direction, mm.
+const NO_NORMAL: f64 = 1e-9;
+
+/// Rounding of the angle between axis and normal, radians: an axis along a ruling touches with the middle of the ball.
+const AT_THE_MIDDLE: f64 = 1e-6;
+
 /// Half axis of a cone that is wide enough: 1.7 deg.
 const WIDE: f64 = 0.03;
 
 /// Number of clear axes about which cones are tried until a cone is wide enough.
 const SEEDS: usize = 8;
+
+/// The ball of a tool that stands on the part.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StandingBall {
+    pub(crate) centre: Point3<f64>,
+    /// Normal of the part at the contact; `None` where the ball touches nothing.
+    pub(crate) normal: Option<Vector3<f64>>,
+}
+
+impl StandingBall {
+    /// The ball of a radius at a cutter location.
+    pub(crate) fn at(point: &ClPoint, radius: f64) -> Self {
+        let centre = point.tip + point.axis * radius;
+        Self { centre, normal: point.contact.and_then(|contact| (centre - contact).try_normalize(NO_NORMAL)) }
+    }
+
+    /// The ball on the straight way to another place.
+    pub(crate) fn towards(&self, other: &Self, share: f64) -> Self {
+        let between = |(a, b): (Vector3<f64>, Vector3<f64>)| (a + (b - a) * share).try_normalize(NO_NORMAL);
+        Self {
+            centre: self.centre + (other.centre - self.centre) * share,
+            normal: self.normal.zip(other.normal).and_then(between),
+        }
+    }
+
+    /// How far the contact is above the middle of the ball with this axis, radians: there the side of the cutter would cut into
+    /// the part. Zero or negative on the lower half of the ball.
+    fn above_the_middle(&self, axis: &Vector3<f64>) -> f64 {
+        self.normal.map_or(-FRAC_PI_2, |normal| normal.angle(axis) - FRAC_PI_2)
+    }
+}
 
 /// The tool of an operation among the obstacles.
 #[derive(Clone, Copy)]
@@ -81,11 +131,13 @@ impl<'a> ClearAxes<'a> {
         (cutter - side).min(least(&self.solid.shank) - shank).min(least(&self.solid.holder) - holder)
     }
 
-    /// True when every axis within the angle `cap` of this axis is within travel and clear by at least `margin`, with
-    /// the ball at `centre`.
-    pub(crate) fn clear(&self, centre: &Point3<f64>, axis: &Vector3<f64>, cap: f64, margin: f64) -> bool {
+    /// True when every axis within the angle `cap` of this axis is within travel, touches with the lower half of the ball, and
+    /// is clear by at least `margin`.
+    pub(crate) fn clear(&self, ball: &StandingBall, axis: &Vector3<f64>, cap: f64, margin: f64) -> bool {
+        let StandingBall { centre, .. } = ball;
         let tip = centre - axis * self.radius();
         self.in_travel(axis, cap)
+            && ball.above_the_middle(axis) + cap <= AT_THE_MIDDLE
             && self.obstacles.keeps(
                 (&tip, axis),
                 (|rho, s, _| self.slack(rho, s), Allowances::NONE),
@@ -104,32 +156,76 @@ impl<'a> ClearAxes<'a> {
     }
 
     /// Clear axes about a direction, the nearest first.
-    pub(crate) fn candidates(&self, centre: &Point3<f64>, middle: &Vector3<f64>, margin: f64) -> Vec<Vector3<f64>> {
-        around(middle).filter(|d| self.clear(centre, d, 0.0, margin)).collect()
+    pub(crate) fn candidates(&self, ball: &StandingBall, middle: &Vector3<f64>, margin: f64) -> Vec<Vector3<f64>> {
+        let clear = |d: &Vector3<f64>| self.clear(ball, d, 0.0, margin);
+        let near: Vec<Vector3<f64>> = around(middle).filter(clear).collect();
+        if !near.is_empty() {
+            return near;
+        }
+        let wider: Vec<Vector3<f64>> = rings(middle, &WIDER_RINGS).filter(clear).collect();
+        if wider.is_empty() { self.between_rings(ball, middle, margin) } else { wider }
     }
 
-    /// True when an axis about a direction is clear and far enough from the pole.
-    pub(crate) fn has_candidate(&self, centre: &Point3<f64>, middle: &Vector3<f64>, margin: f64) -> bool {
-        around(middle).any(|d| is_steep(&d) && self.clear(centre, &d, 0.0, margin))
+    /// Clear axes between those of the rings: from the axes that lack least, each step goes where the tool lacks less. Between
+    /// the walls of a twisted channel the clear axes are a narrow cone.
+    fn between_rings(&self, ball: &StandingBall, middle: &Vector3<f64>, margin: f64) -> Vec<Vector3<f64>> {
+        let lack = |d: &Vector3<f64>| self.lack(ball, d, margin);
+        let all = around(middle).chain(rings(middle, &WIDER_RINGS));
+        let mut starts: Vec<(f64, Vector3<f64>)> = all.map(|d| (lack(&d), d)).collect();
+        starts.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let cone = libm::cos(MOST_AWAY.to_radians());
+        let mut found = Vec::new();
+        for (mut least, mut axis) in starts.into_iter().take(STARTS).filter(|(lack, _)| lack.is_finite()) {
+            let mut step = STEPS[0];
+            while step >= STEPS[1] && least < 0.0 {
+                let beside = ring(&axis, step).filter(|d| d.dot(middle) >= cone).map(|d| (lack(&d), d));
+                match beside.max_by(|a, b| a.0.total_cmp(&b.0)) {
+                    Some(better) if better.0 > least => (least, axis) = better,
+                    _ => step *= 0.5,
+                }
+            }
+            if self.clear(ball, &axis, 0.0, margin) {
+                found.extend(std::iter::once(axis).chain(rings(&axis, &RINGS[..2])));
+                break;
+            }
+        }
+        found.retain(|d| self.clear(ball, d, 0.0, margin));
+        found
+    }
+
+    /// How much the tool lacks of the required distances, negative; 0 where it keeps them.
+    fn lack(&self, ball: &StandingBall, axis: &Vector3<f64>, margin: f64) -> f64 {
+        if !self.in_travel(axis, 0.0) {
+            return f64::NEG_INFINITY;
+        }
+        let tip = ball.centre - axis * self.radius();
+        let distance = |rho: f64, s: f64| self.slack(rho, s) - margin;
+        let above = -self.radius() * ball.above_the_middle(axis);
+        self.obstacles.nearest((&tip, axis), distance, 0.0).map(|(least, _)| least).fold(above.min(0.0), f64::min)
+    }
+
+    /// True when an axis near a direction is clear and far enough from the pole.
+    pub(crate) fn has_candidate(&self, ball: &StandingBall, middle: &Vector3<f64>, margin: f64) -> bool {
+        around(middle).any(|d| is_steep(&d) && self.clear(ball, &d, 0.0, margin))
     }
 
     /// Clear axes at most the first angle of [`RINGS`] from a direction, this direction first.
-    pub(crate) fn beside(&self, centre: &Point3<f64>, to: &Vector3<f64>, margin: f64) -> Vec<Vector3<f64>> {
-        around(to).take(1 + AROUND).filter(|d| self.clear(centre, d, 0.0, margin)).collect()
+    pub(crate) fn beside(&self, ball: &StandingBall, to: &Vector3<f64>, margin: f64) -> Vec<Vector3<f64>> {
+        around(to).take(1 + AROUND).filter(|d| self.clear(ball, d, 0.0, margin)).collect()
     }
 
     /// A cone of clear axes about a clear axis near a direction: the first cone that is wide enough, else the widest.
     pub(crate) fn cone(
         &self,
-        centre: &Point3<f64>,
+        ball: &StandingBall,
         to: &Vector3<f64>,
         proof: Proof,
         margin: f64,
     ) -> Option<EllipticCone> {
         let mut best: Option<EllipticCone> = None;
-        for about in around(to).filter(|d| self.clear(centre, d, 0.0, margin)).take(SEEDS) {
+        for about in around(to).filter(|d| self.clear(ball, d, 0.0, margin)).take(SEEDS) {
             let frame = frame_about(&about, &Vector3::z());
-            let clear = |d: &Vector3<f64>, cap: f64| self.clear(centre, d, cap, margin);
+            let clear = |d: &Vector3<f64>, cap: f64| self.clear(ball, d, cap, margin);
             let Some(cone) = inscribe(&frame, Vector2::zeros(), REACH, proof, &clear) else { continue };
             if best.is_none_or(|b| cone.half_axes[1] > b.half_axes[1]) {
                 best = Some(cone);
@@ -147,8 +243,8 @@ impl<'a> ClearAxes<'a> {
         Diag::error(
             orientation::NO_AXIS,
             format!(
-                "`{operation}`: no tool axis within 41 deg of the channel's direction keeps {tool} clear of the part; required \
-                 clearance {side} mm at the side of the cutter, {shank} mm at the shank, {holder} mm at the holder"
+                "`{operation}`: no tool axis within {MOST_AWAY} deg of the channel's direction keeps {tool} clear of the part; \
+                 required clearance {side} mm at the side of the cutter, {shank} mm at the shank, {holder} mm at the holder"
             ),
         )
         .help(self.remedy(at, about))
@@ -163,7 +259,9 @@ impl<'a> ClearAxes<'a> {
         // A smaller ball would put the tip lower over the same contact: this query is about the upper part of the tool
         // only.
         let clear = ClearAxes { solid, ..*self };
-        around(middle).any(|d| clear.clear(centre, &d, 0.0, 0.0))
+        around(middle)
+            .chain(rings(middle, &WIDER_RINGS))
+            .any(|d| clear.clear(&StandingBall { centre: *centre, normal: None }, &d, 0.0, 0.0))
     }
 }
 
@@ -174,13 +272,21 @@ pub(crate) fn is_steep(axis: &Vector3<f64>) -> bool {
 
 /// Directions about `middle`: first `middle` itself, then ring by ring.
 fn around(middle: &Vector3<f64>) -> impl Iterator<Item = Vector3<f64>> {
+    std::iter::once(*middle).chain(rings(middle, &RINGS))
+}
+
+/// Directions at angles from `middle`, degrees, ring by ring.
+fn rings(middle: &Vector3<f64>, angles: &'static [f64]) -> impl Iterator<Item = Vector3<f64>> + use<> {
+    let middle = *middle;
+    angles.iter().flat_map(move |angle| ring(&middle, *angle))
+}
+
+/// Directions at an angle from `middle`, degrees.
+fn ring(middle: &Vector3<f64>, angle: f64) -> impl Iterator<Item = Vector3<f64>> + use<> {
     let [x, y, w] = frame_about(middle, &Vector3::z());
-    let rings = RINGS.into_iter().flat_map(move |ring| {
-        let radius = libm::tan(ring.to_radians());
-        (0..AROUND).map(move |k| {
-            let (sin, cos) = libm::sincos(TAU * k as f64 / AROUND as f64);
-            (w + (x * cos + y * sin) * radius).normalize()
-        })
-    });
-    std::iter::once(w).chain(rings)
+    let radius = libm::tan(angle.to_radians());
+    (0..AROUND).map(move |k| {
+        let (sin, cos) = libm::sincos(TAU * k as f64 / AROUND as f64);
+        (w + (x * cos + y * sin) * radius).normalize()
+    })
 }

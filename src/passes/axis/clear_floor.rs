@@ -5,7 +5,7 @@
 //! other places, so that a larger tool without room is a remark and no error.
 
 use super::avoid_collision::TILTS;
-use super::clear_axes::ClearAxes;
+use super::clear_axes::{ClearAxes, StandingBall};
 use super::orient_tool::{Middle, Middles};
 use super::sequence::MARGIN;
 use crate::analysis::flank::SIDE_CLEARANCE;
@@ -104,7 +104,7 @@ fn with_room<'a>(cx: &PassContext<'a>, operation: &Operation, (mut middle, allow
                 return is_clear(cx, operation, (&p, allowance));
             }
             if turns {
-                return clear.has_candidate(&(p.tip + p.axis * radius), &p.axis, MARGIN);
+                return clear.has_candidate(&StandingBall::at(&p, radius), &p.axis, MARGIN);
             }
             obstacles.body_lack(solid, &p.tip, &p.axis, program.clearance.get(), Some(SIDE_CLEARANCE)).is_none()
         })

@@ -1,7 +1,7 @@
 //! Sequences of clear tool axes along a pass of the floor: `method corridor` by the shortest path in the axes of the
 //! machine, `method xu` by the greedy choice of Xu 2013.
 
-use super::clear_axes::{ClearAxes, is_steep};
+use super::clear_axes::{ClearAxes, StandingBall, is_steep};
 use super::run::{lengths, rotary, stretch};
 use crate::geom::Triangulation;
 use crate::geom::angle::nearest_turn;
@@ -48,34 +48,38 @@ const ENERGY: Energy = Energy { membrane: 0.5, thin_plate: 0.5 };
 /// A place without a clear axis, and the direction about which axes were tried.
 pub(crate) type Blocked = (Point3<f64>, Vector3<f64>);
 
-/// Ball centres of a pass, the length of the path to each, and the lengths at which axes are chosen.
+/// The ball at the stations of a pass, the length of its path to each, and the lengths at which axes are chosen.
 struct PassWay {
-    centres: Vec<Point3<f64>>,
+    balls: Vec<StandingBall>,
     table: Vec<f64>,
     stops: Vec<f64>,
 }
 
 impl PassWay {
     fn new(pass: &ClPass, radius: f64, step: f64) -> Self {
-        let centres: Vec<Point3<f64>> = pass.points.iter().map(|p| p.tip + p.axis * radius).collect();
-        let table = lengths(&centres);
+        let balls: Vec<StandingBall> = pass.points.iter().map(|p| StandingBall::at(p, radius)).collect();
+        let table = lengths(&balls.iter().map(|ball| ball.centre).collect::<Vec<_>>());
         let whole = table.last().copied().unwrap_or(0.0);
         let count = (whole / step).ceil().max(2.0) as usize;
         let stops = (0..=count).map(|k| whole * k as f64 / count as f64).collect();
-        Self { centres, table, stops }
+        Self { balls, table, stops }
     }
 
     fn centre(&self, length: f64) -> Point3<f64> {
+        self.ball(length).centre
+    }
+
+    fn ball(&self, length: f64) -> StandingBall {
         let (i, t) = stretch(&self.table, length);
-        self.centres[i] + (self.centres[i + 1] - self.centres[i]) * t
+        self.balls[i].towards(&self.balls[i + 1], t)
     }
 
     /// True when this pass starts nearer to the end of the other pass than to its start.
     fn starts_at_the_end_of(&self, other: &Self) -> bool {
         let far = |end: Option<&Point3<f64>>| {
-            self.centres.first().zip(end).map_or(f64::INFINITY, |(p, q)| (p - q).norm_squared())
+            self.balls.first().zip(end).map_or(f64::INFINITY, |(p, q)| (p.centre - q).norm_squared())
         };
-        far(other.centres.last()) < far(other.centres.first())
+        far(other.balls.last().map(|ball| &ball.centre)) < far(other.balls.first().map(|ball| &ball.centre))
     }
 
     /// All stations of the pass; between two stops the rotary axes are linear.
@@ -84,11 +88,11 @@ impl PassWay {
             let (i, t) = stretch(&self.stops, length);
             chain.tool_axis(between(angles[i], angles[i + 1], t))
         };
-        let stations = pass.points.iter().zip(&self.centres).zip(&self.table);
+        let stations = pass.points.iter().zip(&self.balls).zip(&self.table);
         stations
-            .map(|((point, centre), length)| {
+            .map(|((point, ball), length)| {
                 let axis = at(*length);
-                ClPoint { tip: centre - axis * radius, axis, contact: point.contact }
+                ClPoint { tip: ball.centre - axis * radius, axis, contact: point.contact }
             })
             .collect()
     }
@@ -127,15 +131,15 @@ impl WayStations {
         let stops = way.stops.iter().zip(&middles);
         let candidates = stops
             .map(|(length, middle)| {
-                let centre = way.centre(*length);
-                let mut axes = clear.candidates(&centre, middle, MARGIN);
+                let ball = way.ball(*length);
+                let mut axes = clear.candidates(&ball, middle, MARGIN);
                 if axes.is_empty() {
-                    axes = clear.candidates(&centre, middle, 0.0);
+                    axes = clear.candidates(&ball, middle, 0.0);
                 }
                 axes.iter()
                     .filter(|axis| is_steep(axis))
                     .take(MOST_CANDIDATES)
-                    .flat_map(|axis| candidates_of(machine, (&centre, middle), axis, radius))
+                    .flat_map(|axis| candidates_of(machine, (&ball.centre, middle), axis, radius))
                     .collect()
             })
             .collect();
@@ -153,11 +157,12 @@ impl WayStations {
     ) {
         let chain = &machine.chain;
         for ((length, candidates), middle) in self.way.stops.iter().zip(&mut self.candidates).zip(&self.middles) {
-            let here = self.way.centre(*length);
+            let ball = self.way.ball(*length);
+            let here = ball.centre;
             let far = |x: &(Point3<f64>, Vector3<f64>)| (x.0 - here).norm_squared();
             let Some((_, beside)) = chosen.iter().min_by(|p, q| far(p).total_cmp(&far(q))) else { continue };
             if on_floor {
-                let axes = clear.beside(&here, beside, MARGIN);
+                let axes = clear.beside(&ball, beside, MARGIN);
                 candidates.truncate(2 * (MOST_CANDIDATES - axes.len()));
                 let poses = |axis| candidates_of(machine, (&here, middle), axis, clear.radius());
                 candidates.extend(axes.iter().filter(|axis| is_steep(axis)).flat_map(poses));
@@ -238,19 +243,19 @@ pub(crate) fn greedy_axes(
             let stops = way.stops.iter().zip(curvatures_of_stops);
             stops
                 .map(|(length, curvature)| {
-                    let centre = way.centre(*length);
+                    let ball = way.ball(*length);
                     let station = stretch(&way.table, *length).0;
                     let normal = cc.points.get(station).map_or_else(Vector3::z, |p| p.normal);
                     let about = pass.points[station].axis;
                     // About the clear axis nearest to the normal. In a deep channel there is none near the normal, or
                     // only axes near the pole: then about the direction of the channel.
-                    let laid = |to: &Vector3<f64>, proof: Proof| clear.cone(&centre, to, proof, 0.0);
+                    let laid = |to: &Vector3<f64>, proof: Proof| clear.cone(&ball, to, proof, 0.0);
                     let cone = laid(&normal, Proof::Covered)
                         .filter(|cone| is_steep(&cone.axis()))
                         .or_else(|| laid(&about, Proof::Covered))
                         .or_else(|| laid(&about, Proof::Rays));
                     let weight = curvature.map_or(0.0, |k| greedy::weight(k, mean));
-                    cone.map(|cone| greedy::Contact { normal, cone, weight }).ok_or((centre, about))
+                    cone.map(|cone| greedy::Contact { normal, cone, weight }).ok_or((ball.centre, about))
                 })
                 .collect()
         })

@@ -9,7 +9,7 @@
 //! end each pass of the floor is turned towards the pass before it, as far as the proof allows, so that links between
 //! them turn little.
 
-use super::clear_axes::ClearAxes;
+use super::clear_axes::{ClearAxes, StandingBall};
 use super::run::{lengths, rotary, stretch};
 use crate::diag::{Aborted, Diag, codes::orientation};
 use crate::ir::{CcPlan, ClPass, ClPlan, ClPoint};
@@ -145,7 +145,8 @@ fn turning(chain: &Chain, points: &[ClPoint]) -> [f64; 2] {
 
 fn smooth(clear: &ClearAxes<'_>, chain: &Chain, pass: &ClPass) -> Result<Vec<ClPoint>, Fault> {
     let radius = clear.radius();
-    let centres: Vec<Point3<f64>> = pass.points.iter().map(|p| p.tip + p.axis * radius).collect();
+    let balls: Vec<StandingBall> = pass.points.iter().map(|p| StandingBall::at(p, radius)).collect();
+    let centres: Vec<Point3<f64>> = balls.iter().map(|ball| ball.centre).collect();
     let table = lengths(&centres);
     let whole = table.last().copied().unwrap_or(0.0);
     if centres.len() < 2 || whole <= 0.0 {
@@ -157,9 +158,9 @@ fn smooth(clear: &ClearAxes<'_>, chain: &Chain, pass: &ClPass) -> Result<Vec<ClP
     let at = |s: f64| {
         let (i, t) = stretch(&table, s);
         let angle = between(angles[i], angles[i + 1], t);
-        (centres[i] + (centres[i + 1] - centres[i]) * t, angle)
+        (balls[i].towards(&balls[i + 1], t), angle)
     };
-    let (places, start): (Vec<Point3<f64>>, Vec<Angles>) = (0..=count).map(|k| at(k as f64 * spacing)).unzip();
+    let (places, start): (Vec<StandingBall>, Vec<Angles>) = (0..=count).map(|k| at(k as f64 * spacing)).unzip();
     let mut fault = Fault::NotProved(centres[0]);
     for round in 1..=ROUNDS {
         let margin = MARGIN * round as f64;
@@ -169,12 +170,12 @@ fn smooth(clear: &ClearAxes<'_>, chain: &Chain, pass: &ClPass) -> Result<Vec<ClP
             for (place, angles) in places.iter().zip(&run) {
                 let wanted = chain.tool_axis(*angles);
                 let cone = clear.cone(place, &wanted, Proof::Rays, margin);
-                cones.push(cone.ok_or(Fault::NoAxis(*place, wanted))?);
+                cones.push(cone.ok_or(Fault::NoAxis(place.centre, wanted))?);
             }
             let corridor = Corridor { cones, spacing };
             match corridor.smooth(&run, &WEIGHTS, &|angles| chain.tool_axis(angles)) {
                 Ok(next) => run = next,
-                Err(residual) => return Err(Fault::NoRun(places[residual.station], residual)),
+                Err(residual) => return Err(Fault::NoRun(places[residual.station].centre, residual)),
             }
         }
         let points = on_curve(chain, &pass.points, &centres, &table, &run, spacing, radius);

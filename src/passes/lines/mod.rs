@@ -25,6 +25,13 @@ pub(crate) const METRIC_STATIONS: usize = 600;
 /// chord tolerance: corners of the arc bound the feed, so that few large ones would cost more time than many small ones.
 const ARC_STATIONS: usize = 64;
 
+/// Share of the chord tolerance by which the centre of a ball may leave the straight line between two stations: round a nose
+/// with a radius of 0.1 mm the ball turns far over a short way. Thinning takes the tolerance itself.
+const BETWEEN_STATIONS: f64 = 0.1;
+
+/// Times that the way between two stations is halved, at most.
+const HALVINGS: u32 = 6;
+
 /// Width of a surface, in steps, below which one line covers the surface: a ball that rolls along both walls at once.
 const NO_WIDTH: f64 = 1e-3;
 
@@ -324,23 +331,25 @@ fn lay(
         return Err(Aborted);
     };
     let end = |x: f64, i: usize| if x.is_finite() { x } else { i as f64 };
+    let chord = cx.program.tolerances.chord.get();
+    let most_turn = (8.0 * BETWEEN_STATIONS * chord / radius).sqrt();
     let backwards = directions.backwards(tracks.iter().map(|t| [end(t.range[0], 0), end(t.range[1], 1)]));
     let lines = backwards.into_iter().enumerate().map(|(j, back)| {
         let i = usize::from(back);
-        let laid = line(surface, &metric, &tracks, j, arcs[i], &directions.each[i].grid);
+        let laid = line(surface, &metric, (&tracks, j), arcs[i], (&directions.each[i].grid, most_turn));
         SurfaceLine { back, ..laid }
     });
     Ok(lines.collect())
 }
 
-/// Contacts of a track with its leads or arcs.
+/// Contacts of a track with its leads or arcs: at the places of a grid, and between them where the normal turns by more than
+/// `most_turn`, radians.
 fn line(
     surface: &dyn DriveSurface,
     metric: &BandMetric,
-    tracks: &[Track],
-    j: usize,
+    (tracks, j): (&[Track], usize),
     arcs: [f64; 2],
-    grid: &[f64],
+    (grid, most_turn): (&[f64], f64),
 ) -> SurfaceLine {
     let (track, last) = (&tracks[j], tracks.len() - 1);
     // A station very close to an end would give its piece an arbitrary direction.
@@ -367,8 +376,8 @@ fn line(
     let mut places: Vec<f64> = grid.iter().copied().filter(within).chain(ends).collect();
     places.sort_by(f64::total_cmp);
     places.dedup();
-    let all: Vec<CcPoint> = places.iter().map(|u| point(*u)).collect();
-    let on_surface = places.iter().zip(&all).filter(|(x, _)| (0.0..=1.0).contains(*x)).map(|(x, p)| (*x, *p)).collect();
+    let stations = with_small_turns(places.into_iter().map(|x| (x, point(x))).collect(), &point, most_turn);
+    let on_surface = stations.iter().filter(|(x, _)| (0.0..=1.0).contains(x)).copied().collect();
     // Arc from the end of a line, backwards along the line and lifted.
     let arc = |end: f64, radius: f64, direction: f64| {
         let turn = (at(end + 1e-4) - at(end - 1e-4)) / 2e-4;
@@ -387,9 +396,33 @@ fn line(
         points.extend(arc(from, arcs[0], -1.0).map(lifted));
         points.reverse();
     }
-    points.extend(all);
+    points.extend(stations.iter().map(|(_, p)| *p));
     if to.is_finite() && arcs[1] > 0.0 {
         points.extend(arc(to, arcs[1], 1.0).map(lifted));
     }
     SurfaceLine { back: false, points, on_surface, partial: track.range.iter().any(|x| x.is_finite()) }
+}
+
+/// Stations with further ones where the normal of a surface turns by more than an angle, radians, from one to the next.
+fn with_small_turns(
+    stations: Vec<(f64, CcPoint)>,
+    point: &impl Fn(f64) -> CcPoint,
+    most_turn: f64,
+) -> Vec<(f64, CcPoint)> {
+    let mut dense: Vec<(f64, CcPoint)> = Vec::with_capacity(stations.len());
+    for station in stations {
+        // The way to the next stations, the nearest last, each with the halvings that are left.
+        let mut ahead = vec![(station, HALVINGS)];
+        while let Some((next, left)) = ahead.pop() {
+            match dense.last() {
+                Some((x, before)) if left > 0 && before.normal.angle(&next.1.normal) > most_turn => {
+                    let middle = 0.5 * (x + next.0);
+                    ahead.push((next, left - 1));
+                    ahead.push(((middle, point(middle)), left - 1));
+                }
+                _ => dense.push(next),
+            }
+        }
+    }
+    dense
 }

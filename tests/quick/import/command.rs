@@ -46,6 +46,34 @@ fn is_modelled(folder: &Path, name: &str, extend: &str) -> String {
     text(&run.stderr)
 }
 
+/// With `--zero top` all points move by one length along Z, and the highest one has the height zero.
+#[test]
+fn the_zero_of_the_part_is_at_the_top() {
+    let folder = folder(&turbogrid::example());
+    let heights = |options: &[&str], name: &str| -> (Vec<f64>, String) {
+        let job = format!("{name}.imp");
+        let arguments = [&["BladeGen.inf", "-o", &job, "--pressure", "greater"], options].concat();
+        let run = import(&arguments, folder.path());
+        assert!(run.status.success(), "{}", text(&run.stderr));
+        let read = |table: &str| std::fs::read_to_string(folder.path().join(format!("{name}.{table}.csv"))).unwrap();
+        let lines = ["main", "curves"].map(read).concat();
+        let points = lines.lines().filter(|l| !l.starts_with('#'));
+        let heights = points.map(|l| l.rsplit(',').next().unwrap().parse().unwrap()).collect();
+        (heights, std::fs::read_to_string(folder.path().join(job)).unwrap())
+    };
+    let (of_file, job) = heights(&["--zero", "file"], "of_file");
+    assert!(!job.contains("Moved"), "{job}");
+    assert_eq!(of_file, heights(&[], "unstated").0);
+    let (at_top, job) = heights(&["--zero", "top"], "at_top");
+    assert!(job.contains("// Moved by "), "{job}");
+    let highest = |heights: &[f64]| heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    assert!(highest(&of_file).abs() > 0.5, "the example needs no shift: {}", highest(&of_file));
+    assert!(highest(&at_top).abs() < 1e-6, "{}", highest(&at_top));
+    for (file, top) in of_file.iter().zip(&at_top) {
+        assert!((file - highest(&of_file) - top).abs() < 1e-6, "{file} {top}");
+    }
+}
+
 /// The blades of the part have the sections of the file, which read back are the same.
 #[test]
 fn a_part_and_its_tables_are_written() {

@@ -6,6 +6,7 @@ use impellerc::driver::{self, Options as RunOptions, Outcome, Stages};
 use impellerc::export::step::{StepFile, StepProtocol};
 use impellerc::geom::proximity::Patch;
 use impellerc::import::faced_part;
+use impellerc::import::job_frame::Zero;
 use impellerc::import::outlines::outlines;
 use impellerc::import::part_text::PartSource;
 use impellerc::import::{Axis, BladeSurfaces, FaceChoice, Imported, LengthUnit, Options};
@@ -43,7 +44,8 @@ post siemens-840d
 fn compiled(imported: &Imported, options: &Options) -> Program {
     let row = &imported.rows[0];
     let divided = outlines(row, imported.hub.as_deref(), options).unwrap();
-    let source = PartSource { imported, row, divided: &divided, read: &["a.step".to_owned()], name: "again" };
+    let source =
+        PartSource { imported, row, divided: &divided, read: &["a.step".to_owned()], name: "again", zero: Zero::File };
     let made = faced_part::write(&source);
     let folder = tempfile::tempdir().unwrap();
     let head = "edition 2026\nuse machine \"5mc850-c\"\nuse tools \"carbide\"\n";
