@@ -21,3 +21,4 @@ mod quantities;
 mod refused_roughing;
 mod rough;
 mod stock;
+mod wheels;

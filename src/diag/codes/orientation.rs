@@ -12,7 +12,9 @@ required clearance helps too.";
     NO_AXIS = "IMP0502", "no clear tool axis at a contact",
         "At a contact of this operation, no tool axis keeps the side of the cutter, the shank and the holder at the \
 required clearance from vanes and hub. The search covers all tool axes within 70 deg of the direction of the channel. \
-The message gives the distances and the place. At the machine such a tool would touch a vane.\n\nRemedy: the help \
+The message gives the distances and the place. At the machine such a tool would touch a vane. An axis that is clear is of no \
+use where it is nearly parallel to Z, since the second rotary axis would turn through there, or where it is too far from \
+those a few millimetres before. The message says so.\n\nRemedy: the help \
 line names a reach, a holder diameter or a cutter diameter. With each of these changes a collision-free tool axis \
 exists at this place.";
     NOT_SMOOTH = "IMP0503", "no smooth run of the rotary axes is proved clear",

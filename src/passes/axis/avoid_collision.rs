@@ -6,9 +6,9 @@
 //! `ruling` changes nothing. Layers have already made roughing lines clear. A pass without a clear axis is an error
 //! that names the place.
 
-use super::clear_axes::{ClearAxes, StandingBall, is_steep};
+use super::clear_axes::{ClearAxes, LEAST_TILT, StandingBall, is_steep};
 use super::orient_tool::tilted_points;
-use super::sequence;
+use super::sequence::{self, Blocked, Gap};
 use crate::analysis::flank::SIDE_CLEARANCE;
 use crate::diag::{Aborted, Diag, codes::orientation};
 use crate::ir::{CcOperation, CcPass, CcPlan, ClOperation, ClPlan, ClPoint, Drive, Operation, Program};
@@ -101,12 +101,11 @@ fn clear_axes(
         Err(faults) => (Vec::new(), faults),
     };
     let tool = &program.tools[operation.tool];
-    for (i, (at, about)) in &blocked {
+    for (i, blocked) in &blocked {
         let label = oriented.passes.get(*i).map_or("", |p| p.label.as_str());
-        let (label, place) = cx.in_first_sector(operation, label, *at);
+        let (label, place) = cx.in_first_sector(operation, label, blocked.at);
         cx.sink.push(
-            clear
-                .no_axis(&operation.name, &tool.name, at, about)
+            no_sequence(&clear, (&operation.name, &tool.name), blocked)
                 .place(label, place)
                 .label(operation.span, "in this operation")
                 .label(tool.span, "with this tool"),
@@ -119,6 +118,23 @@ fn clear_axes(
         pass.points = points;
     }
     Ok(())
+}
+
+/// The error of a pass whose sequence of clear axes ends.
+fn no_sequence(clear: &ClearAxes<'_>, (operation, tool): (&str, &str), blocked: &Blocked) -> Diag {
+    let reason = match blocked.why {
+        Gap::NoAxis => return clear.no_axis(operation, tool, &blocked.at, &blocked.about),
+        Gap::NearPole => {
+            let least = LEAST_TILT.to_degrees();
+            format!("are less than {least:.1} deg from Z, where the second rotary axis would turn through")
+        }
+        Gap::Apart => {
+            let [turn, step] = [sequence::MOST_TURN.to_degrees(), sequence::STEP];
+            format!("are more than {turn:.0} deg away from those {step} mm before")
+        }
+    };
+    Diag::error(orientation::NO_AXIS, format!("`{operation}`: the axes here that keep {tool} clear of the part {reason}"))
+        .help("use a slimmer tool or a longer reach, which leaves more clear axes; or other surfaces or `blades` for this tool")
 }
 
 /// The error of an operation: its worst place, and a tool that would clear all of its passes. For passes along the rulings

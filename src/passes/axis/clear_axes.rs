@@ -43,7 +43,7 @@ const AROUND: usize = 16;
 
 /// Least tilt of a candidate, radians. Nearer to the pole, rotary axis 2 would turn through, and a pass keeps one
 /// branch.
-const LEAST_TILT: f64 = 0.1;
+pub(super) const LEAST_TILT: f64 = 0.1;
 
 /// Largest cone about an axis, as a tangent in the plane at height one.
 const REACH: f64 = 0.6;
@@ -209,9 +209,14 @@ impl<'a> ClearAxes<'a> {
         around(middle).any(|d| is_steep(&d) && self.clear(ball, &d, 0.0, margin))
     }
 
-    /// Clear axes at most the first angle of [`RINGS`] from a direction, this direction first.
-    pub(crate) fn beside(&self, ball: &StandingBall, to: &Vector3<f64>, margin: f64) -> Vec<Vector3<f64>> {
-        around(to).take(1 + AROUND).filter(|d| self.clear(ball, d, 0.0, margin)).collect()
+    /// Clear axes on the first so many of [`RINGS`] about a direction, this direction first.
+    pub(crate) fn beside(
+        &self,
+        ball: &StandingBall,
+        (to, rings): (&Vector3<f64>, usize),
+        margin: f64,
+    ) -> Vec<Vector3<f64>> {
+        around(to).take(1 + AROUND * rings).filter(|d| self.clear(ball, d, 0.0, margin)).collect()
     }
 
     /// A cone of clear axes about a clear axis near a direction: the first cone that is wide enough, else the widest.
@@ -289,4 +294,27 @@ fn ring(middle: &Vector3<f64>, angle: f64) -> impl Iterator<Item = Vector3<f64>>
         let (sin, cos) = libm::sincos(TAU * k as f64 / AROUND as f64);
         (w + (x * cos + y * sin) * radius).normalize()
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A ball that touches a wall stands on its lower half while the tool leans away from the wall, not towards it.
+    #[test]
+    fn the_side_of_a_tool_does_not_lean_into_its_contact() {
+        let location = |axis: Vector3<f64>| ClPoint {
+            tip: Point3::from(-axis * 2.0),
+            axis,
+            contact: Some(Point3::new(-2.0, 0.0, 0.0)),
+        };
+        let leaning = |lean: f64| Vector3::new(libm::sin(lean), 0.0, libm::cos(lean));
+        for lean in [-0.3, 0.0, 0.3] {
+            let ball = StandingBall::at(&location(leaning(lean)), 2.0);
+            assert!((ball.normal.unwrap() - Vector3::x()).norm() < 1e-12);
+            assert!((ball.above_the_middle(&leaning(lean)) + lean).abs() < 1e-12, "{lean}");
+        }
+        let free = StandingBall { centre: Point3::origin(), normal: None };
+        assert!(free.above_the_middle(&Vector3::z()) < 0.0);
+    }
 }

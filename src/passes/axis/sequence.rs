@@ -18,7 +18,7 @@ use rayon::prelude::*;
 const SAME: f64 = 1e-6;
 
 /// Distance of the stations of the shortest path, mm.
-const STEP: f64 = 4.0;
+pub(super) const STEP: f64 = 4.0;
 
 /// Most candidates of a station, the nearest to the direction of the channel first. The search compares pairs of pairs.
 const MOST_CANDIDATES: usize = 40;
@@ -30,7 +30,7 @@ pub(super) const MARGIN: f64 = 0.1;
 const SMOOTHNESS: f64 = 40.0;
 
 /// Largest turn between stations, radians.
-const MOST_TURN: f64 = 0.6;
+pub(super) const MOST_TURN: f64 = 0.6;
 
 /// Cost of a radian away from the direction of the channel, s: of equal sequences the one in the middle wins.
 const AWAY: f64 = 0.02;
@@ -39,14 +39,41 @@ const AWAY: f64 = 0.02;
 /// the gain of one line from a jump, and small for a drift from line to line.
 const BESIDE: f64 = 2.0;
 
+/// Stations on both sides of a gap between the axes of two stations which get axes that lead over it.
+const BRIDGE: usize = 12;
+
+/// Times that a pass is bridged.
+const BRIDGES: usize = 8;
+
+/// Rings about the axes of the station before, for the axes that lead over a gap: 20 deg.
+const BRIDGE_RINGS: usize = 6;
+
+/// Axes that lead over a gap at a station, and those of them about which the next station looks.
+const LEADING: [usize; 2] = [10, 2];
+
 /// Distance of the contacts of the greedy choice, mm.
 const CONTACTS: f64 = 2.0;
 
 /// Weights of membrane and thin plate (22) of the greedy choice.
 const ENERGY: Energy = Energy { membrane: 0.5, thin_plate: 0.5 };
 
-/// A place without a clear axis, and the direction about which axes were tried.
-pub(crate) type Blocked = (Point3<f64>, Vector3<f64>);
+/// A place at which a sequence of clear axes ends.
+pub(crate) struct Blocked {
+    pub(crate) at: Point3<f64>,
+    /// The direction about which axes were tried.
+    pub(crate) about: Vector3<f64>,
+    pub(crate) why: Gap,
+}
+
+/// Why a sequence of clear axes ends.
+pub(crate) enum Gap {
+    /// No axis is clear.
+    NoAxis,
+    /// The clear axes are so near to the pole that rotary axis 2 would turn through.
+    NearPole,
+    /// The clear axes are too far from those of the station before.
+    Apart,
+}
 
 /// The ball at the stations of a pass, the length of its path to each, and the lengths at which axes are chosen.
 struct PassWay {
@@ -162,7 +189,7 @@ impl WayStations {
             let far = |x: &(Point3<f64>, Vector3<f64>)| (x.0 - here).norm_squared();
             let Some((_, beside)) = chosen.iter().min_by(|p, q| far(p).total_cmp(&far(q))) else { continue };
             if on_floor {
-                let axes = clear.beside(&ball, beside, MARGIN);
+                let axes = clear.beside(&ball, (beside, 1), MARGIN);
                 candidates.truncate(2 * (MOST_CANDIDATES - axes.len()));
                 let poses = |axis| candidates_of(machine, (&here, middle), axis, clear.radius());
                 candidates.extend(axes.iter().filter(|axis| is_steep(axis)).flat_map(poses));
@@ -175,12 +202,60 @@ impl WayStations {
     }
 }
 
+impl WayStations {
+    /// Adds axes that lead from those of station `k` to those before it, and from those before it on: where one wall turns away and
+    /// the other comes near, neighbouring stations have their axes on different sides. False where no axis was added.
+    fn bridge(&mut self, clear: &ClearAxes<'_>, machine: &Machine, k: usize) -> bool {
+        let last = self.candidates.len();
+        let back: Vec<usize> = (k.saturating_sub(BRIDGE)..k).rev().collect();
+        let on: Vec<usize> = (k..last.min(k + BRIDGE)).collect();
+        let mut added = false;
+        for (from, stations) in [(k, back), (k - 1, on)] {
+            let chain = &machine.chain;
+            let axis = |c: &AxisCandidate| chain.tool_axis([c.joints[3], c.joints[4]]);
+            let mut axes: Vec<Vector3<f64>> = self.candidates[from].iter().take(LEADING[1]).map(axis).collect();
+            for j in stations {
+                let (ball, middle) = (self.way.ball(self.way.stops[j]), self.middles[j]);
+                let about = axes.iter().flat_map(|to| clear.beside(&ball, (to, BRIDGE_RINGS), 0.0));
+                let mut leading: Vec<Vector3<f64>> = about.filter(is_steep).collect();
+                leading.sort_by(|a, b| a.angle(&middle).total_cmp(&b.angle(&middle)));
+                leading.truncate(LEADING[0]);
+                if leading.is_empty() {
+                    break;
+                }
+                added = true;
+                let poses = |axis| candidates_of(machine, (&ball.centre, &middle), axis, clear.radius());
+                self.candidates[j].extend(leading.iter().flat_map(poses));
+                axes = leading.into_iter().take(LEADING[1]).collect();
+            }
+        }
+        added
+    }
+
+    /// The cheapest sequence, with axes that lead over gaps where it needs them.
+    ///
+    /// # Errors
+    /// The first station without a clear axis, or out of reach from the one before.
+    fn cheapest(&mut self, clear: &ClearAxes<'_>, machine: &Machine, costs: &Costs) -> Result<Vec<usize>, usize> {
+        let mut choice = costs.shortest(&self.candidates);
+        for _ in 0..BRIDGES {
+            match choice {
+                Err(k) if k > 0 && !self.candidates[k].is_empty() && self.bridge(clear, machine, k) => {
+                    choice = costs.shortest(&self.candidates);
+                }
+                _ => break,
+            }
+        }
+        choice
+    }
+}
+
 /// The cheapest sequences of clear axes; the axes of the passes give the direction of the channel. Each line stays
 /// close to earlier lines, so that the tool hardly turns between neighbours, on the part and in links.
 ///
 /// # Errors
-/// For each pass without a sequence: its number and the first place without a clear axis, or out of reach from the
-/// place before.
+/// For each pass without a sequence: its number and the first place without a clear axis far from the pole, or with axes
+/// too far from those before.
 pub(crate) fn shortest(
     clear: &ClearAxes<'_>,
     machine: &Machine,
@@ -205,8 +280,9 @@ pub(crate) fn shortest(
             continue;
         };
         stations.tilt_towards(clear, machine, &chosen, on_floor);
+        let choice = stations.cheapest(clear, machine, &costs);
         let WayStations { way, candidates, middles } = &stations;
-        match costs.shortest(candidates) {
+        match choice {
             Ok(choice) => {
                 // The other branch gives the same motion of the tool: `link-moves` chooses the branch.
                 let axis = |c: &AxisCandidate| machine.chain.tool_axis([c.joints[3], c.joints[4]]);
@@ -215,7 +291,17 @@ pub(crate) fn shortest(
                 let angles = rotary(&machine.chain, axes.into_iter());
                 found.push(way.between(&machine.chain, pass, &angles, clear.radius()));
             }
-            Err(k) => faults.push((i, (way.centre(way.stops[k]), middles[k]))),
+            Err(k) => {
+                let about = middles[k];
+                let why = if !candidates[k].is_empty() {
+                    Gap::Apart
+                } else if clear.candidates(&way.ball(way.stops[k]), &about, 0.0).is_empty() {
+                    Gap::NoAxis
+                } else {
+                    Gap::NearPole
+                };
+                faults.push((i, Blocked { at: way.centre(way.stops[k]), about, why }));
+            }
         }
     }
     if faults.is_empty() { Ok(found) } else { Err(faults) }
@@ -255,7 +341,11 @@ pub(crate) fn greedy_axes(
                         .or_else(|| laid(&about, Proof::Covered))
                         .or_else(|| laid(&about, Proof::Rays));
                     let weight = curvature.map_or(0.0, |k| greedy::weight(k, mean));
-                    cone.map(|cone| greedy::Contact { normal, cone, weight }).ok_or((ball.centre, about))
+                    cone.map(|cone| greedy::Contact { normal, cone, weight }).ok_or(Blocked {
+                        at: ball.centre,
+                        about,
+                        why: Gap::NoAxis,
+                    })
                 })
                 .collect()
         })

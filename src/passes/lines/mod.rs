@@ -7,6 +7,7 @@
 mod constant_scallop;
 mod ridges;
 pub mod scallop;
+mod stations;
 
 use crate::diag::{Aborted, Diag, codes::planning};
 use crate::geom::BandMetric;
@@ -16,6 +17,7 @@ use crate::passes::context::{PassContext, STATIONS, limits::check_points};
 use constant_scallop::{Track, tracks};
 use nalgebra::Vector3;
 pub(crate) use ridges::{CutterPose, highest_ridge};
+use stations::{most_turn, with_small_turns};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// Stations of the metric, minus one.
@@ -24,13 +26,6 @@ pub(crate) const METRIC_STATIONS: usize = 600;
 /// Stations of an arc at the end of a line that begins or ends inside of the surface. They are dense, and thinned to the
 /// chord tolerance: corners of the arc bound the feed, so that few large ones would cost more time than many small ones.
 const ARC_STATIONS: usize = 64;
-
-/// Share of the chord tolerance by which the centre of a ball may leave the straight line between two stations: round a nose
-/// with a radius of 0.1 mm the ball turns far over a short way. Thinning takes the tolerance itself.
-const BETWEEN_STATIONS: f64 = 0.1;
-
-/// Times that the way between two stations is halved, at most.
-const HALVINGS: u32 = 6;
 
 /// Width of a surface, in steps, below which one line covers the surface: a ball that rolls along both walls at once.
 const NO_WIDTH: f64 = 1e-3;
@@ -332,7 +327,7 @@ fn lay(
     };
     let end = |x: f64, i: usize| if x.is_finite() { x } else { i as f64 };
     let chord = cx.program.tolerances.chord.get();
-    let most_turn = (8.0 * BETWEEN_STATIONS * chord / radius).sqrt();
+    let most_turn = most_turn(chord, radius);
     let backwards = directions.backwards(tracks.iter().map(|t| [end(t.range[0], 0), end(t.range[1], 1)]));
     let lines = backwards.into_iter().enumerate().map(|(j, back)| {
         let i = usize::from(back);
@@ -401,28 +396,4 @@ fn line(
         points.extend(arc(to, arcs[1], 1.0).map(lifted));
     }
     SurfaceLine { back: false, points, on_surface, partial: track.range.iter().any(|x| x.is_finite()) }
-}
-
-/// Stations with further ones where the normal of a surface turns by more than an angle, radians, from one to the next.
-fn with_small_turns(
-    stations: Vec<(f64, CcPoint)>,
-    point: &impl Fn(f64) -> CcPoint,
-    most_turn: f64,
-) -> Vec<(f64, CcPoint)> {
-    let mut dense: Vec<(f64, CcPoint)> = Vec::with_capacity(stations.len());
-    for station in stations {
-        // The way to the next stations, the nearest last, each with the halvings that are left.
-        let mut ahead = vec![(station, HALVINGS)];
-        while let Some((next, left)) = ahead.pop() {
-            match dense.last() {
-                Some((x, before)) if left > 0 && before.normal.angle(&next.1.normal) > most_turn => {
-                    let middle = 0.5 * (x + next.0);
-                    ahead.push((next, left - 1));
-                    ahead.push(((middle, point(middle)), left - 1));
-                }
-                _ => dense.push(next),
-            }
-        }
-    }
-    dense
 }

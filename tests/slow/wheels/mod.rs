@@ -1,0 +1,97 @@
+//! Wheels of public data sets, from the blade file to verified NC, with the jobs that a shop would write for them.
+//!
+//! The folder of the data comes from `IMPELLERC_BLADE_DATA`; without it these tests say that they skip. A wheel takes ten
+//! minutes on two cores.
+
+use crate::support::bounded;
+use serde_json::Value;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// A wheel: its files, the options of the import, what its part lacks, and the job behind the part.
+struct Wheel {
+    file: &'static str,
+    options: &'static [&'static str],
+    fillet: &'static str,
+    rest: &'static str,
+    /// Largest excess of the faces and of the floor, mm.
+    excess: f64,
+}
+
+/// The file in the folder of the data.
+fn data(file: &str) -> Option<PathBuf> {
+    let Some(root) = std::env::var_os("IMPELLERC_BLADE_DATA") else {
+        let text = format!("skipped: IMPELLERC_BLADE_DATA does not name a folder with {file}\n");
+        std::io::stderr().write_all(text.as_bytes()).unwrap();
+        return None;
+    };
+    Some(PathBuf::from(root).join(file))
+}
+
+fn succeeds(command: &mut Command) {
+    let run = command.output().unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+}
+
+/// Imports a wheel, completes its job, compiles it, and returns the certificate.
+fn certificate(wheel: &Wheel, folder: &Path) -> Option<Value> {
+    let file = data(wheel.file)?;
+    let library = Path::new("jobs/_lib").canonicalize().unwrap();
+    let import = ["-o", "wheel.imp", "--zero", "top"];
+    succeeds(bounded::program().current_dir(folder).arg("import").arg(file).args(import).args(wheel.options));
+    let part = std::fs::read_to_string(folder.join("wheel.imp")).unwrap();
+    let head = "edition 2026\nuse machine \"generic-ac-table\"\nuse tools \"carbide\"\n";
+    // The fillet is the last entry of the blade.
+    let fillet = format!("\n    fillet {}\n  }}\n  hub ", wheel.fillet);
+    let job = part.replace("edition 2026\n", head).replace("\n  }\n  hub ", &fillet) + wheel.rest;
+    std::fs::write(folder.join("whole.imp"), job).unwrap();
+    let mut compile = Command::new(env!("CARGO_BIN_EXE_impellerc"));
+    compile.current_dir(folder).args(["whole.imp", "-o", "whole.nc", "--certificate", "whole.json"]);
+    succeeds(compile.args(["--memory", "12GB", "--library"]).arg(library));
+    Some(serde_json::from_str(&std::fs::read_to_string(folder.join("whole.json")).unwrap()).unwrap())
+}
+
+/// No surface is cut into by more than 2 um, and no more than the excess is left on the surfaces of the first blade and passage.
+fn is_finished(wheel: &Wheel) {
+    let folder = tempfile::tempdir().unwrap();
+    let Some(certificate) = certificate(wheel, folder.path()) else { return };
+    let mut finished = 0;
+    for surface in certificate["surfaces"].as_array().unwrap() {
+        let name = surface["surface"].as_str().unwrap();
+        let [gouge, excess] = ["gouge_bound", "excess_bound"].map(|field| surface[field].as_f64());
+        assert!(gouge.unwrap() <= 0.002, "{name}: {gouge:?}");
+        if name.starts_with("vane 1 ") || name.starts_with("vanes 1-") || name == "hub of channel 1" {
+            println!("{name}: {gouge:?}, {excess:?}");
+            assert!(excess.unwrap() <= wheel.excess, "{name}: {excess:?}");
+            finished += 1;
+        }
+    }
+    // Two faces, four fillets, two edges, the floor.
+    assert_eq!(finished, 9);
+}
+
+/// NASA Rotor 37: 36 blades with edges of 0.08 to 0.22 mm radius. The floor of a passage is finished by the fillets of both blades
+/// beside it, and so two sectors are cut.
+#[test]
+fn rotor_37_is_finished() {
+    is_finished(&Wheel {
+        file: "nasa_rotor37/BladeGen.inf",
+        options: &[],
+        fillet: "3 mm",
+        rest: include_str!("rotor37.txt"),
+        excess: 0.012,
+    });
+}
+
+/// The rotor of Hannover: 23 blades that twist by up to 72 deg.
+#[test]
+fn the_rotor_of_hannover_is_finished() {
+    is_finished(&Wheel {
+        file: "hannover_tfd4ac_rotor1/1_Rotor1_Blade.inf",
+        options: &[],
+        fillet: "3.5 mm",
+        rest: include_str!("hannover.txt"),
+        excess: 0.012,
+    });
+}
