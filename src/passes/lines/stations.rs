@@ -52,7 +52,7 @@ mod tests {
             let normal = Vector3::new(cos, sin, 0.0);
             CcPoint { u: x, v: 0.0, w: 0.0, position: Point3::from(normal * nose), normal }
         };
-        let given: Vec<(f64, CcPoint)> = [0.0, 0.3, 0.35, 1.0].map(|x| (x, point(x))).to_vec();
+        let given: Vec<(f64, CcPoint)> = [0.0, 0.3, 0.35, 0.7, 1.0].map(|x| (x, point(x))).to_vec();
         let centre = |p: &CcPoint| p.position + p.normal * radius;
         let leaves = |stations: &[(f64, CcPoint)]| {
             let chords = stations.windows(2).map(|pair| {
