@@ -66,7 +66,8 @@ mod tests {
         assert!(leaves(&dense) <= 1.05 * BETWEEN_STATIONS * chord, "{}", leaves(&dense));
         assert!(dense.windows(2).all(|pair| pair[0].0 < pair[1].0));
         assert!(given.iter().all(|(x, _)| dense.iter().any(|(y, _)| x == y)));
-        assert!(dense.len() < 200, "{}", dense.len());
+        // Halvings may take twice as many as needed.
+        assert!(dense.len() < 340, "{}", dense.len());
     }
 
     /// Where the normal jumps, the stations are bounded in number.
