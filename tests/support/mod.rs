@@ -2,6 +2,7 @@
 
 #![allow(dead_code, reason = "each program of tests uses its part")]
 
+pub mod blade_data;
 pub mod bounded;
 pub mod browser;
 pub mod golden;

@@ -170,11 +170,11 @@ impl<'a> ClearAxes<'a> {
     /// the walls of a twisted channel the clear axes are a narrow cone.
     fn between_rings(&self, ball: &StandingBall, middle: &Vector3<f64>, margin: f64) -> Vec<Vector3<f64>> {
         let lack = |d: &Vector3<f64>| self.lack(ball, d, margin);
+        let clear = |d: &Vector3<f64>| self.clear(ball, d, 0.0, margin);
         let all = around(middle).chain(rings(middle, &WIDER_RINGS));
         let mut starts: Vec<(f64, Vector3<f64>)> = all.map(|d| (lack(&d), d)).collect();
         starts.sort_by(|a, b| b.0.total_cmp(&a.0));
         let cone = libm::cos(MOST_AWAY.to_radians());
-        let mut found = Vec::new();
         for (mut least, mut axis) in starts.into_iter().take(STARTS).filter(|(lack, _)| lack.is_finite()) {
             let mut step = STEPS[0];
             while step >= STEPS[1] && least < 0.0 {
@@ -184,13 +184,11 @@ impl<'a> ClearAxes<'a> {
                     _ => step *= 0.5,
                 }
             }
-            if self.clear(ball, &axis, 0.0, margin) {
-                found.extend(std::iter::once(axis).chain(rings(&axis, &RINGS[..2])));
-                break;
+            if clear(&axis) {
+                return std::iter::once(axis).chain(rings(&axis, &RINGS[..2]).filter(clear)).collect();
             }
         }
-        found.retain(|d| self.clear(ball, d, 0.0, margin));
-        found
+        Vec::new()
     }
 
     /// How much the tool lacks of the required distances, negative; 0 where it keeps them.

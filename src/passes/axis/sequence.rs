@@ -148,6 +148,11 @@ fn candidates_of<'a>(
     })
 }
 
+/// The tool axis of a pose.
+fn axis_of(chain: &Chain, candidate: &AxisCandidate) -> Vector3<f64> {
+    chain.tool_axis([candidate.joints[3], candidate.joints[4]])
+}
+
 impl WayStations {
     /// Finds clear axes about the axes of a pass, which give the direction of the channel.
     fn new(clear: &ClearAxes<'_>, machine: &Machine, pass: &ClPass) -> Self {
@@ -195,14 +200,12 @@ impl WayStations {
                 candidates.extend(axes.iter().filter(|axis| is_steep(axis)).flat_map(poses));
             }
             for candidate in candidates {
-                let axis = chain.tool_axis([candidate.joints[3], candidate.joints[4]]);
+                let axis = axis_of(chain, candidate);
                 candidate.penalty += BESIDE * axis.angle(beside).powi(2);
             }
         }
     }
-}
 
-impl WayStations {
     /// Adds axes that lead from those of station `k` to those before it, and from those before it on: where one wall turns away and
     /// the other comes near, neighbouring stations have their axes on different sides. False where no axis was added.
     fn bridge(&mut self, clear: &ClearAxes<'_>, machine: &Machine, k: usize) -> bool {
@@ -211,9 +214,8 @@ impl WayStations {
         let on: Vec<usize> = (k..last.min(k + BRIDGE)).collect();
         let mut added = false;
         for (from, stations) in [(k, back), (k - 1, on)] {
-            let chain = &machine.chain;
-            let axis = |c: &AxisCandidate| chain.tool_axis([c.joints[3], c.joints[4]]);
-            let mut axes: Vec<Vector3<f64>> = self.candidates[from].iter().take(LEADING[1]).map(axis).collect();
+            let nearest = self.candidates[from].iter().take(LEADING[1]);
+            let mut axes: Vec<Vector3<f64>> = nearest.map(|c| axis_of(&machine.chain, c)).collect();
             for j in stations {
                 let (ball, middle) = (self.way.ball(self.way.stops[j]), self.middles[j]);
                 let about = axes.iter().flat_map(|to| clear.beside(&ball, (to, BRIDGE_RINGS), 0.0));
@@ -285,8 +287,8 @@ pub(crate) fn shortest(
         match choice {
             Ok(choice) => {
                 // The other branch gives the same motion of the tool: `link-moves` chooses the branch.
-                let axis = |c: &AxisCandidate| machine.chain.tool_axis([c.joints[3], c.joints[4]]);
-                let axes: Vec<Vector3<f64>> = choice.iter().zip(candidates).map(|(k, s)| axis(&s[*k])).collect();
+                let picked = choice.iter().zip(candidates).map(|(k, station)| &station[*k]);
+                let axes: Vec<Vector3<f64>> = picked.map(|c| axis_of(&machine.chain, c)).collect();
                 chosen.extend(way.stops.iter().map(|s| way.centre(*s)).zip(axes.iter().copied()));
                 let angles = rotary(&machine.chain, axes.into_iter());
                 found.push(way.between(&machine.chain, pass, &angles, clear.radius()));

@@ -1,26 +1,14 @@
-//! Blades of public data sets. The folder comes from `IMPELLERC_BLADE_DATA`; without it these tests say that they skip.
+//! Blades of public data sets.
 //! What is expected comes from the files by a few lines of its own, not by the readers.
 
 use super::points;
+pub use crate::support::blade_data::folder;
 use impellerc::import::outlines::{doubtful, outlines};
 use impellerc::import::{self, Imported, LengthUnit, Options};
 use impellerc::sections::outline::DividedSection;
 use impellerc::sections::{EdgeForm, Outline};
 use impellerc::source::{SourceFile, SourceMap};
-use std::io::Write as _;
-use std::path::{Path, PathBuf};
-
-/// The folder of a data set.
-pub fn folder(name: &str) -> Option<PathBuf> {
-    let Some(root) = std::env::var_os("IMPELLERC_BLADE_DATA") else {
-        let text = format!("skipped: IMPELLERC_BLADE_DATA does not name a folder with {name}\n");
-        std::io::stderr().write_all(text.as_bytes()).unwrap();
-        return None;
-    };
-    let folder = PathBuf::from(root).join(name);
-    assert!(folder.is_dir(), "{} is no folder", folder.display());
-    Some(folder)
-}
+use std::path::Path;
 
 pub fn read(folder: &Path, names: &[String], options: &Options) -> (Imported, SourceMap) {
     let mut sources = SourceMap::default();

@@ -1,32 +1,20 @@
 //! Wheels of public data sets, from the blade file to verified NC, with the jobs that a shop would write for them.
 //!
-//! The folder of the data comes from `IMPELLERC_BLADE_DATA`; without it these tests say that they skip. A wheel takes ten
-//! minutes on two cores.
+//! A wheel takes ten minutes on two cores.
 
-use crate::support::bounded;
+use crate::support::{blade_data, bounded};
 use serde_json::Value;
-use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
 
-/// A wheel: its files, the options of the import, what its part lacks, and the job behind the part.
+/// A wheel: its folder and file, what its part lacks, and the job behind the part.
 struct Wheel {
+    folder: &'static str,
     file: &'static str,
-    options: &'static [&'static str],
     fillet: &'static str,
     rest: &'static str,
     /// Largest excess of the faces and of the floor, mm.
     excess: f64,
-}
-
-/// The file in the folder of the data.
-fn data(file: &str) -> Option<PathBuf> {
-    let Some(root) = std::env::var_os("IMPELLERC_BLADE_DATA") else {
-        let text = format!("skipped: IMPELLERC_BLADE_DATA does not name a folder with {file}\n");
-        std::io::stderr().write_all(text.as_bytes()).unwrap();
-        return None;
-    };
-    Some(PathBuf::from(root).join(file))
 }
 
 fn succeeds(command: &mut Command) {
@@ -36,10 +24,10 @@ fn succeeds(command: &mut Command) {
 
 /// Imports a wheel, completes its job, compiles it, and returns the certificate.
 fn certificate(wheel: &Wheel, folder: &Path) -> Option<Value> {
-    let file = data(wheel.file)?;
+    let file = blade_data::folder(wheel.folder)?.join(wheel.file);
     let library = Path::new("jobs/_lib").canonicalize().unwrap();
     let import = ["-o", "wheel.imp", "--zero", "top"];
-    succeeds(bounded::program().current_dir(folder).arg("import").arg(file).args(import).args(wheel.options));
+    succeeds(bounded::program().current_dir(folder).arg("import").arg(file).args(import));
     let part = std::fs::read_to_string(folder.join("wheel.imp")).unwrap();
     let head = "edition 2026\nuse machine \"generic-ac-table\"\nuse tools \"carbide\"\n";
     // The fillet is the last entry of the blade.
@@ -76,8 +64,8 @@ fn is_finished(wheel: &Wheel) {
 #[test]
 fn rotor_37_is_finished() {
     is_finished(&Wheel {
-        file: "nasa_rotor37/BladeGen.inf",
-        options: &[],
+        folder: "nasa_rotor37",
+        file: "BladeGen.inf",
         fillet: "3 mm",
         rest: include_str!("rotor37.txt"),
         excess: 0.012,
@@ -88,8 +76,8 @@ fn rotor_37_is_finished() {
 #[test]
 fn the_rotor_of_hannover_is_finished() {
     is_finished(&Wheel {
-        file: "hannover_tfd4ac_rotor1/1_Rotor1_Blade.inf",
-        options: &[],
+        folder: "hannover_tfd4ac_rotor1",
+        file: "1_Rotor1_Blade.inf",
         fillet: "3.5 mm",
         rest: include_str!("hannover.txt"),
         excess: 0.012,
