@@ -104,6 +104,9 @@ fn sections(
     Ok((written, said))
 }
 
+/// Share of the volume within which the text of a STEP file states it: programs that read the file are compared with it.
+const NEAR_VOLUME: f64 = 1e-7;
+
 /// The STEP file, and what it holds.
 fn step(
     options: &Options,
@@ -115,7 +118,7 @@ fn step(
     let sharp = program.part.without_fillets();
     let made = stages.run("shell", || shell(&sharp, &program.stock));
     let shell = or_reported(made.map_err(|fault| no_shell(&fault, program)), sink)?;
-    let volume = stages.run("volume", || solid::volume(&sharp, &program.stock));
+    let volume = stages.run("volume", || solid::volume(&sharp, &program.stock, NEAR_VOLUME));
     let said = said(&shell, volume.as_ref(), &program.part);
     let file = StepFile { name: &program.name, description: &said, shell: &shell, protocol: options.part.protocol };
     let text = stages.run("write", || file.text());

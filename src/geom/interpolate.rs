@@ -74,12 +74,7 @@ pub fn interpolate_at(parameters: &[f64], points: &[Point3<f64>], degree: usize)
     if points.len() < degree + 1 || parameters.len() != points.len() {
         return Err(GeomError::TooFewPoints { given: parameters.len().min(points.len()), needed: degree + 1 });
     }
-    if let Some(k) = parameters.windows(2).position(|pair| pair[0] >= pair[1]) {
-        return Err(GeomError::CoincidentPoints(k));
-    }
-    if parameters.first() != Some(&0.0) || parameters.last() != Some(&1.0) {
-        return Err(GeomError::Knots);
-    }
+    ascend(parameters)?;
     through(parameters, points, degree)
 }
 
@@ -89,13 +84,14 @@ fn through(parameters: &[f64], points: &[Point3<f64>], degree: usize) -> Result<
     NurbsCurve::try_new(degree, knots, &control, None)
 }
 
-/// The surface through a grid of points at equal steps of both parameters: rows of equal v, each from u = 0 to u = 1. Cubic
-/// where a direction has enough points. Its border curves depend on the points of the border alone, so that two surfaces with
-/// the same points on a border have the same curve there, to the last bit.
+/// The surface through a grid of points at parameters of u and of v, which ascend from 0 to 1: rows of equal v, each from u = 0 to
+/// u = 1. Cubic where a direction has enough points. Its border curves depend on the points and parameters of the border alone, so
+/// that two surfaces with the same ones on a border have the same curve there, to the last bit.
 ///
 /// # Errors
-/// Fewer than two points in a direction, rows of different lengths, or points that are not finite.
-pub fn interpolate_grid(rows: &[Vec<Point3<f64>>]) -> Result<NurbsSurface, GeomError> {
+/// Fewer than two points in a direction, rows of different lengths, parameters that do not ascend from 0 to 1, or points that are not
+/// finite.
+pub fn interpolate_grid(rows: &[Vec<Point3<f64>>], parameters: [&[f64]; 2]) -> Result<NurbsSurface, GeomError> {
     let counts = [rows.first().map_or(0, Vec::len), rows.len()];
     if let Some(given) = counts.into_iter().find(|n| *n < 2) {
         return Err(GeomError::TooFewPoints { given, needed: 2 });
@@ -103,17 +99,31 @@ pub fn interpolate_grid(rows: &[Vec<Point3<f64>>]) -> Result<NurbsSurface, GeomE
     if let Some(row) = rows.iter().find(|row| row.len() != counts[0]) {
         return Err(GeomError::TooFewPoints { given: row.len(), needed: counts[0] });
     }
+    for (parameters, needed) in parameters.into_iter().zip(counts) {
+        if parameters.len() != needed {
+            return Err(GeomError::TooFewPoints { given: parameters.len(), needed });
+        }
+        ascend(parameters)?;
+    }
     let degree = counts.map(|n| MAX_DEGREE.min(n - 1));
-    let parameters = counts.map(|n| (0..n).map(|i| i as f64 / (n - 1) as f64).collect::<Vec<_>>());
-    let knots = [0, 1].map(|d| averaged_knots(&parameters[d], degree[d]));
-    let along = |row: &Vec<Point3<f64>>| solve_banded(&knots[0], degree[0], &parameters[0], row);
+    let knots = [0, 1].map(|d| averaged_knots(parameters[d], degree[d]));
+    let along = |row: &Vec<Point3<f64>>| solve_banded(&knots[0], degree[0], parameters[0], row);
     let by_row = rows.iter().map(along).collect::<Result<Vec<_>, _>>()?;
     let mut control = Vec::with_capacity(counts[0] * counts[1]);
     for i in 0..counts[0] {
         let column: Vec<Point3<f64>> = by_row.iter().map(|row| row[i]).collect();
-        control.extend(solve_banded(&knots[1], degree[1], &parameters[1], &column)?);
+        control.extend(solve_banded(&knots[1], degree[1], parameters[1], &column)?);
     }
     NurbsSurface::try_new(degree, knots, &control, None)
+}
+
+/// An error where parameters do not ascend from 0 to 1.
+fn ascend(parameters: &[f64]) -> Result<(), GeomError> {
+    if let Some(k) = parameters.windows(2).position(|pair| pair[0] >= pair[1]) {
+        return Err(GeomError::CoincidentPoints(k));
+    }
+    let ends = [parameters.first(), parameters.last()];
+    if ends == [Some(&0.0), Some(&1.0)] { Ok(()) } else { Err(GeomError::Knots) }
 }
 
 /// Solves N P = Q by elimination inside the band. The matrix of a B-spline interpolation with averaged knots is totally
@@ -185,17 +195,32 @@ mod tests {
     #[test]
     fn surfaces_through_grids() {
         let at = |u: f64, v: f64| Point3::new(9.0 * u + v * v, u * u * u - v, 4.0 * v * v * v + u * v);
+        // Unequal steps along u, equal steps along v.
+        let u: Vec<f64> = (0..12).map(|i| f64::from(i * (i + 9)) / 220.0).collect();
+        let v: Vec<f64> = (0..7).map(|j| f64::from(j) / 6.0).collect();
         let grid = |from: f64| -> Vec<Vec<Point3<f64>>> {
-            (0..7).map(|j| (0..12).map(|i| at(f64::from(i) / 11.0, from + f64::from(j) / 6.0)).collect()).collect()
+            v.iter().map(|v| u.iter().map(|u| at(*u, from + v)).collect()).collect()
         };
         let (low, mut high) = (grid(0.0), grid(1.0));
         high[0].clone_from(&low[6]);
-        let [low, high] = [low, high].map(|rows| interpolate_grid(&rows).expect("valid data"));
+        let [low, high] = [low, high].map(|rows| interpolate_grid(&rows, [&u, &v]).expect("valid data"));
         for (u, v) in [(0.0, 0.0), (0.31, 0.77), (1.0, 1.0), (0.5, 0.02)] {
             assert!((low.point(u, v) - at(u, v)).norm() < 1e-12, "{u} {v}");
         }
         assert_eq!(low.border(true), high.border(false));
-        assert!(interpolate_grid(&[vec![Point3::origin(); 4]]).is_err());
-        assert!(interpolate_grid(&[vec![Point3::origin(); 4], vec![Point3::origin(); 3]]).is_err());
+        let four = [0.0, 0.3, 0.6, 1.0];
+        let rows = |counts: &[usize]| -> Vec<Vec<Point3<f64>>> {
+            counts.iter().map(|n| (0..*n).map(|i| Point3::new(i as f64, 0.0, 0.0)).collect()).collect()
+        };
+        assert!(interpolate_grid(&rows(&[4, 4]), [&four, &[0.0, 1.0]]).is_ok());
+        for (counts, u, v) in [
+            (&[4][..], &four[..], &[0.0][..]),
+            (&[4, 3], &four, &[0.0, 1.0]),
+            (&[4, 4], &four[..3], &[0.0, 1.0]),
+            (&[4, 4], &[0.0, 0.6, 0.3, 1.0], &[0.0, 1.0]),
+            (&[4, 4], &four, &[0.1, 1.0]),
+        ] {
+            assert!(interpolate_grid(&rows(counts), [u, v]).is_err(), "{counts:?} {u:?} {v:?}");
+        }
     }
 }

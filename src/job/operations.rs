@@ -465,7 +465,8 @@ impl OperationReader<'_> {
                 return None;
             }
         }
-        Some(sectors.into_iter().map(|(s, _)| s - 1).collect())
+        // Ascending: an operation works from sector to sector.
+        Some(seen.into_iter().map(|s| s - 1).collect())
     }
 
     pub(super) fn kind(

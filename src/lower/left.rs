@@ -29,7 +29,7 @@ pub(super) fn check(file: &StockFile, part: &Part, stock: &Stock, sink: &mut Sin
         return;
     }
     let left = file.mesh.volume();
-    if let Some(due) = solid::volume(part, stock).map(|v| v.value).filter(|due| left < LEAST_SHARE * due) {
+    if let Some(due) = solid::volume(part, stock, 1e-3).map(|v| v.value).filter(|due| left < LEAST_SHARE * due) {
         sink.push(
             Diag::error(
                 codes::STOCK,

@@ -86,14 +86,21 @@ impl Costs {
         for (i, pair) in stations.windows(2).enumerate().skip(1) {
             let mut layer = self.steps(&pair[0], &pair[1]);
             let last = &layers[i - 1];
-            // Steps of the previous layer, by the candidate at their end.
+            // Steps of the previous layer, by the candidate at their end, the cheapest first: a change of the step costs
+            // nothing at least, so the search ends at the first one that costs more than the best sum.
             let mut arriving: Vec<Vec<usize>> = vec![Vec::new(); pair[0].len()];
             for (k, step) in last.iter().enumerate() {
                 arriving[step.to].push(k);
             }
+            for steps in &mut arriving {
+                steps.sort_by(|a, b| last[*a].cost.total_cmp(&last[*b].cost));
+            }
             for step in &mut layer {
                 let mut best = (f64::INFINITY, 0);
                 for k in &arriving[step.from] {
+                    if last[*k].cost >= best.0 {
+                        break;
+                    }
                     let cost = last[*k].cost + self.second_difference(&last[*k].difference, &step.difference);
                     if cost < best.0 {
                         best = (cost, *k);

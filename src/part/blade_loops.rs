@@ -2,7 +2,7 @@
 
 use super::blade_sheets::{BladeSheets, SheetForm};
 use super::chart::charts;
-use super::patch::{AlongSpacing, PatchFault, Steps};
+use super::patch::{PatchDirection, PatchFault, Shares};
 use super::{BladeId, Part};
 use nalgebra::Point3;
 
@@ -30,8 +30,9 @@ pub struct BladeLoops {
 pub fn blade_loops(part: &Part, count: usize) -> Result<Vec<BladeLoops>, PatchFault> {
     let sharp = part.without_fillets();
     let charts = charts(&sharp);
-    let steps = Steps([ALONG, 1, count.max(2) - 1, 1, MIDDLE, SHOULDER, 1]);
-    let form = SheetForm { part: &sharp, charts: &charts, steps, along: AlongSpacing::Equal.shares(ALONG) };
+    let shares = Shares::equal([ALONG, 1, count.max(2) - 1, 1, MIDDLE, SHOULDER, 1]);
+    let along = shares.of(PatchDirection::Along).to_vec();
+    let form = SheetForm { part: &sharp, charts: &charts, shares: &shares, along };
     sharp.blade_ids().map(|blade| Ok(round(&sharp, &BladeSheets::new(&form, blade)?, blade))).collect()
 }
 

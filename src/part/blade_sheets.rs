@@ -1,7 +1,7 @@
 //! Grids of points over a blade: its faces with their fillets, its edges, its tip.
 
 use super::chart::Chart;
-use super::patch::{PatchDirection, PatchFault, PointRows, SheetPatch, Steps, clockwise};
+use super::patch::{PatchDirection, PatchFault, PointRows, Shares, SheetPatch, clockwise};
 use super::sheet::Sheet;
 use super::unrolled::Unrolled;
 use super::{BladeId, FaceId, Part, Surface, SurfaceKind};
@@ -45,7 +45,7 @@ pub(super) struct EndSheets {
 pub(super) struct SheetForm<'a> {
     pub(super) part: &'a Part,
     pub(super) charts: &'a [Chart<'a>],
-    pub(super) steps: Steps,
+    pub(super) shares: &'a Shares,
     /// Shares of the way along a blade.
     pub(super) along: Vec<f64>,
 }
@@ -55,7 +55,7 @@ impl BladeSheets {
         let part = form.part;
         let ahead = part.face_ahead(blade);
         let sides = [ahead, ahead.other()];
-        let up = [PatchDirection::Fillet, PatchDirection::Face].map(|d| form.steps.of(d));
+        let up = [PatchDirection::Fillet, PatchDirection::Face].map(|d| form.shares.of(d));
         let sheet = |id: FaceId, along: &[f64]| {
             let fault = PatchFault::Fillet(SurfaceKind::Face(id));
             Sheet::new(part, form.charts, id).and_then(|sheet| sheet.grid(along, up)).ok_or(fault)
@@ -71,7 +71,7 @@ impl BladeSheets {
             let ends = [0, 1].map(|end| (!inside[end]).then_some(end as f64));
             onto_hub(part, &mut face[0], ends);
         }
-        let foot = if part.blade(blade).fillet.is_some() { up[0] } else { 0 };
+        let foot = if part.blade(blade).fillet.is_some() { up[0].len() - 1 } else { 0 };
         let end = |end: usize| -> Result<EndSheets, PatchFault> {
             let columns = [1, 0].map(|side| column(&faces[side], end * last));
             let rounded = part.edge(blade, end);
@@ -139,8 +139,8 @@ impl BladeSheets {
     fn tip(&self, form: &SheetForm<'_>, patches: &mut Vec<SheetPatch>) -> Result<(), PatchFault> {
         let part = form.part;
         let [ahead, behind] = self.faces.each_ref().map(|face| &face[face.len() - 1]);
-        let steps = form.steps.of(PatchDirection::Blade);
-        let rows: PointRows = behind.iter().zip(ahead).map(|(p, q)| bridge(p, q, steps, Some(&part.shroud))).collect();
+        let shares = form.shares.of(PatchDirection::Blade);
+        let rows: PointRows = behind.iter().zip(ahead).map(|(p, q)| bridge(p, q, shares, Some(&part.shroud))).collect();
         let kind = SurfaceKind::Tip(self.blade);
         let mut add = |rows: PointRows, along| {
             let p = rows[rows.len() / 2][rows[0].len() / 2];
@@ -155,7 +155,8 @@ impl BladeSheets {
             if let [first, middle, last] = tops[..] {
                 let across = &rows[end * (rows.len() - 1)];
                 let last: Vec<Point3<f64>> = last.iter().rev().copied().collect();
-                let cap = shroud.filled([across, middle], [first, &last]).ok_or(PatchFault::Folded(kind))?;
+                let places = [PatchDirection::Blade, PatchDirection::Shoulder].map(|d| form.shares.of(d));
+                let cap = shroud.filled([across, middle], [first, &last], places).ok_or(PatchFault::Folded(kind))?;
                 add(cap, PatchDirection::Shoulder);
             }
         }
@@ -171,14 +172,14 @@ fn column(grid: &PointRows, at: usize) -> Vec<Point3<f64>> {
 
 /// Grids over an edge that the lathe makes, between the ends of the face behind and of the face ahead.
 fn turned_edge(form: &SheetForm<'_>, [behind, ahead]: &[Vec<Point3<f64>>; 2], inside: bool) -> PointRows {
-    let steps = form.steps.of(PatchDirection::Blade);
+    let shares = form.shares.of(PatchDirection::Blade);
     let top = behind.len() - 1;
     let on = |j: usize| match j {
         0 if inside => Some(&form.part.hub),
         j if j == top => Some(&form.part.shroud),
         _ => None,
     };
-    behind.iter().zip(ahead).enumerate().map(|(j, (p, q))| bridge(p, q, steps, on(j))).collect()
+    behind.iter().zip(ahead).enumerate().map(|(j, (p, q))| bridge(p, q, shares, on(j))).collect()
 }
 
 /// Grids over the three parts of an edge that is a surface of its own, from the face behind to the face ahead.
@@ -192,10 +193,8 @@ fn rounded_edge(
     let directions = [PatchDirection::Shoulder, PatchDirection::Blade, PatchDirection::Shoulder];
     let mut parts = Vec::new();
     for (direction, range) in directions.into_iter().zip(PARTS.windows(2)) {
-        let steps = form.steps.of(direction);
-        let share =
-            |i: usize| if i == steps { range[1] } else { range[0] + (range[1] - range[0]) * i as f64 / steps as f64 };
-        let mut shares: Vec<f64> = (0..=steps).map(share).collect();
+        let share = |t: &f64| if *t == 1.0 { range[1] } else { range[0] + (range[1] - range[0]) * t };
+        let mut shares: Vec<f64> = form.shares.of(direction).iter().map(share).collect();
         if reversed {
             shares.iter_mut().for_each(|s| *s = 1.0 - *s);
         }
@@ -232,27 +231,25 @@ fn onto_hub(part: &Part, row: &mut [Point3<f64>], ends: [Option<f64>; 2]) {
     }
 }
 
-/// Equal steps around Z from one point to another, both included, the shorter way: on a surface, or on the straight line between
-/// their places in the meridian plane.
-fn bridge(from: &Point3<f64>, to: &Point3<f64>, steps: usize, on: Option<&Revolution>) -> Vec<Point3<f64>> {
+/// Points at shares of the way around Z from one point to another, both included, the shorter way: on a surface, or on the straight
+/// line between their places in the meridian plane.
+fn bridge(from: &Point3<f64>, to: &Point3<f64>, shares: &[f64], on: Option<&Revolution>) -> Vec<Point3<f64>> {
     let flat = |p: &Point3<f64>| Vector2::new(libm::hypot(p.x, p.y), p.z);
     let (a, b) = (flat(from), flat(to));
     let start = libm::atan2(from.y, from.x);
     let turn = nearest_turn(libm::atan2(to.y, to.x) - start, 0.0);
     let ends = on.map(|s| [s.closest(a).0, s.closest(b).0]);
-    (0..=steps)
-        .map(|k| {
-            let t = k as f64 / steps as f64;
-            let azimuth = start + turn * t;
-            match (k, on, ends) {
-                (0, ..) => *from,
-                (k, ..) if k == steps => *to,
-                (_, Some(surface), Some([u, v])) => surface.point(u + (v - u) * t, azimuth),
-                _ => {
-                    let p = a + (b - a) * t;
-                    Point3::new(p.x * libm::cos(azimuth), p.x * libm::sin(azimuth), p.y)
-                }
+    let at = |t: &f64| {
+        let azimuth = start + turn * t;
+        match (on, ends) {
+            _ if *t == 0.0 => *from,
+            _ if *t == 1.0 => *to,
+            (Some(surface), Some([u, v])) => surface.point(u + (v - u) * t, azimuth),
+            _ => {
+                let p = a + (b - a) * *t;
+                Point3::new(p.x * libm::cos(azimuth), p.x * libm::sin(azimuth), p.y)
             }
-        })
-        .collect()
+        }
+    };
+    shares.iter().map(at).collect()
 }

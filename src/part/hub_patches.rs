@@ -12,8 +12,8 @@
 //! ```
 
 use super::blade_sheets::{BladeSheets, SheetForm};
-use super::patch::{PatchDirection, PatchFault, PointRows, SheetPatch, clockwise};
-use super::unrolled::Unrolled;
+use super::patch::{PatchDirection, PatchFault, SheetPatch, clockwise};
+use super::unrolled::{Strip, Unrolled};
 use super::{Part, PassageId, SurfaceKind};
 use crate::geom::angle::nearest_turn;
 use nalgebra::{Point3, Rotation3, Vector2};
@@ -34,9 +34,17 @@ const STEEPEST: f64 = 1.3;
 /// Widths of the strip from one wall of a passage to the other, about; and from its middle to a wall.
 const ABOUT: f64 = 0.5;
 
-/// Shares of the arc before a rounded edge that its three parts have, with both ends. The lines from the ends of the middle part
-/// spread: an edge across a blade that is inclined to the meridian would be in the way of straight ones.
+/// Share of the length of a blade in which its nose bulges.
+const NOSE: f64 = 0.05;
+
+/// Shares of the arc before a rounded edge at which its three parts end. The lines from the ends of the middle part run like the
+/// cuts and spread: an edge across a blade that is inclined to the meridian would be in the way of others.
 const ARCS: [f64; 4] = [0.0, 0.1, 0.9, 1.0];
+
+/// The sense about Z from a face into its channel: 0 is the face that looks ahead.
+fn outward(side: usize) -> f64 {
+    if side == 0 { 1.0 } else { -1.0 }
+}
 
 /// A patch over the hub of sector 0.
 pub(super) struct HubPatch {
@@ -55,6 +63,9 @@ pub(super) struct HubPatches {
 struct Layout<'a> {
     form: &'a SheetForm<'a>,
     blades: &'a [BladeSheets],
+    /// The plane in which the main blades are borders of their channels, for the patches between blades.
+    channel: Unrolled<'a>,
+    /// The plane that follows the channel smoothly, for the patches before blades.
     plane: Unrolled<'a>,
 }
 
@@ -71,7 +82,9 @@ struct PassageEnd {
 }
 
 pub(super) fn hub_patches(form: &SheetForm<'_>, blades: &[BladeSheets]) -> Result<HubPatches, PatchFault> {
-    let layout = Layout { form, blades, plane: Unrolled::along(&form.part.hub, strip(form.part, &blades[0])) };
+    let walls = strip(form.part, &blades[0]);
+    let plane = Unrolled::along(&form.part.hub, walls.smooth());
+    let layout = Layout { form, blades, channel: Unrolled::along(&form.part.hub, walls), plane };
     let passages: Vec<[PassageEnd; 2]> =
         (0..blades.len()).map(|k| [0, 1].map(|end| layout.passage_end(k, end))).collect();
     let mut found = HubPatches { patches: Vec::new(), rings: [Vec::new(), Vec::new()] };
@@ -85,25 +98,34 @@ pub(super) fn hub_patches(form: &SheetForm<'_>, blades: &[BladeSheets]) -> Resul
     Ok(found)
 }
 
-/// Places of the channel between main blades on the hub: parameter of the hub, azimuth, width in radians.
-fn strip(part: &Part, main: &BladeSheets) -> [[f64; 3]; 4] {
-    let [ahead, behind] = main.faces.each_ref().map(|face| &face[0]);
-    let mut before = None;
-    [0, 1, 2, 3].map(|k| {
-        let at = k * (ahead.len() - 1) / 3;
-        let [p, q] = [behind[at], ahead[at]];
-        let [u, v] = [p, q].map(|p| part.hub.closest(Vector2::new(libm::hypot(p.x, p.y), p.z)).0);
-        let first = libm::atan2(p.y, p.x);
-        let blade = nearest_turn(libm::atan2(q.y, q.x) - first, 0.0);
-        let azimuth = nearest_turn(first + 0.5 * (blade + part.pitch()), before.unwrap_or(first));
-        before = Some(azimuth);
-        [0.5 * (u + v), azimuth, part.pitch() - blade]
-    })
+/// The channel between main blades on the hub: the faces are its borders.
+fn strip(part: &Part, main: &BladeSheets) -> Strip {
+    // The ahead face of a blade, and the face behind of the next one.
+    let [ahead, behind] = main.faces.each_ref().map(|face| {
+        let mut before = libm::atan2(face[0][0].y, face[0][0].x);
+        let place = |p: &Point3<f64>| {
+            let u = part.hub.closest(Vector2::new(libm::hypot(p.x, p.y), p.z)).0;
+            before = nearest_turn(libm::atan2(p.y, p.x), before);
+            [u, before, 0.0]
+        };
+        Strip::through(face[0].iter().map(place).collect())
+    });
+    let mut parameters: Vec<f64> = ahead.parameters().chain(behind.parameters()).collect();
+    parameters.sort_by(f64::total_cmp);
+    let from = parameters[0];
+    // The blade between its faces is narrower than half a turn.
+    let blade = behind.at(from)[0] - ahead.at(from)[0];
+    let turn = nearest_turn(blade, 0.0) - blade + part.pitch();
+    let place = |u: f64| {
+        let [a, b] = [ahead.at(u)[0], behind.at(u)[0] + turn];
+        [u, 0.5 * (a + b), b - a]
+    };
+    Strip::through(parameters.into_iter().map(place).collect())
 }
 
 impl Layout<'_> {
-    fn steps(&self, direction: PatchDirection) -> usize {
-        self.form.steps.of(direction)
+    fn shares(&self, direction: PatchDirection) -> &[f64] {
+        self.form.shares.of(direction)
     }
 
     /// Index of the blade behind a passage, and the rotation and angle to its sector.
@@ -122,55 +144,91 @@ impl Layout<'_> {
 
     fn passage_end(&self, k: usize, end: usize) -> PassageEnd {
         let (next, turn, _) = self.next(k);
-        let [channel, before] = [PatchDirection::Channel, PatchDirection::Before].map(|d| self.steps(d));
+        let [channel, before] = [PatchDirection::Channel, PatchDirection::Before].map(|d| self.shares(d));
         let [from, own] = [self.corner(k, 0, end), self.corner(next, 1, end)];
         let to = turn * own;
-        let between = self.plane.line(&from, &to, ABOUT, channel);
+        let between = self.channel.line(&from, &to, ABOUT, channel);
         let inside = [k, next].map(|blade| self.blades[blade].ends[end].inside);
         if inside == [false; 2] {
             return PassageEnd { arc: between.clone(), between, cuts: None, second: Vec::new() };
         }
-        let one = self.cut((k, 0, end), &Rotation3::identity(), &from, &to);
+        let one = self.cut((k, 0, end), &from, &to);
         // As it is in the sector of its blade.
         let back = turn.inverse();
-        let mut second: HubLine = self.cut((next, 1, end), &turn, &to, &from).iter().map(|p| back * p).collect();
+        let mut second: HubLine = self.cut((next, 1, end), &to, &from).iter().map(|p| back * p).collect();
         second[0] = own;
         let mut other: HubLine = second.iter().map(|p| turn * p).collect();
         other[0] = to;
-        let arc = self.plane.line(&one[before], &other[before], ABOUT, channel);
+        let arc = self.plane.line(&one[before.len() - 1], &other[before.len() - 1], ABOUT, channel);
         PassageEnd { between, cuts: Some([one, other]), arc, second }
     }
 
-    /// The cut from a face of a blade at an end to the circle, on the side of the passage to the blade at `opposite`. It leaves the
-    /// blade half way between the line on which the face would go on and the line to that blade. At a blade that ends on the circle it is a part of the
-    /// circle.
-    fn cut(
-        &self,
-        (blade, side, end): (usize, usize, usize),
-        turn: &Rotation3<f64>,
-        from: &Point3<f64>,
-        opposite: &Point3<f64>,
-    ) -> HubLine {
-        let steps = self.steps(PatchDirection::Before);
-        let outward = if side == 0 { 1.0 } else { -1.0 };
+    /// The cut from a face of a blade at an end to the circle, on the side of the passage to the blade at `opposite`. At a blade that
+    /// ends on the circle it is a part of the circle.
+    fn cut(&self, (blade, side, end): (usize, usize, usize), from: &Point3<f64>, opposite: &Point3<f64>) -> HubLine {
+        let shares = self.shares(PatchDirection::Before);
+        let outward = outward(side);
         let start = self.plane.place(from, -ABOUT * outward);
-        let opposite = self.plane.place(opposite, start[1] + ABOUT * outward);
-        let opening = opposite[1] - start[1];
         let circle = end as f64;
-        let sheets = &self.blades[blade].ends[end];
-        if !sheets.inside {
-            let on_circle = self.plane.point([circle, start[1] + BESIDE * opening]);
-            return self.plane.line(from, &on_circle, 0.0, steps);
+        if !self.blades[blade].ends[end].inside {
+            let opposite = self.plane.place(opposite, start[1] + ABOUT * outward);
+            let on_circle = self.plane.point([circle, start[1] + BESIDE * (opposite[1] - start[1])]);
+            return self.plane.line(from, &on_circle, 0.0, shares);
         }
+        let depth = self.depth(blade, end, start[0]);
+        let widths = start[1] + outward * self.leaves(blade, end)[side];
+        let middle = [start[0] + depth * (circle - start[0]).signum(), widths];
+        self.plane.parabola(from, [middle, [circle, widths]], shares)
+    }
+
+    /// Parameter of the hub after which a cut has left a blade that ends inside of the part: beside the nose of a rounded edge, or a part
+    /// of the way to the circle.
+    fn depth(&self, blade: usize, end: usize, start: f64) -> f64 {
+        let way = end as f64 - start;
+        let before = self.blades[blade].ends[end].parts.iter().flat_map(|(_, grid)| &grid[0]);
+        let depths = before.map(|p| (self.plane.place(p, 0.0)[0] - start) * way.signum());
+        depths.fold(0.0, f64::max).clamp(LEAVES[0] * way.abs(), LEAVES[1] * way.abs())
+    }
+
+    /// Widths by which the cuts from both faces of a blade leave it until the circle. Before a blade that is inclined, both cuts go
+    /// to the same side. The one that follows must not cross the other: they come no nearer to each other than the faces are.
+    fn leaves(&self, blade: usize, end: usize) -> [f64; 2] {
+        let [ahead, behind] = [0, 1].map(|side| self.leaves_beside(blade, side, end));
+        let lacks = (-ahead - behind).max(0.0);
+        [ahead + 0.5 * lacks, behind + 0.5 * lacks]
+    }
+
+    /// Index of the place along a blade by which the direction of its end is found: behind the bulge of the nose.
+    fn inner(&self, end: usize) -> usize {
+        let along = &self.form.along;
+        if end == 0 {
+            along.partition_point(|share| *share < NOSE)
+        } else {
+            along.partition_point(|share| *share <= 1.0 - NOSE) - 1
+        }
+    }
+
+    /// Widths by which a cut leaves its blade with regard to the channel beside it: half way between the line on which the face would
+    /// go on and the line to the other blade.
+    fn leaves_beside(&self, blade: usize, side: usize, end: usize) -> f64 {
+        let (outward, circle) = (outward(side), end as f64);
+        // In the sector in which the plane runs like the channel.
+        let (turn, opposite) = if side == 0 {
+            let (next, turn, _) = self.next(blade);
+            (Rotation3::identity(), turn * self.corner(next, 1, end))
+        } else {
+            let before = (blade + self.blades.len() - 1) % self.blades.len();
+            (self.next(before).1, self.corner(before, 0, end))
+        };
+        let start = self.plane.place(&(turn * self.corner(blade, side, end)), -ABOUT * outward);
+        let opposite = self.plane.place(&opposite, start[1] + ABOUT * outward);
+        let opening = opposite[1] - start[1];
         let foot = &self.blades[blade].faces[side][0];
-        let inner = turn * foot[if end == 0 { 1 } else { foot.len() - 2 }];
+        let inner = turn * foot[self.inner(end)];
         let inner = self.plane.place(&inner, start[1]);
         let slope = (start[1] - inner[1]) / (start[0] - inner[0]);
-        // Beside the nose of a rounded edge, or a part of the way to the circle.
         let way = circle - start[0];
-        let before = sheets.parts.iter().flat_map(|(_, grid)| &grid[0]);
-        let depths = before.map(|p| (self.plane.place(p, 0.0)[0] - start[0]) * way.signum());
-        let depth = depths.fold(0.0, f64::max).clamp(LEAVES[0] * way.abs(), LEAVES[1] * way.abs());
+        let depth = self.depth(blade, end, start[0]);
         // Half of the angle between the way on which the face would go on and the line to the other blade, in mm.
         let meridian = self.form.part.hub.meridian(start[0]);
         let [along, across] = [meridian.first.norm(), meridian.point.x * self.plane.width(start[0])];
@@ -179,28 +237,27 @@ impl Layout<'_> {
         let [on_angle, over_angle] = [on, over].map(|[x, y]| libm::atan2(y, x));
         let half = (0.5 * (on_angle + over_angle)).min(STEEPEST);
         let beside = slope * way.signum() * outward * depth + BESIDE * opening.abs();
-        let beyond = (libm::tan(half) * depth * along / across).min(beside).min(MOST * opening.abs());
-        let widths = start[1] + outward * beyond;
-        self.plane.parabola(from, [[start[0] + depth * way.signum(), widths], [circle, widths]], steps)
+        (libm::tan(half) * depth * along / across).min(beside).min(MOST * opening.abs())
     }
 
+    /// Adds the patch between four borders: the first and the last row, the first and the last column.
     fn add(
         &self,
         found: &mut HubPatches,
         kind: usize,
         directions: [PatchDirection; 2],
-        rows: PointRows,
+        (rows, columns): ([&[Point3<f64>]; 2], [&[Point3<f64>]; 2]),
         next: Option<HubLine>,
-    ) {
+    ) -> Result<(), PatchFault> {
+        let kind = SurfaceKind::Hub(PassageId::new(kind));
+        let shares = directions.map(|direction| self.shares(direction));
+        let plane = if directions[1] == PatchDirection::Along { &self.channel } else { &self.plane };
+        let rows = plane.filled(rows, columns, shares).ok_or(PatchFault::Folded(kind))?;
         let p = rows[rows.len() / 2][rows[0].len() / 2];
         let [u, _] = self.plane.place(&p, 0.0);
         let turned = clockwise(&rows, &self.form.part.hub.normal(u, libm::atan2(p.y, p.x)));
-        let kind = SurfaceKind::Hub(PassageId::new(kind));
         found.patches.push(HubPatch { patch: SheetPatch { kind, directions, rows, turned }, next });
-    }
-
-    fn filled(&self, k: usize, rows: [&[Point3<f64>]; 2], sides: [&[Point3<f64>]; 2]) -> Result<PointRows, PatchFault> {
-        self.plane.filled(rows, sides).ok_or(PatchFault::Folded(SurfaceKind::Hub(PassageId::new(k))))
+        Ok(())
     }
 
     /// The patch between the faces of a passage.
@@ -208,10 +265,10 @@ impl Layout<'_> {
         let (next, turn, angle) = self.next(k);
         let own = &self.blades[next].faces[1][0];
         let second: HubLine = own.iter().map(|p| turn * p).collect();
-        let rows = self.filled(k, [&ends[0].between, &ends[1].between], [&self.blades[k].faces[0][0], &second])?;
+        let borders: ([&[_]; 2], [&[_]; 2]) =
+            ([&ends[0].between, &ends[1].between], [&self.blades[k].faces[0][0], &second]);
         let next = (angle > 0.0).then(|| own.clone());
-        self.add(found, k, [PatchDirection::Channel, PatchDirection::Along], rows, next);
-        Ok(())
+        self.add(found, k, [PatchDirection::Channel, PatchDirection::Along], borders, next)
     }
 
     /// The patch between a passage and the circle, and its part of the circle.
@@ -229,11 +286,10 @@ impl Layout<'_> {
         if !inside[1] {
             found.rings[end].push((PatchDirection::Before, other.iter().rev().copied().collect()));
         }
-        let rows = self.filled(k, [&at.between, &at.arc], [one, other])?;
         let shared = if inside[1] { at.second.len() } else { 1 };
         let next = (angle > 0.0).then(|| at.second[..shared].to_vec());
-        self.add(found, k, [PatchDirection::Channel, PatchDirection::Before], rows, next);
-        Ok(())
+        let borders: ([&[_]; 2], [&[_]; 2]) = ([&at.between, &at.arc], [one, other]);
+        self.add(found, k, [PatchDirection::Channel, PatchDirection::Before], borders, next)
     }
 
     /// The patches between an edge and the circle, and their parts of the circle.
@@ -253,9 +309,6 @@ impl Layout<'_> {
         let before = &passages[(k + passages.len() - 1) % passages.len()][end];
         let Some([after, _]) = &passages[k][end].cuts else { return Ok(()) };
         let last = after.len() - 1;
-        let [low, high] = [before.second[last], after[last]];
-        let from = self.plane.place(&low, 0.0)[1];
-        let arc = self.plane.place(&high, from + ABOUT)[1] - from;
         let count = feet.len();
         let mut side = before.second.clone();
         for (j, foot) in feet.into_iter().enumerate() {
@@ -263,12 +316,16 @@ impl Layout<'_> {
             let beyond = if j + 1 == count {
                 after.clone()
             } else {
-                let to = self.plane.point([end as f64, from + arc * ARCS[j + 1]]);
-                self.plane.line(&foot[foot.len() - 1], &to, 0.0, last)
+                self.plane.beside(
+                    &foot[foot.len() - 1],
+                    [&before.second, after],
+                    ARCS[j + 1],
+                    self.shares(PatchDirection::Before),
+                )
             };
-            let on_circle = self.plane.line(&side[last], &beyond[last], 0.0, self.steps(direction));
-            let rows = self.filled(k, [foot, &on_circle], [&side, &beyond])?;
-            self.add(found, k, [direction, PatchDirection::Before], rows, None);
+            let on_circle = self.plane.line(&side[last], &beyond[last], 0.0, self.shares(direction));
+            let borders: ([&[_]; 2], [&[_]; 2]) = ([foot, &on_circle], [&side, &beyond]);
+            self.add(found, k, [direction, PatchDirection::Before], borders, None)?;
             found.rings[end].push((direction, on_circle));
             side = beyond;
         }

@@ -40,6 +40,7 @@ mod extent;
 mod hub_patches;
 pub mod kept;
 mod names;
+mod nodes;
 mod passage;
 mod patch;
 mod patches;

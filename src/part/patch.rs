@@ -1,4 +1,4 @@
-//! Four-sided patches: directions and numbers of their steps, and the points of a patch.
+//! Four-sided patches: directions, places of points in each of them, and the points of a patch.
 
 use super::SurfaceKind;
 use nalgebra::{Point3, Vector3};
@@ -22,35 +22,34 @@ pub(super) enum PatchDirection {
     Before,
 }
 
-/// Numbers of steps in each [`PatchDirection`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Steps(pub [usize; 7]);
+/// Of each [`PatchDirection`], the places of the points of patches: shares of the length, which ascend from 0 to 1.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Shares(pub [Vec<f64>; 7]);
 
-impl Steps {
-    /// Number of steps in a direction.
-    pub(super) fn of(&self, direction: PatchDirection) -> usize {
-        self.0[direction as usize]
+impl Shares {
+    /// So many equal steps in each direction.
+    pub(super) fn equal(steps: [usize; 7]) -> Self {
+        Self(steps.map(|n| (0..=n).map(|k| k as f64 / n as f64).collect()))
     }
 
-    /// As many times the steps.
-    #[must_use]
-    pub(super) fn times(self, factor: usize) -> Self {
-        Self(self.0.map(|n| n * factor))
+    /// Places of a direction.
+    pub(super) fn of(&self, direction: PatchDirection) -> &[f64] {
+        &self.0[direction as usize]
     }
 }
 
 /// Spacing of the places along a blade.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum AlongSpacing {
-    /// Equal steps.
+    /// Places are shares of the blade.
     Equal,
     /// Shorter steps near both ends, where a fillet bends: the ball rolls beyond the ends of the face, which goes on straight.
     FineEnds,
 }
 
 impl AlongSpacing {
-    /// Shares of the way along a blade at equal steps of a parameter; their derivatives are continuous.
-    pub(super) fn shares(self, steps: usize) -> Vec<f64> {
+    /// Shares of the way along a blade at places; their derivatives are continuous.
+    pub(super) fn shares(self, places: &[f64]) -> Vec<f64> {
         /// Share of the length near an end that is fine: fillets of the shipped wheels bend within a twentieth.
         const NEAR_END: f64 = 0.06;
         /// Density of places at an end, over that in the middle.
@@ -68,10 +67,9 @@ impl AlongSpacing {
             }
             0.5 * (low + high)
         };
-        let equal = (0..=steps).map(|i| i as f64 / steps as f64);
         match self {
-            Self::Equal => equal.collect(),
-            Self::FineEnds => equal.map(|t| if t == 0.0 || t == 1.0 { t } else { share(t) }).collect(),
+            Self::Equal => places.to_vec(),
+            Self::FineEnds => places.iter().map(|t| if *t == 0.0 || *t == 1.0 { *t } else { share(*t) }).collect(),
         }
     }
 }
@@ -79,7 +77,7 @@ impl AlongSpacing {
 /// Rows of points, all of one length.
 pub(super) type PointRows = Vec<Vec<Point3<f64>>>;
 
-/// A surface over the unit square by points at equal steps.
+/// A surface over the unit square by points at the places of its directions.
 #[derive(Clone, Debug)]
 pub(super) struct SheetPatch {
     /// Kind of the surface.

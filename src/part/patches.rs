@@ -7,7 +7,7 @@ use super::Part;
 use super::blade_sheets::{BladeSheets, SheetForm};
 use super::chart::charts;
 use super::hub_patches::{HubPatch, hub_patches};
-use super::patch::{AlongSpacing, PatchDirection, PatchFault, PointRows, SheetPatch, Steps};
+use super::patch::{AlongSpacing, PatchDirection, PatchFault, PointRows, Shares, SheetPatch};
 use nalgebra::Point3;
 
 /// The patches of all sectors.
@@ -24,10 +24,10 @@ pub(super) struct Patches<'a> {
 impl<'a> Patches<'a> {
     /// # Errors
     /// [`PatchFault`].
-    pub(super) fn new(part: &'a Part, steps: Steps, spacing: AlongSpacing) -> Result<Self, PatchFault> {
+    pub(super) fn new(part: &'a Part, shares: &Shares, spacing: AlongSpacing) -> Result<Self, PatchFault> {
         let charts = charts(part);
-        let along = spacing.shares(steps.of(PatchDirection::Along));
-        let form = SheetForm { part, charts: &charts, steps, along };
+        let along = spacing.shares(shares.of(PatchDirection::Along));
+        let form = SheetForm { part, charts: &charts, shares, along };
         let sheets = part.blade_ids().map(|blade| BladeSheets::new(&form, blade)).collect::<Result<Vec<_>, _>>()?;
         let mut blades = Vec::new();
         for sheet in &sheets {

@@ -63,13 +63,12 @@ impl<'a> Sheet<'a> {
         self.fillet.is_some()
     }
 
-    /// Rows from hub to shroud, each with places at the given shares from the inlet line to the outlet line, with the steps up
-    /// the fillet and up the face. Without a fillet the first row is the root of the face.
-    pub(super) fn grid(&self, along: &[f64], [fillet, face]: [usize; 2]) -> Option<Vec<Vec<Point3<f64>>>> {
-        let steps = if self.has_fillet() { fillet } else { 0 };
-        let height =
-            |j: usize| if j < steps { j as f64 / steps as f64 } else { 1.0 + (j - steps) as f64 / face as f64 };
-        (0..=steps + face).into_par_iter().map(|j| self.row(along, height(j))).collect()
+    /// Rows from hub to shroud, at shares of the way up the fillet and up the face, each with places at the given shares from the inlet
+    /// line to the outlet line. Without a fillet the first row is the root of the face.
+    pub(super) fn grid(&self, along: &[f64], [fillet, face]: [&[f64]; 2]) -> Option<Vec<Vec<Point3<f64>>>> {
+        let below = if self.has_fillet() { &fillet[..fillet.len() - 1] } else { &[] };
+        let heights: Vec<f64> = below.iter().copied().chain(face.iter().map(|share| 1.0 + share)).collect();
+        heights.into_par_iter().map(|w| self.row(along, w)).collect()
     }
 
     fn row(&self, along: &[f64], w: f64) -> Option<Vec<Point3<f64>>> {

@@ -4,8 +4,9 @@
 //! surfaces, which two neighbours have in common, so that no edge needs a tolerance. Steps are halved until the surfaces are
 //! near enough to the patches. Planes and cylinders of the blank close the shell: nose, bore, back face, rim.
 
+use super::nodes::{Halved, PatchNodes};
 pub use super::patch::PatchFault;
-use super::patch::{AlongSpacing, PatchDirection, SheetPatch, Steps};
+use super::patch::{AlongSpacing, PatchDirection, SheetPatch};
 use super::patches::Patches;
 use super::{Part, Stock, SurfaceId, SurfaceKind};
 use crate::geom::{GeomError, NurbsCurve, NurbsSurface, interpolate_at, interpolate_grid};
@@ -27,9 +28,8 @@ const NEAR_CIRCLES: f64 = 5e-8;
 /// Distance below which ends of edges are one vertex, mm: rounding of turned copies is far below, and no edge is so short.
 const SAME: f64 = 1e-7;
 
-/// Steps at the start, and the most of them in a direction.
-const STEPS: Steps = Steps([32, 8, 3, 16, 4, 4, 4]);
-const MOST_STEPS: usize = 1024;
+/// Intervals of each direction at the start.
+const INTERVALS: [usize; 7] = [16, 4, 3, 4, 4, 4, 4];
 
 /// The curve of an edge.
 #[derive(Clone, Debug, PartialEq)]
@@ -146,71 +146,87 @@ pub fn shell(part: &Part, stock: &Stock) -> Result<Shell, ShellFault> {
 /// A patch with its spline surface.
 type Fitted = (SheetPatch, NurbsSurface);
 
-/// Spline surfaces of the patches of sector 0, and their largest distance to the patches.
+/// Spline surfaces of the patches of sector 0, and their largest distance to the patches at the nodes and half way between them.
+/// Intervals between nodes are halved where the surfaces are not near enough.
 fn fit(part: &Part) -> Result<(Vec<Fitted>, f64), ShellFault> {
-    let mut steps = STEPS;
     let fillet = part.blades.iter().any(|blade| blade.fillet.is_some());
     let spacing = if fillet { AlongSpacing::FineEnds } else { AlongSpacing::Equal };
+    let near = |kind: SurfaceKind| match kind {
+        SurfaceKind::Rim => NEAR_CIRCLES,
+        SurfaceKind::Face(_) | SurfaceKind::Tip(_) => NEAR,
+        _ if fillet => NEAR_FILLET,
+        _ => NEAR,
+    };
+    let mut nodes = PatchNodes::equal(INTERVALS);
     loop {
-        let patches = Patches::new(part, steps.times(2), spacing).map_err(ShellFault::Patches)?;
-        let fitted: Vec<_> =
-            patches.of_sector(0).0.into_par_iter().map(fit_patch).collect::<Result<_, ShellFault>>()?;
-        let mut more = steps;
-        let mut wanted = |kind: SurfaceKind, direction: PatchDirection, error: f64, near: f64| {
-            if error > near {
-                more.0[direction as usize] = 2 * steps.of(direction);
+        let patches = Patches::new(part, &nodes.with_middles(), spacing).map_err(ShellFault::Patches)?;
+        let fitted: Vec<_> = patches.of_sector(0).0.into_par_iter().map(|patch| fit_patch(patch, &nodes)).collect();
+        let fitted = fitted.into_iter().collect::<Result<Vec<_>, ShellFault>>()?;
+        let mut halved = Halved::default();
+        let mut worst = (SurfaceKind::Rim, 0.0, 0.0);
+        let mut judge = |kind: SurfaceKind, direction: PatchDirection, errors: &[f64]| {
+            for (interval, error) in errors.iter().enumerate().filter(|(_, error)| **error > near(kind)) {
+                halved.mark(direction, interval);
+                if error / near(kind) > worst.2 {
+                    worst = (kind, *error, error / near(kind));
+                }
             }
-            if more.of(direction) > MOST_STEPS { Err(ShellFault::NotNear(kind, error)) } else { Ok(()) }
         };
         for (patch, _, errors) in &fitted {
-            let blunted = fillet && !matches!(patch.kind, SurfaceKind::Face(_) | SurfaceKind::Tip(_));
-            for (direction, error) in patch.directions.into_iter().zip(*errors) {
-                wanted(patch.kind, direction, error, if blunted { NEAR_FILLET } else { NEAR })?;
-            }
+            patch.directions.into_iter().zip(&errors.between).for_each(|(d, errors)| judge(patch.kind, d, errors));
         }
         for (direction, line) in patches.rings.iter().flatten() {
-            let error = off_circle(line).map_err(|_| ShellFault::NoSpline(SurfaceKind::Rim))?;
-            wanted(SurfaceKind::Rim, *direction, error, NEAR_CIRCLES)?;
+            let errors = off_circle(line, &nodes.parameters(*direction));
+            judge(SurfaceKind::Rim, *direction, &errors.map_err(|_| ShellFault::NoSpline(SurfaceKind::Rim))?);
         }
-        if more == steps {
-            let error = fitted.iter().flat_map(|(_, _, errors)| *errors).fold(0.0, f64::max);
+        if halved.is_empty() {
+            let error = fitted.iter().map(|(_, _, errors)| errors.largest).fold(0.0, f64::max);
             return Ok((fitted.into_iter().map(|(patch, surface, _)| (patch, surface)).collect(), error));
         }
-        steps = more;
-    }
-}
-
-/// Largest distance of the curve through every second point of a line to the points between them.
-fn off_circle(line: &[Point3<f64>]) -> Result<f64, GeomError> {
-    let last = (line.len() - 1) as f64;
-    let coarse: Vec<Point3<f64>> = line.iter().step_by(2).copied().collect();
-    let parameters: Vec<f64> = (0..coarse.len()).map(|i| i as f64 / (coarse.len() - 1) as f64).collect();
-    let curve = interpolate_at(&parameters, &coarse, 3)?;
-    let off = line.iter().enumerate().map(|(i, p)| (curve.point(i as f64 / last) - p).norm());
-    Ok(off.fold(0.0, f64::max))
-}
-
-/// The surface through every second point of a patch, with its largest distances to the points between them along the
-/// columns, along the rows, and along both.
-fn fit_patch(patch: SheetPatch) -> Result<(SheetPatch, NurbsSurface, [f64; 3]), ShellFault> {
-    let coarse: Vec<Vec<Point3<f64>>> =
-        patch.rows.iter().step_by(2).map(|row| row.iter().step_by(2).copied().collect()).collect();
-    let surface = interpolate_grid(&coarse).map_err(|_| ShellFault::NoSpline(patch.kind))?;
-    let mut errors = [0.0_f64; 3];
-    let last = patch.rows.len() - 1;
-    for (j, row) in patch.rows.iter().enumerate() {
-        for (i, p) in row.iter().enumerate() {
-            let kind = match (i % 2, j % 2) {
-                (0, 0) => continue,
-                (1, 0) => 0,
-                (0, _) => 1,
-                _ => 2,
-            };
-            let at = surface.point(i as f64 / (row.len() - 1) as f64, j as f64 / last as f64);
-            errors[kind] = errors[kind].max((at - p).norm());
+        if !nodes.halve(&halved) {
+            return Err(ShellFault::NotNear(worst.0, worst.1));
         }
     }
-    Ok((patch, surface, errors))
+}
+
+/// Distances of a curve or surface to points between its nodes, mm.
+struct Distances {
+    /// Largest ones at the middle of each interval of the columns, at nodes of the rows; and the same for the rows.
+    between: [Vec<f64>; 2],
+    /// Largest one of all.
+    largest: f64,
+}
+
+/// Distances of the curve through every second point of a line to the points between them.
+fn off_circle(line: &[Point3<f64>], parameters: &[f64]) -> Result<Vec<f64>, GeomError> {
+    let nodes: Vec<Point3<f64>> = line.iter().step_by(2).copied().collect();
+    let curve = interpolate_at(parameters, &nodes, 3)?;
+    let middles = line.iter().skip(1).step_by(2).zip(parameters.windows(2));
+    Ok(middles.map(|(p, pair)| (curve.point(pair[0].midpoint(pair[1])) - p).norm()).collect())
+}
+
+/// The surface through every second point of a patch, with its distances to the other points.
+fn fit_patch(patch: SheetPatch, nodes: &PatchNodes) -> Result<(SheetPatch, NurbsSurface, Distances), ShellFault> {
+    let coarse: Vec<Vec<Point3<f64>>> =
+        patch.rows.iter().step_by(2).map(|row| row.iter().step_by(2).copied().collect()).collect();
+    let parameters = patch.directions.map(|direction| nodes.parameters(direction));
+    let surface = interpolate_grid(&coarse, [&parameters[0], &parameters[1]]);
+    let surface = surface.map_err(|_| ShellFault::NoSpline(patch.kind))?;
+    let mut distances = Distances { between: parameters.each_ref().map(|p| vec![0.0; p.len() - 1]), largest: 0.0 };
+    let at = |d: usize, k: usize| parameters[d][k / 2].midpoint(parameters[d][k.div_ceil(2)]);
+    for (j, row) in patch.rows.iter().enumerate() {
+        for (i, p) in row.iter().enumerate() {
+            let off = (surface.point(at(0, i), at(1, j)) - p).norm();
+            distances.largest = distances.largest.max(off);
+            let largest = match (i % 2, j % 2) {
+                (1, 0) => &mut distances.between[0][i / 2],
+                (0, 1) => &mut distances.between[1][j / 2],
+                _ => continue,
+            };
+            *largest = largest.max(off);
+        }
+    }
+    Ok((patch, surface, distances))
 }
 
 /// Joins faces to a shell.

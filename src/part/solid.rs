@@ -1,7 +1,7 @@
 //! The finished part as a closed triangle mesh, from the design surfaces only, and its volume: patches of all sectors, and
 //! front, bore, back and outside of the blank.
 
-use super::patch::{AlongSpacing, PatchDirection, Steps};
+use super::patch::{AlongSpacing, PatchDirection, Shares};
 use super::patches::Patches;
 use super::shell::ShellFault;
 use super::{Part, Stock, SurfaceKind};
@@ -23,22 +23,36 @@ pub struct Volume {
 /// Steps of a grid along and up a wall, across a channel, and across a vane.
 const STEPS: [usize; 4] = [48, 12, 16, 8];
 
+/// Most steps of a mesh for a volume, over those of the first one.
+const MOST_TIMES: usize = 16;
+
 /// Volume of the finished part: all vanes milled, no stock over the shroud. The error of chords of uniform grids is
-/// quadratic in the step; two refinements remove it.
+/// quadratic in the step; two refinements remove it. Thin noses need more of them: up to four are made, until the error is at most
+/// the share `near` of the volume.
 ///
 /// `None` for a part without patches.
-pub fn volume(part: &Part, stock: &Stock) -> Option<Volume> {
+pub fn volume(part: &Part, stock: &Stock, near: f64) -> Option<Volume> {
     let of = |factor: usize| mesh(part, stock, STEPS.map(|n| n * factor)).map(|solid| solid.volume());
-    let (coarse, middle, fine) = (of(1)?, of(2)?, of(4)?);
     let without_square = |coarse: f64, fine: f64| fine + (fine - coarse) / 3.0;
-    let (before, value) = (without_square(coarse, middle), without_square(middle, fine));
-    Some(Volume { value, error: (value - before).abs() })
+    let (mut factor, mut coarse) = (2, of(2)?);
+    let mut before = without_square(of(1)?, coarse);
+    loop {
+        factor *= 2;
+        let fine = of(factor)?;
+        let value = without_square(coarse, fine);
+        let error = (value - before).abs();
+        if error <= near * value || factor == MOST_TIMES {
+            return Some(Volume { value, error });
+        }
+        (coarse, before) = (fine, value);
+    }
 }
 
 /// Mesh of the finished part; the steps are those along a wall, up each of its two surfaces, across a channel, and
 /// across a vane. `None` as for [`volume`].
 pub fn mesh(part: &Part, stock: &Stock, [along, up, across, thick]: [usize; 4]) -> Option<Mesh> {
-    let patches = Patches::new(part, Steps([along, up, up, across, thick, thick, thick]), AlongSpacing::Equal).ok()?;
+    let shares = Shares::equal([along, up, up, across, thick, thick, thick]);
+    let patches = Patches::new(part, &shares, AlongSpacing::Equal).ok()?;
     Some(mesh_of(part, stock, &patches))
 }
 
@@ -52,7 +66,7 @@ pub struct ChordMesh {
 }
 
 /// Steps of a mesh at the start, and the most of them in a direction.
-const COARSE: Steps = Steps([12, 3, 2, 3, 1, 1, 1]);
+const COARSE: [usize; 7] = [12, 3, 2, 3, 1, 1, 1];
 const MOST_STEPS: usize = 2048;
 
 /// Mesh of the finished part whose triangles are within a chord error of the surfaces: steps are halved until points half way
@@ -63,7 +77,8 @@ const MOST_STEPS: usize = 2048;
 pub fn mesh_within(part: &Part, stock: &Stock, chord: f64) -> Result<ChordMesh, ShellFault> {
     let mut steps = COARSE;
     loop {
-        let twice = Patches::new(part, steps.times(2), AlongSpacing::FineEnds).map_err(ShellFault::Patches)?;
+        let twice = Patches::new(part, &Shares::equal(steps.map(|n| 2 * n)), AlongSpacing::FineEnds)
+            .map_err(ShellFault::Patches)?;
         let (patches, rings) = twice.of_sector(0);
         let mut more = steps;
         let (mut worst, mut widest_kind) = (0.0_f64, SurfaceKind::Rim);
@@ -74,7 +89,7 @@ pub fn mesh_within(part: &Part, stock: &Stock, chord: f64) -> Result<ChordMesh, 
             }
             for (direction, error) in patch.directions.into_iter().zip(errors) {
                 if error > 0.5 * chord {
-                    more.0[direction as usize] = 2 * steps.of(direction);
+                    more[direction as usize] = 2 * steps[direction as usize];
                 }
             }
         }
@@ -89,13 +104,14 @@ pub fn mesh_within(part: &Part, stock: &Stock, chord: f64) -> Result<ChordMesh, 
         if circle > chord {
             [PatchDirection::Channel, PatchDirection::Blade, PatchDirection::Shoulder, PatchDirection::Before]
                 .into_iter()
-                .for_each(|d| more.0[d as usize] = 2 * steps.of(d));
+                .for_each(|d| more[d as usize] = 2 * steps[d as usize]);
         }
         if more == steps {
-            let patches = Patches::new(part, steps, AlongSpacing::FineEnds).map_err(ShellFault::Patches)?;
+            let patches =
+                Patches::new(part, &Shares::equal(steps), AlongSpacing::FineEnds).map_err(ShellFault::Patches)?;
             return Ok(ChordMesh { mesh: mesh_of(part, stock, &patches), error: worst });
         }
-        if more.0.iter().any(|n| *n > MOST_STEPS) {
+        if more.iter().any(|n| *n > MOST_STEPS) {
             return Err(ShellFault::NotNear(widest_kind, worst));
         }
         steps = more;

@@ -276,7 +276,7 @@ impl measure::NarrowMeasure for Narrower<'_> {
     }
 
     fn part_volume(&self) -> Option<f64> {
-        solid::volume(&self.program.part, &self.program.stock).map(|v| v.value)
+        solid::volume(&self.program.part, &self.program.stock, 1e-5).map(|v| v.value)
     }
 
     fn search(&self) -> f64 {

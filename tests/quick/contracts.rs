@@ -284,7 +284,7 @@ fn figures_of_the_stock_are_told_apart() {
     let (program, _) = &*PLANNED;
     let stock = ASKED.0.stock.as_ref().unwrap();
     let [flank, channel] = [0, 1].map(|o| &stock.operations[o]);
-    let part = solid::volume(&program.part, &program.stock).unwrap().value;
+    let part = solid::volume(&program.part, &program.stock, 1e-6).unwrap().value;
     assert!(part > 0.4 * stock.blank && part < stock.blank, "{part} {}", stock.blank);
     assert_eq!(asked(RestVolume, &[], &[]), channel.rest - part);
     assert_eq!(asked(RestVolume, &[1], &[]), channel.rest - part);

@@ -227,7 +227,7 @@ fn blade_volume(part: &Part, blade: BladeId) -> f64 {
 fn surfaces_of_the_wheel_close() {
     let small = jobs::program("small", None);
     let [open, volume] = enclosed(&small);
-    let mesh = solid::volume(&small.part, &small.stock).unwrap().value;
+    let mesh = solid::volume(&small.part, &small.stock, 1e-6).unwrap().value;
     println!("small: open {open:.3} mm2, volume {volume:.2}, by the mesh {mesh:.2} mm3");
     assert!((volume / mesh - 1.0).abs() < 2e-3 && open.abs() < 5.0, "{open} {volume} {mesh}");
     let [open, with] = enclosed(&SPLITTER);
@@ -238,7 +238,7 @@ fn surfaces_of_the_wheel_close() {
     );
     assert!(open.abs() < 9.0, "{open}");
     assert!(with - volume > least && with - volume < 1.1 * least, "{} {least}", with - volume);
-    assert!(solid::volume(&SPLITTER.part, &SPLITTER.stock).is_none());
+    assert!(solid::volume(&SPLITTER.part, &SPLITTER.stock, 1e-6).is_none());
 }
 
 /// The verifier divides, samples and bounds the surfaces of the splitter as any others: paths of the wheel without it cut

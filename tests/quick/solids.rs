@@ -105,7 +105,7 @@ fn shells_are_closed() {
         for part in [program.part.clone(), program.part.with_fillet(None)] {
             let made = shell(&part, &program.stock).unwrap();
             assert_closed(&made);
-            let due = solid::volume(&part, &program.stock).unwrap();
+            let due = solid::volume(&part, &program.stock, 1e-6).unwrap();
             let found = volume(&made);
             println!(
                 "{name}: {found:.6} mm3, by triangles {:.6} within {:.1e}; near {:.1e} mm",
@@ -130,7 +130,7 @@ fn shells_of_any_row() {
         let made = shell(&part, &program.stock).unwrap();
         assert_closed(&made);
         assert_eq!(made.faces.len(), faces, "{path}");
-        let due = solid::volume(&part, &program.stock).unwrap();
+        let due = solid::volume(&part, &program.stock, 1e-6).unwrap();
         let off = volume(&made) / due.value - 1.0;
         println!("{path}: {:.6} mm3 within {:.1e}, shell {off:.1e}", due.value, due.error);
         assert!(off.abs() < 1e-6 && made.error < 2e-4, "{path}: {off}");
@@ -181,7 +181,7 @@ fn a_blank_that_does_not_close() {
 #[test]
 fn meshes_within_a_chord_error() {
     let program = jobs::program("small", None);
-    let due = solid::volume(&program.part, &program.stock).unwrap().value;
+    let due = solid::volume(&program.part, &program.stock, 1e-6).unwrap().value;
     let mut before = f64::INFINITY;
     for chord in [0.05, 0.01] {
         let found = solid::mesh_within(&program.part, &program.stock, chord).unwrap();

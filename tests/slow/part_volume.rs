@@ -53,7 +53,7 @@ fn radial_vanes_have_their_closed_form() {
     let turned = PI * (inner * inner - bore * bore) * -back;
     let mesh = solid::mesh(&part, &stock, [6, 6, 24, 6]).unwrap();
     assert!(mesh.is_closed());
-    let found = solid::volume(&part, &stock).unwrap();
+    let found = solid::volume(&part, &stock, 1e-6).unwrap();
     println!("radial vanes: {found:?}, closed form {}", vanes + turned);
     assert!((found.value - vanes - turned).abs() < 1e-3 && found.error < 1e-2, "{found:?} {}", vanes + turned);
     // Everything between hub and shroud is vane or room.
@@ -65,7 +65,7 @@ fn radial_vanes_have_their_closed_form() {
 #[test]
 fn the_stock_that_stays_is_the_part_and_what_finishing_leaves() {
     let program = support::wei_program(&[0, 1, 2, 3, 4, 5, 6, 7]);
-    let part = solid::volume(&program.part, &program.stock).unwrap();
+    let part = solid::volume(&program.part, &program.stock, 1e-6).unwrap();
     let mesh = solid::mesh(&program.part, &program.stock, [24, 12, 12, 4]).unwrap();
     assert!(mesh.is_closed() && part.error < 0.5, "{part:?}");
     let motion = pipeline::run(&program, &mut Sink::default()).expect("a plan").motion;

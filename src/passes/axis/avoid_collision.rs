@@ -123,7 +123,9 @@ fn clear_axes(
 /// The error of a pass whose sequence of clear axes ends.
 fn no_sequence(clear: &ClearAxes<'_>, (operation, tool): (&str, &str), blocked: &Blocked) -> Diag {
     let reason = match blocked.why {
-        Gap::NoAxis => return clear.no_axis(operation, tool, &blocked.at, &blocked.about),
+        Gap::NoAxis => {
+            return clear.no_axis((operation, tool), &blocked.at, (&blocked.about, "the channel's direction"));
+        }
         Gap::NearPole => {
             let least = LEAST_TILT.to_degrees();
             format!("are less than {least:.1} deg from Z, where the second rotary axis would turn through")

@@ -225,8 +225,31 @@ impl<'a> ClearAxes<'a> {
         proof: Proof,
         margin: f64,
     ) -> Option<EllipticCone> {
+        self.widest(ball, around(to).filter(|d| self.clear(ball, d, 0.0, margin)), proof, margin)
+    }
+
+    /// A cone of clear axes as by [`Self::cone`], else about an axis between the rings.
+    pub(crate) fn narrow_cone(
+        &self,
+        ball: &StandingBall,
+        to: &Vector3<f64>,
+        proof: Proof,
+        margin: f64,
+    ) -> Option<EllipticCone> {
+        let between = || self.widest(ball, self.between_rings(ball, to, margin).into_iter(), proof, margin);
+        self.cone(ball, to, proof, margin).or_else(between)
+    }
+
+    /// The first cone about one of these clear axes that is wide enough, else the widest.
+    fn widest(
+        &self,
+        ball: &StandingBall,
+        axes: impl Iterator<Item = Vector3<f64>>,
+        proof: Proof,
+        margin: f64,
+    ) -> Option<EllipticCone> {
         let mut best: Option<EllipticCone> = None;
-        for about in around(to).filter(|d| self.clear(ball, d, 0.0, margin)).take(SEEDS) {
+        for about in axes.take(SEEDS) {
             let frame = frame_about(&about, &Vector3::z());
             let clear = |d: &Vector3<f64>, cap: f64| self.clear(ball, d, cap, margin);
             let Some(cone) = inscribe(&frame, Vector2::zeros(), REACH, proof, &clear) else { continue };
@@ -240,13 +263,18 @@ impl<'a> ClearAxes<'a> {
         best
     }
 
-    /// The error for a contact without a clear axis about a direction.
-    pub(crate) fn no_axis(&self, operation: &str, tool: &str, at: &Point3<f64>, about: &Vector3<f64>) -> Diag {
+    /// The error for a contact without a clear axis about a direction, which is named.
+    pub(crate) fn no_axis(
+        &self,
+        (operation, tool): (&str, &str),
+        at: &Point3<f64>,
+        (about, direction): (&Vector3<f64>, &str),
+    ) -> Diag {
         let [side, shank, holder] = self.asked;
         Diag::error(
             orientation::NO_AXIS,
             format!(
-                "`{operation}`: no tool axis within {MOST_AWAY} deg of the channel's direction keeps {tool} clear of the part; \
+                "`{operation}`: no tool axis within {MOST_AWAY} deg of {direction} keeps {tool} clear of the part; \
                  required clearance {side} mm at the side of the cutter, {shank} mm at the shank, {holder} mm at the holder"
             ),
         )

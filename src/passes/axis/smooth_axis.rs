@@ -169,7 +169,9 @@ fn smooth(clear: &ClearAxes<'_>, chain: &Chain, pass: &ClPass) -> Result<Vec<ClP
             let mut cones = Vec::with_capacity(run.len());
             for (place, angles) in places.iter().zip(&run) {
                 let wanted = chain.tool_axis(*angles);
-                let cone = clear.cone(place, &wanted, Proof::Rays, margin);
+                // Where the clear axes are few, no cone of them keeps a larger distance: the proof decides.
+                let kept = |margin: f64| clear.narrow_cone(place, &wanted, Proof::Rays, margin);
+                let cone = kept(margin).or_else(|| kept(0.0));
                 cones.push(cone.ok_or(Fault::NoAxis(place.centre, wanted))?);
             }
             let corridor = Corridor { cones, spacing };
@@ -236,7 +238,7 @@ fn report(
     let (Fault::NoAxis(at, _) | Fault::NoRun(at, _) | Fault::NotProved(at)) = fault;
     let (label, place) = cx.in_first_sector(operation, &pass.label, *at);
     let diag = match fault {
-        Fault::NoAxis(at, about) => clear.no_axis(&operation.name, &tool.name, at, about),
+        Fault::NoAxis(at, about) => clear.no_axis((&operation.name, &tool.name), at, (about, "the axis between its neighbours")),
         Fault::NoRun(_, residual) => Diag::error(
             orientation::NOT_SMOOTH,
             format!(

@@ -99,7 +99,7 @@ fn our_own_export_is_read_back_to_the_same_part() {
             turned = turned.max(off);
         }
         let volumes =
-            [&sharp, &again.part.with_fillet(None)].map(|part| solid::volume(part, &program.stock).unwrap().value);
+            [&sharp, &again.part.with_fillet(None)].map(|part| solid::volume(part, &program.stock, 1e-6).unwrap().value);
         println!("{name}: faces {faces:.2e} mm, hub and shroud {turned:.2e} mm, volumes {volumes:?} mm3");
         assert!(faces < 1e-3 && turned < 1e-3, "{name}: {faces} {turned}");
         assert!((volumes[0] - volumes[1]).abs() < 0.05, "{volumes:?}");
