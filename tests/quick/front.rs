@@ -49,6 +49,17 @@ fn texts_in_memory_give_what_files_give() {
     assert_eq!(print::program(&program), print::program(&from_disk));
 }
 
+/// The order in which a job names the sectors of an operation does not matter.
+#[test]
+fn sectors_are_given_in_any_order() {
+    let lowered = |sectors: &str| {
+        let job = understand(&REDUCED.replace("sectors 1", sectors)).job.job().expect("a whole job");
+        print::program(&lower::lower(&job, &mut Sink::default()).expect("a program"))
+    };
+    assert_eq!(lowered("sectors 3, 1"), lowered("sectors 1, 3"));
+    assert_ne!(lowered("sectors 3, 1"), lowered("sectors 1"));
+}
+
 #[test]
 fn a_file_that_is_not_there_is_a_fault_with_what_is_there() {
     let found = understand(&REDUCED.replace("vane_curves.csv", "vane_curve.csv"));
