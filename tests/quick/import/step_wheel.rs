@@ -98,8 +98,8 @@ fn our_own_export_is_read_back_to_the_same_part() {
             let off = ends(a).iter().zip(ends(b)).map(|(p, q): (&Vector2<f64>, _)| (p - q).norm()).fold(0.0, f64::max);
             turned = turned.max(off);
         }
-        let volumes =
-            [&sharp, &again.part.with_fillet(None)].map(|part| solid::volume(part, &program.stock, 1e-6).unwrap().value);
+        let volumes = [&sharp, &again.part.with_fillet(None)]
+            .map(|part| solid::volume(part, &program.stock, 1e-6).unwrap().value);
         println!("{name}: faces {faces:.2e} mm, hub and shroud {turned:.2e} mm, volumes {volumes:?} mm3");
         assert!(faces < 1e-3 && turned < 1e-3, "{name}: {faces} {turned}");
         assert!((volumes[0] - volumes[1]).abs() < 0.05, "{volumes:?}");
