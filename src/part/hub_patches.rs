@@ -59,6 +59,9 @@ pub(super) struct HubPatches {
     pub(super) rings: [Vec<(PatchDirection, HubLine)>; 2],
 }
 
+/// Borders of a patch: the first and the last row, the first and the last column.
+type Borders<'a> = ([&'a [Point3<f64>]; 2], [&'a [Point3<f64>]; 2]);
+
 /// The hub with the blades on it.
 struct Layout<'a> {
     form: &'a SheetForm<'a>,
@@ -240,13 +243,13 @@ impl Layout<'_> {
         (libm::tan(half) * depth * along / across).min(beside).min(MOST * opening.abs())
     }
 
-    /// Adds the patch between four borders: the first and the last row, the first and the last column.
+    /// Adds the patch between four borders.
     fn add(
         &self,
         found: &mut HubPatches,
         kind: usize,
         directions: [PatchDirection; 2],
-        (rows, columns): ([&[Point3<f64>]; 2], [&[Point3<f64>]; 2]),
+        (rows, columns): Borders<'_>,
         next: Option<HubLine>,
     ) -> Result<(), PatchFault> {
         let kind = SurfaceKind::Hub(PassageId::new(kind));
@@ -265,8 +268,7 @@ impl Layout<'_> {
         let (next, turn, angle) = self.next(k);
         let own = &self.blades[next].faces[1][0];
         let second: HubLine = own.iter().map(|p| turn * p).collect();
-        let borders: ([&[_]; 2], [&[_]; 2]) =
-            ([&ends[0].between, &ends[1].between], [&self.blades[k].faces[0][0], &second]);
+        let borders: Borders<'_> = ([&ends[0].between, &ends[1].between], [&self.blades[k].faces[0][0], &second]);
         let next = (angle > 0.0).then(|| own.clone());
         self.add(found, k, [PatchDirection::Channel, PatchDirection::Along], borders, next)
     }
@@ -288,7 +290,7 @@ impl Layout<'_> {
         }
         let shared = if inside[1] { at.second.len() } else { 1 };
         let next = (angle > 0.0).then(|| at.second[..shared].to_vec());
-        let borders: ([&[_]; 2], [&[_]; 2]) = ([&at.between, &at.arc], [one, other]);
+        let borders: Borders<'_> = ([&at.between, &at.arc], [one, other]);
         self.add(found, k, [PatchDirection::Channel, PatchDirection::Before], borders, next)
     }
 
@@ -324,7 +326,7 @@ impl Layout<'_> {
                 )
             };
             let on_circle = self.plane.line(&side[last], &beyond[last], 0.0, self.shares(direction));
-            let borders: ([&[_]; 2], [&[_]; 2]) = ([foot, &on_circle], [&side, &beyond]);
+            let borders: Borders<'_> = ([foot, &on_circle], [&side, &beyond]);
             self.add(found, k, [direction, PatchDirection::Before], borders, None)?;
             found.rings[end].push((direction, on_circle));
             side = beyond;

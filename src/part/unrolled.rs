@@ -45,15 +45,13 @@ impl Strip {
             let (before, after) = (q[0] - p[0], r[0] - q[0]);
             let pivot = 2.0 * (before + after) - before * upper[k - 1];
             upper[k] = after / pivot;
-            for d in 0..2 {
+            bends[k] = [0, 1].map(|d| {
                 let turn = 6.0 * ((r[d + 1] - q[d + 1]) / after - (q[d + 1] - p[d + 1]) / before);
-                bends[k][d] = (turn - before * bends[k - 1][d]) / pivot;
-            }
+                (turn - before * bends[k - 1][d]) / pivot
+            });
         }
         for k in (1..places.len().saturating_sub(1)).rev() {
-            for d in 0..2 {
-                bends[k][d] -= upper[k] * bends[k + 1][d];
-            }
+            bends[k] = [0, 1].map(|d| bends[k][d] - upper[k] * bends[k + 1][d]);
         }
         Self { places, bends }
     }
@@ -251,11 +249,11 @@ mod tests {
             let at = strip.at(u);
             assert!((at[0] - azimuth).abs() < 1e-14 && (at[1] - width).abs() < 1e-14, "{k}: {at:?}");
             let h = 1e-4;
-            for d in 0..2 {
+            for (d, middle) in at.into_iter().enumerate() {
                 let [a, b, c, e] = [-2.0, -1.0, 1.0, 2.0].map(|j| strip.at(u + j * h)[d]);
-                assert!(((e - at[d]) / (2.0 * h) - (at[d] - a) / (2.0 * h)).abs() < 0.02, "{k} {d}");
+                assert!(((e - middle) / (2.0 * h) - (middle - a) / (2.0 * h)).abs() < 0.02, "{k} {d}");
                 // Second derivatives half a step to both sides.
-                let [before, after] = [(a - 2.0 * b + at[d]) / (h * h), (at[d] - 2.0 * c + e) / (h * h)];
+                let [before, after] = [(a - 2.0 * b + middle) / (h * h), (middle - 2.0 * c + e) / (h * h)];
                 assert!((before - after).abs() < 0.1, "{k} {d}: {before} {after}");
             }
         }
