@@ -13,7 +13,7 @@
 
 use super::blade_sheets::{BladeSheets, SheetForm};
 use super::patch::{PatchDirection, PatchFault, SheetPatch, clockwise};
-use super::unrolled::{Strip, Unrolled};
+use super::unrolled::{ChannelStrip, Unrolled};
 use super::{Part, PassageId, SurfaceKind};
 use crate::geom::angle::nearest_turn;
 use nalgebra::{Point3, Rotation3, Vector2};
@@ -102,7 +102,7 @@ pub(super) fn hub_patches(form: &SheetForm<'_>, blades: &[BladeSheets]) -> Resul
 }
 
 /// The channel between main blades on the hub: the faces are its borders.
-fn strip(part: &Part, main: &BladeSheets) -> Strip {
+fn strip(part: &Part, main: &BladeSheets) -> ChannelStrip {
     // The ahead face of a blade, and the face behind of the next one.
     let [ahead, behind] = main.faces.each_ref().map(|face| {
         let mut before = libm::atan2(face[0][0].y, face[0][0].x);
@@ -111,7 +111,7 @@ fn strip(part: &Part, main: &BladeSheets) -> Strip {
             before = nearest_turn(libm::atan2(p.y, p.x), before);
             [u, before, 0.0]
         };
-        Strip::through(face[0].iter().map(place).collect())
+        ChannelStrip::through(face[0].iter().map(place).collect())
     });
     let mut parameters: Vec<f64> = ahead.parameters().chain(behind.parameters()).collect();
     parameters.sort_by(f64::total_cmp);
@@ -123,7 +123,7 @@ fn strip(part: &Part, main: &BladeSheets) -> Strip {
         let [a, b] = [ahead.at(u)[0], behind.at(u)[0] + turn];
         [u, 0.5 * (a + b), b - a]
     };
-    Strip::through(parameters.into_iter().map(place).collect())
+    ChannelStrip::through(parameters.into_iter().map(place).collect())
 }
 
 impl Layout<'_> {

@@ -189,15 +189,15 @@ fn fit(part: &Part) -> Result<(Vec<Fitted>, f64), ShellFault> {
     }
 }
 
-/// Distances of a curve or surface to points between its nodes, mm.
-struct Distances {
+/// NodeDistances of a curve or surface to points between its nodes, mm.
+struct NodeDistances {
     /// Largest ones at the middle of each interval of the columns, at nodes of the rows; and the same for the rows.
     between: [Vec<f64>; 2],
     /// Largest one of all.
     largest: f64,
 }
 
-/// Distances of the curve through every second point of a line to the points between them.
+/// NodeDistances of the curve through every second point of a line to the points between them.
 fn off_circle(line: &[Point3<f64>], parameters: &[f64]) -> Result<Vec<f64>, GeomError> {
     let nodes: Vec<Point3<f64>> = line.iter().step_by(2).copied().collect();
     let curve = interpolate_at(parameters, &nodes, 3)?;
@@ -206,13 +206,13 @@ fn off_circle(line: &[Point3<f64>], parameters: &[f64]) -> Result<Vec<f64>, Geom
 }
 
 /// The surface through every second point of a patch, with its distances to the other points.
-fn fit_patch(patch: SheetPatch, nodes: &PatchNodes) -> Result<(SheetPatch, NurbsSurface, Distances), ShellFault> {
+fn fit_patch(patch: SheetPatch, nodes: &PatchNodes) -> Result<(SheetPatch, NurbsSurface, NodeDistances), ShellFault> {
     let coarse: Vec<Vec<Point3<f64>>> =
         patch.rows.iter().step_by(2).map(|row| row.iter().step_by(2).copied().collect()).collect();
     let parameters = patch.directions.map(|direction| nodes.parameters(direction));
     let surface = interpolate_grid(&coarse, [&parameters[0], &parameters[1]]);
     let surface = surface.map_err(|_| ShellFault::NoSpline(patch.kind))?;
-    let mut distances = Distances { between: parameters.each_ref().map(|p| vec![0.0; p.len() - 1]), largest: 0.0 };
+    let mut distances = NodeDistances { between: parameters.each_ref().map(|p| vec![0.0; p.len() - 1]), largest: 0.0 };
     let at = |d: usize, k: usize| parameters[d][k / 2].midpoint(parameters[d][k.div_ceil(2)]);
     for (j, row) in patch.rows.iter().enumerate() {
         for (i, p) in row.iter().enumerate() {

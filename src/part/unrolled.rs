@@ -12,12 +12,12 @@ const END: f64 = 1e-9;
 /// about this line. Where the strip runs like a channel, straight lines between blades cross none.
 pub(super) struct Unrolled<'a> {
     surface: &'a Revolution,
-    strip: Strip,
+    strip: ChannelStrip,
 }
 
 /// Azimuth and width of a strip over the parameter of the meridian: natural cubic splines. Beyond their ends the azimuth goes straight
 /// on; so does the width, which soon stays as it is: a blade is thin at its end, and it is not to be thinner than nothing before it.
-pub(super) struct Strip {
+pub(super) struct ChannelStrip {
     /// Parameter, azimuth, width in radians; parameters ascend.
     places: Vec<[f64; 3]>,
     /// Second derivatives of azimuth and width there.
@@ -33,7 +33,7 @@ const NARROWEST: f64 = 0.05;
 /// Way beyond the end of a strip after which its width stays as it is, as a parameter of the meridian.
 const SETTLES: f64 = 0.1;
 
-impl Strip {
+impl ChannelStrip {
     /// The strip through places, of which those are left out whose parameter ascends by less than [`APART`].
     pub(super) fn through(mut places: Vec<[f64; 3]>) -> Self {
         places.dedup_by(|next, before| next[0] < before[0] + APART);
@@ -99,13 +99,13 @@ impl Strip {
 
 impl<'a> Unrolled<'a> {
     /// The plane with a strip.
-    pub(super) fn along(surface: &'a Revolution, strip: Strip) -> Self {
+    pub(super) fn along(surface: &'a Revolution, strip: ChannelStrip) -> Self {
         Self { surface, strip }
     }
 
     /// The plane with a meridian as its guide.
     pub(super) fn straight(surface: &'a Revolution) -> Self {
-        Self::along(surface, Strip::through(vec![[0.0, 0.0, 1.0], [1.0, 0.0, 1.0]]))
+        Self::along(surface, ChannelStrip::through(vec![[0.0, 0.0, 1.0], [1.0, 0.0, 1.0]]))
     }
 
     /// Azimuth of the guide, and width of the strip.
@@ -243,7 +243,7 @@ mod tests {
             let u = 0.1 + 0.02 * f64::from(k * k);
             [u, libm::sin(4.0 * u), 0.4 + u * u]
         };
-        let strip = Strip::through((0..7).map(place).collect());
+        let strip = ChannelStrip::through((0..7).map(place).collect());
         for k in 0..7 {
             let [u, azimuth, width] = place(k);
             let at = strip.at(u);
