@@ -112,16 +112,16 @@ impl DriveSurface for ChannelFloor<'_> {
 }
 
 /// Contact lines of both walls of a passage with the hub. Where a blade begins or ends inside of the passage, they run round
-/// its edges, and go on before and behind them.
-pub(super) fn contacts(part: &Part, passage: &Passage, [wall, floor]: [f64; 2], top: f64) -> Option<[Contact; 2]> {
+/// its edges, and go on before and behind them; there they turn off with a radius of at most `turn_off`, mm.
+pub(super) fn contacts(part: &Part, passage: &Passage, rolling: Rolling, turn_off: f64) -> Option<[Contact; 2]> {
     let ends_inside =
         |side: &FaceId| side.blade != BladeId::MAIN || [0, 1].iter().any(|end| part.edge(side.blade, *end).is_some());
     if !passage.walls.iter().any(ends_inside) {
-        let [first, second] = passage.walls.map(|side| contact(part, side, [wall, floor], top));
+        let [first, second] = passage.walls.map(|side| contact(part, side, rolling));
         return Some([first?, second?]);
     }
     let places: Vec<f64> = (0..=FINE).map(|i| i as f64 / FINE as f64).collect();
-    let borders = part.floor_borders(passage, Rolling { wall, floor, top }, &places)?;
+    let borders = part.floor_borders(passage, rolling, &places)?;
     let lengths = places.iter().scan((0.0, None), |(sum, last), u| {
         let at = part.hub.meridian(*u).point;
         *sum += last.map_or(0.0, |last: Vector2<f64>| (at - last).norm());
@@ -132,7 +132,7 @@ pub(super) fn contacts(part: &Part, passage: &Passage, [wall, floor]: [f64; 2], 
     let line = |side: usize| -> Contact {
         let outward = if side == 0 { 1.0 } else { -1.0 };
         let border: Vec<f64> = borders[side].iter().map(|azimuth| outward * azimuth).collect();
-        let smooth = rounded(&lengths, &border, ROUNDING * wall);
+        let smooth = rounded(&lengths, &border, turn_off.min(ROUNDING * rolling.wall));
         places.iter().zip(smooth).map(|(u, azimuth)| [*u, outward * azimuth]).collect()
     };
     Some([line(0), line(1)])
@@ -141,9 +141,13 @@ pub(super) fn contacts(part: &Part, passage: &Passage, [wall, floor]: [f64; 2], 
 /// Places along the hub at which borders round an edge are known, minus one: a few hundredths of a millimetre apart.
 const FINE: usize = 4000;
 
-/// Radius with which a line turns off before an edge, as a share of the distance from the wall. Up to this radius the tool
-/// leaves a place before the edge to the lines of the fillet round the edge, less than half a step wide.
+/// Largest radius with which a line turns off before an edge, as a share of the distance from the wall.
 const ROUNDING: f64 = 0.4;
+
+/// The same radius as a share of the step between lines. Before the edge the lines of both passages leave a place between them
+/// and the last line of the fillet. A point there is at most a quarter of the radius away from each of the three, which is
+/// less than half a step.
+pub(super) const TURN_OFF: f64 = 1.5;
 
 /// The least line above a border, as azimuths, on which a disc of a radius rolls: without the corners that the disc does not
 /// reach from above. `along` has the length of the meridian and the radius about Z at each place, mm.
@@ -165,7 +169,7 @@ fn rounded(along: &[[f64; 2]], border: &[f64], radius: f64) -> Vec<f64> {
 
 /// Contact line with the hub of a ball whose centre keeps distances from a face of sector 0 and from the hub, while its
 /// place beside the face is at most `top` high. `None` when a ruling has no such place.
-fn contact(part: &Part, side: FaceId, [wall, floor]: [f64; 2], top: f64) -> Option<Contact> {
+fn contact(part: &Part, side: FaceId, Rolling { wall, floor, top }: Rolling) -> Option<Contact> {
     let face = part.face(side);
     let mut line: Contact = Vec::with_capacity(STATIONS + 1);
     // The ball touches the hub before or behind the ruling whose face it touches: run on beyond both ends.

@@ -11,7 +11,7 @@ use crate::collide::{Cutter, ToolSolid};
 use crate::geom::BandMetric;
 use crate::geom::angle::nearest_turn;
 use crate::ir::{CcPass, CcPoint, ClPoint, Drive, Operation, OperationId, Program};
-use crate::part::{Passage, PassageId};
+use crate::part::{Passage, PassageId, Rolling};
 use crate::passes::context::{AxisTilt, ChannelChart, Obstacles, maximal_ranges};
 use crate::passes::lines::{DriveSurface, METRIC_STATIONS, SurfaceLine, arc_radius, both_walls, highest_ridge};
 use crate::units::Mm;
@@ -83,7 +83,8 @@ impl<'a> Middle<'a> {
             Some(Some(_)) => BESIDE_CORNER.map(|share| radius - cutter.tip_radius() + share * radius).to_vec(),
         };
         let at = |beyond: f64| {
-            let walls = contacts(part, &passage, [rolling + beyond + allowance, rolling], TOP)?;
+            let ball = Rolling { wall: rolling + beyond + allowance, floor: rolling, top: TOP };
+            let walls = contacts(part, &passage, ball, f64::INFINITY)?;
             let floor = ChannelFloor { part, passage, radius, walls, finished: Vec::new() };
             Some(Self { floor, stretches: Vec::new(), chart, bull_nose: bull_nose.flatten() })
         };

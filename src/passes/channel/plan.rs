@@ -7,12 +7,12 @@
 //! the exact law with the curvature of the hub across the line.
 
 use super::finished::Finished;
-use super::floor::{ChannelFloor, azimuth, contacts};
+use super::floor::{ChannelFloor, TURN_OFF, azimuth, contacts};
 use super::middle::{Middle, Middles, StretchFloor, before};
 use crate::diag::{Aborted, Diag, codes::planning};
 use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind};
 use crate::method::{Lines, Spacing};
-use crate::part::{Part, Passage, Surface};
+use crate::part::{Part, Passage, Rolling, Surface};
 use crate::passes::context::{
     PassContext, STATIONS, in_passage,
     limits::{check_fillet, check_points, less_than_radius},
@@ -47,7 +47,7 @@ pub(crate) fn plan(
         let LaidLines { lines, notes } = match allowance_vane {
             Some(allowance) => middle_lines(cx, operation, middle, (&finished, allowance.get(), height.get()))?,
             None => {
-                let floor = whole_floor(cx, operation, (passage, radius), finished)?;
+                let floor = whole_floor(cx, operation, (passage, radius, height.get()), finished)?;
                 let speed = [0.0, 1.0].map(|u| floor.part.hub.meridian(u).first.norm());
                 let directions = lines::directions(operation, radius, speed, (order, false));
                 match spacing {
@@ -75,12 +75,13 @@ pub(crate) fn plan(
 fn whole_floor<'a>(
     cx: &mut PassContext<'a>,
     operation: &Operation,
-    (passage, radius): (Passage, f64),
+    (passage, radius, height): (Passage, f64, f64),
     finished: Vec<Finished>,
 ) -> Result<ChannelFloor<'a>, Aborted> {
     let part = &cx.program.part;
     let rolling = part.main().fillet.map_or(radius, |f| f.get());
-    let Some(walls) = contacts(part, &passage, [rolling; 2], 1.0) else {
+    let ball = Rolling { wall: rolling, floor: rolling, top: 1.0 };
+    let Some(walls) = contacts(part, &passage, ball, TURN_OFF * scallop::flat_step(radius, height)) else {
         cx.sink.push(
             Diag::error(
                 planning::NO_FILLET,
@@ -205,7 +206,8 @@ fn what_would_do(part: &Part, below: f64) -> String {
     let over_hollow = hollow(part).map_or(f64::INFINITY, |(_, hollow)| hollow);
     let fits = |radius: f64| {
         part.passages().all(|passage| {
-            contacts(part, &passage, [radius; 2], 1.0).is_some_and(|walls| {
+            let ball = Rolling { wall: radius, floor: radius, top: 1.0 };
+            contacts(part, &passage, ball, f64::INFINITY).is_some_and(|walls| {
                 let floor = ChannelFloor { part, passage, radius, walls, finished: Vec::new() };
                 radius < over_hollow && stations().all(|u| floor.walls(u).1 > 0.0)
             })
