@@ -10,7 +10,7 @@ use crate::geom::DualCurve;
 use crate::ir::{OperationKind, Program};
 use crate::method::FlankMethod;
 use crate::part::{
-    FaceId, Part, Surface, SurfaceKind,
+    FaceId, Part, Passage, Surface, SurfaceKind,
     chart::{self, Chart, Shape},
     hub_normal,
 };
@@ -115,10 +115,9 @@ impl<'a> Strip<'a> {
     /// `fineness` divides the spacing of the points; at a fineness of one, points of the face are some 0.5 mm apart
     /// along a vane of 50 mm.
     pub fn targets(&self, fineness: f64) -> Vec<Placed> {
-        let part = self.around.part;
-        let first = part.looks_ahead(self.side);
+        let first = self.around.part.looks_ahead(self.side);
         let mut out = Vec::new();
-        for chart in &self.around.charts {
+        for chart in self.around.charts.iter().filter(|chart| self.is_near(chart.kind)) {
             let [columns, rows] = self.counts(chart.kind).map(|n| (n as f64 * fineness).round().max(2.0) as usize);
             let mut add = |x: f64, y: f64| out.push(self.placed(chart, x, y));
             let goes_on = chart.kind == SurfaceKind::Fillet(self.side);
@@ -155,6 +154,23 @@ impl<'a> Strip<'a> {
         out
     }
 
+    /// The passage in front of the face, and the side of the face: 0 for its clockwise wall.
+    fn passage(&self) -> (Passage, usize) {
+        let (id, wall) = self.around.part.passage_of(self.side);
+        (self.around.part.passage(id), wall)
+    }
+
+    /// True for the face and its fillet, and for the floor and the opposite blade of its passage.
+    fn is_near(&self, kind: SurfaceKind) -> bool {
+        let (passage, wall) = self.passage();
+        let opposite = passage.walls[1 - wall].blade;
+        match kind {
+            SurfaceKind::Face(id) | SurfaceKind::Fillet(id) => id == self.side || id.blade == opposite,
+            SurfaceKind::Hub(id) => id == passage.id,
+            _ => false,
+        }
+    }
+
     /// Columns and rows of targets of a surface at a fineness of one.
     fn counts(&self, kind: SurfaceKind) -> [usize; 2] {
         match kind {
@@ -168,9 +184,10 @@ impl<'a> Strip<'a> {
     /// Requirement of the pass at a place of a chart.
     fn placed(&self, chart: &Chart<'_>, x: f64, y: f64) -> Placed {
         let part = self.around.part;
-        // Turn to the channel before this face, and to the vane beyond the channel.
-        let (to_channel, to_vane) =
-            if part.looks_ahead(self.side) { (0, 1) } else { (part.vane_count - 1, part.vane_count - 1) };
+        let (passage, wall) = self.passage();
+        // Sectors to the passage in front of this face, and to the opposite blade.
+        let behind = (part.vane_count - passage.sectors) % part.vane_count;
+        let (to_channel, to_vane) = if wall == 0 { (0, passage.sectors) } else { (behind, behind) };
         let [low, high] = self.span;
         let place = chart.place(x, y);
         // At a sharp root the ball reaches down only to its contact with the hub.
@@ -239,13 +256,37 @@ impl<'a> Strip<'a> {
         [face.normal(u, 0.0), hub_normal(self.around.part, &face.surface.point(u, 0.0))]
     }
 
-    /// Start of the optimisation: the cutter rolls between face and hub, or stands on the lower edge of the strip. Its
-    /// axis goes through the offset of a point below the upper edge; the arc of a barrel touches the middle of the
-    /// strip. `None` where no ball rolls there.
+    /// Start of the optimisation. Over a low strip the axis may lean into a hollow or twisted face above the strip. There it
+    /// leans as for the whole face. `None` where no ball rolls along the root.
     pub fn start(&self) -> Option<DualCurve> {
+        /// Fewer points show how deep a start cuts.
+        const FINENESS: f64 = 0.3;
+        /// Depth in the cutter, in tip radii, from which on a point may be pushed out on the far side of the axis.
+        const DEEP: f64 = 0.5;
+        let own = self.start_below(self.span[1])?;
+        if self.span[1] >= 1.0 {
+            return Some(own);
+        }
+        let targets: Vec<Target> = self.targets(FINENESS).iter().map(|p| p.target).collect();
+        let least = |start: &DualCurve| {
+            let measured = Measured::new(start, &self.tool(), &targets);
+            measured.at.iter().map(|d| d.value).fold(f64::INFINITY, f64::min)
+        };
+        let depth = least(&own);
+        if depth > -DEEP * self.cutter.tip_radius() {
+            return Some(own);
+        }
+        let whole = self.start_below(1.0).filter(|whole| least(whole) > depth);
+        Some(whole.unwrap_or(own))
+    }
+
+    /// A start: the cutter rolls between face and hub, or stands on the lower edge of the strip. Its axis goes through the
+    /// offset of a point a little below `top`, a share of the height of the face; the arc of a barrel touches the middle of the
+    /// strip.
+    fn start_below(&self, top: f64) -> Option<DualCurve> {
         /// Number of points to which the curves are fitted.
         const POINTS: usize = 300;
-        /// Height, as a share of the strip, of the point whose offset is on the axis.
+        /// Height between the lower edge and `top` of the point whose offset is on the axis.
         const AIMED: f64 = 0.85;
         let part = self.around.part;
         let face = part.face(self.side);
@@ -265,7 +306,7 @@ impl<'a> Strip<'a> {
                     self.on_its_arc(u, at(0.5 * (low + high)), root)?
                 } else {
                     let offset = |v: f64, by: f64| face.surface.point(u, v) + face.normal(u, v) * by;
-                    let upper = at(low + AIMED * (high - low));
+                    let upper = at(low + AIMED * (top - low));
                     let below = offset(at(low), radius(touches));
                     let between = (face.surface.point(u, upper) - face.surface.point(u, at(low))).norm_squared().sqrt();
                     let axis = (offset(upper, radius(touches + between)) - below).normalize();

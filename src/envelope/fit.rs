@@ -28,12 +28,15 @@ fn fault(value: f64, target: &Target) -> f64 {
     }
 }
 
-/// The curve after least squares.
+/// The curve after least squares; the start where its largest violation is smaller. From a start that is near a hollow or
+/// twisted face, least squares may end where a few points lie deep in the tool, and minimax does not get them out.
 pub fn least_squares(start: &DualCurve, tool: &Mounted<'_>, targets: &[Target]) -> DualCurve {
     let mut curve = start.clone();
     let sum = |m: &Measured| -> f64 { m.at.iter().zip(targets).map(|(d, t)| fault(d.value, t).powi(2)).sum() };
     let mut measured = Measured::new(&curve, tool, targets);
+    let worst = |m: &Measured| m.at.iter().zip(targets).map(|(d, t)| fault(d.value, t).abs()).fold(0.0, f64::max);
     let mut now = sum(&measured);
+    let at_start = worst(&measured);
     for _ in 0..STEPS {
         let n = curve.unknowns();
         let mut normal = Band::new(n, ENTRIES - 1);
@@ -65,5 +68,6 @@ pub fn least_squares(start: &DualCurve, tool: &Mounted<'_>, targets: &[Target]) 
             break;
         }
     }
-    curve
+    // Steps search near the last best parameter, here everywhere.
+    if worst(&Measured::new(&curve, tool, targets)) > at_start { start.clone() } else { curve }
 }

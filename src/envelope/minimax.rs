@@ -33,9 +33,29 @@ const NARROW: f64 = 1e-4;
 /// Widening below which all bounds count as kept, mm.
 const NONE: f64 = 1e-6;
 
+/// Times that steps begin again because the widening is larger than they found.
+const AGAIN: usize = 24;
+
 /// The curves near `start` with the least widening of all bounds. Stops when the relative gain of a step is at most
 /// `gain`. The start must keep the bounds that may not give way.
 pub fn minimax(start: &DualCurve, tool: &Mounted<'_>, targets: &[Target], gain: f64) -> Best {
+    let (mut best, mut seen) = descended(start, tool, targets, gain);
+    let mut least = best.clone();
+    for _ in 0..AGAIN {
+        // Steps search near the last best parameter; the result is measured everywhere.
+        if best.widening <= seen + NONE {
+            break;
+        }
+        (best, seen) = descended(&best.curve, tool, targets, gain);
+        if best.widening < least.widening {
+            least = best.clone();
+        }
+    }
+    least
+}
+
+/// The curves after steps, and the widening that the last step found.
+fn descended(start: &DualCurve, tool: &Mounted<'_>, targets: &[Target], gain: f64) -> (Best, f64) {
     let mut curve = start.clone();
     let mut measured = Measured::new(&curve, tool, targets);
     let mut now = measured.widening(targets);
@@ -88,9 +108,8 @@ pub fn minimax(start: &DualCurve, tool: &Mounted<'_>, targets: &[Target], gain: 
             break;
         }
     }
-    // Steps search near the last best parameter; the result is measured everywhere.
     let measured = Measured::new(&curve, tool, targets);
-    Best { widening: measured.widening(targets), curve, measured, steps }
+    (Best { widening: measured.widening(targets), curve, measured, steps }, now)
 }
 
 /// Result of [`finest`].

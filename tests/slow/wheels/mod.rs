@@ -2,6 +2,8 @@
 //!
 //! A wheel takes ten minutes on two cores.
 
+mod faces_alone;
+
 use crate::support::{blade_data, bounded};
 use serde_json::Value;
 use std::path::Path;
@@ -22,17 +24,28 @@ fn succeeds(command: &mut Command) {
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
 }
 
+/// Imports a blade file of a data set; the text of the part, with the machine and the tools of the library.
+fn imported(data: &str, file: &str, options: &[&str], folder: &Path) -> Option<String> {
+    let file = blade_data::folder(data)?.join(file);
+    let import = ["-o", "wheel.imp", "--zero", "top"];
+    succeeds(bounded::program().current_dir(folder).arg("import").arg(file).args(options).args(import));
+    let part = std::fs::read_to_string(folder.join("wheel.imp")).unwrap();
+    Some(part.replace("edition 2026\n", "edition 2026\nuse machine \"generic-ac-table\"\nuse tools \"carbide\"\n"))
+}
+
+/// A part whose blades have a fillet, as the last entry of each.
+fn with_fillet(part: &str, fillet: &str) -> String {
+    let fillet = format!("\n    fillet {fillet}\n  }}\n");
+    ["  hub ", "  splitter "]
+        .iter()
+        .fold(part.to_owned(), |text, next| text.replace(&format!("\n  }}\n{next}"), &format!("{fillet}{next}")))
+}
+
 /// Imports a wheel, completes its job, compiles it, and returns the certificate.
 fn certificate(wheel: &Wheel, folder: &Path) -> Option<Value> {
-    let file = blade_data::folder(wheel.folder)?.join(wheel.file);
+    let part = imported(wheel.folder, wheel.file, &[], folder)?;
     let library = Path::new("jobs/_lib").canonicalize().unwrap();
-    let import = ["-o", "wheel.imp", "--zero", "top"];
-    succeeds(bounded::program().current_dir(folder).arg("import").arg(file).args(import));
-    let part = std::fs::read_to_string(folder.join("wheel.imp")).unwrap();
-    let head = "edition 2026\nuse machine \"generic-ac-table\"\nuse tools \"carbide\"\n";
-    // The fillet is the last entry of the blade.
-    let fillet = format!("\n    fillet {}\n  }}\n  hub ", wheel.fillet);
-    let job = part.replace("edition 2026\n", head).replace("\n  }\n  hub ", &fillet) + wheel.rest;
+    let job = with_fillet(&part, wheel.fillet) + wheel.rest;
     std::fs::write(folder.join("whole.imp"), job).unwrap();
     let mut compile = Command::new(env!("CARGO_BIN_EXE_impellerc"));
     compile.current_dir(folder).args(["whole.imp", "-o", "whole.nc", "--certificate", "whole.json"]);
