@@ -16,7 +16,7 @@ pub fn blades(names: &[&str], given: usize, text: &str) {
     let mut sources = SourceMap::default();
     let mut fetch = |name: &str| {
         let found = files.iter().find(|(n, _)| *n == name);
-        found.map(|(n, text)| SourceFile::text(*n, *text)).ok_or_else(|| "there is no such file".to_owned())
+        found.map(|(n, text)| SourceFile::text(*n, *text)).ok_or_else(|| import::NoFile::from("there is no such file".to_owned()))
     };
     let stated = Options {
         unit: Some(LengthUnit::Millimetre),

@@ -238,7 +238,7 @@ enum Command {
 /// What the import takes.
 #[derive(Args)]
 struct ImportArguments {
-    /// Blade files, or a folder with them: .inf with its curve files, .geomTurbo, .ibl, .rtzt, .step, tables of points
+    /// Blade files, or a folder with them: .inf with its curve files, .geomTurbo, .ibl, .rtzt, .bgi, .step, tables of points
     #[arg(required = true)]
     files: Vec<PathBuf>,
 
@@ -250,7 +250,7 @@ struct ImportArguments {
     #[arg(long)]
     force: bool,
 
-    /// Format of the files, where their endings do not tell it: turbogrid, geomturbo, ibl, rtzt, step, table
+    /// Format of the files, where their endings do not tell it: turbogrid, geomturbo, ibl, rtzt, bgi, step, table
     #[arg(long, value_name = "NAME")]
     format: Option<String>,
 

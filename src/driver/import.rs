@@ -8,9 +8,10 @@ use crate::import::faced_part;
 use crate::import::job_frame::Zero;
 use crate::import::outlines::{doubtful, outlines};
 use crate::import::part_text::{self, PartSource};
-use crate::import::{self, Imported, ImportedRow, Options, limits};
+use crate::import::{self, Imported, ImportedRow, NoFile, Options, limits};
 use crate::output::Outputs;
-use crate::source::{SourceFile, SourceMap};
+use crate::sections::SectionForm;
+use crate::source::{SourceFile, SourceMap, Span};
 use std::path::{Path, PathBuf};
 
 /// An import.
@@ -66,7 +67,7 @@ fn run(options: &Import, stages: &mut Stages, outcome: &mut Outcome) -> Result<(
     let mut said: String = part_text::summary(&source).into_iter().map(|line| line + "\n").collect();
     said.push_str(&notes(&imported, sources));
     if let Some(path) = &options.output {
-        or_reported(placed(row), sink)?;
+        or_reported(placed(row).and_then(|()| fits(&imported, row)), sink)?;
         let written = stages.run("write", || write(path, &faced_part::write(&source), options.force, sources));
         said.push_str(&or_reported(written, sink)?);
     } else {
@@ -95,6 +96,41 @@ fn placed(row: &ImportedRow) -> Result<(), Diag> {
     Err(Diag::error(codes::NOT_READ, "a part with splitters is not written from this format")
         .label(at, "it is not known whether these angles hold the pitch fraction of the splitter")
         .help("export the blades as points, such as `.inf` with its curve files: they show where the splitters stand"))
+}
+
+/// Refuses to write what a job cannot have.
+fn fits(imported: &Imported, row: &ImportedRow) -> Result<(), Diag> {
+    let too_many = |count: usize, most: usize, what: &str, at: Span| {
+        Diag::error(codes::TOO_MUCH, format!("{count} {what}: a job has at most {most}"))
+            .label(at, "this one exceeds it")
+            .help("leave out `-o` to see what the file holds; export fewer points or sections to write a part")
+    };
+    let most = limits::POINTS_OF_JOB_CURVE;
+    for blade in &row.blades {
+        let place = |k: usize| blade.places.get(k).copied().unwrap_or_default();
+        if blade.sections.len() > limits::SECTIONS_OF_JOB {
+            let at = place(limits::SECTIONS_OF_JOB);
+            return Err(too_many(blade.sections.len(), limits::SECTIONS_OF_JOB, "sections of a blade", at));
+        }
+        for (k, section) in blade.sections.iter().enumerate() {
+            let count = match &section.form {
+                SectionForm::Loop(points) => points.len(),
+                SectionForm::Faces(faces) => faces.iter().map(Vec::len).max().unwrap_or(0),
+                SectionForm::MeanLine { points, .. } => points.len(),
+            };
+            if count > most {
+                return Err(too_many(count, most, "points of a section", place(k)));
+            }
+        }
+    }
+    for (name, line) in [("hub", &imported.hub), ("shroud", &imported.shroud)] {
+        let count = line.as_ref().map_or(0, Vec::len);
+        if count > most {
+            let at = row.blades.first().and_then(|blade| blade.places.first()).copied().unwrap_or_default();
+            return Err(too_many(count, most, &format!("points of the {name}"), at));
+        }
+    }
+    Ok(())
 }
 
 /// File name of a path.
@@ -165,15 +201,15 @@ fn names(given: &[PathBuf]) -> Result<Vec<String>, Diag> {
 }
 
 /// Reads a file.
-fn fetch(name: &str) -> Result<SourceFile, String> {
+fn fetch(name: &str) -> Result<SourceFile, NoFile> {
     let path = Path::new(name);
     let regular = std::fs::metadata(path).map_err(|e| reading::reason(&e))?.is_file();
     if !regular {
-        return Err("it is not a regular file".to_owned());
+        return Err("it is not a regular file".to_owned().into());
     }
     let most = u64::try_from(limits::BYTES).unwrap_or(u64::MAX);
     let bytes = reading::read(path, most).map_err(|e| reading::reason(&e))?;
-    let bytes = bytes.ok_or_else(|| format!("it is larger than {} MB, the limit", limits::BYTES >> 20))?;
+    let bytes = bytes.ok_or(NoFile::TooLarge)?;
     let text = String::from_utf8(bytes)
         .map_err(|e| format!("it is not a text file: byte {} is not UTF-8", e.utf8_error().valid_up_to()))?;
     Ok(SourceFile { disk: path.canonicalize().ok(), ..SourceFile::text(printable(name), text) })

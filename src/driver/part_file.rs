@@ -1,7 +1,7 @@
 //! The part as a file for other programs.
 
 use super::{Options, PartForm, Stages, or_reported, section_files, shown_path};
-use crate::diag::codes::geometry;
+use crate::diag::codes::{files, geometry};
 use crate::diag::{Aborted, Diag, Sink};
 use crate::export::step::StepFile;
 use crate::export::three_mf::three_mf;
@@ -107,6 +107,21 @@ fn sections(
 /// Share of the volume within which the text of a STEP file states it: programs that read the file are compared with it.
 const NEAR_VOLUME: f64 = 1e-7;
 
+/// Most blades of a STEP file. Each takes some 6 MB of memory while the file is made, so these take 1.8 GB.
+const MOST_IN_STEP: usize = 300;
+
+/// Refuses a wheel with too many blades for a STEP file.
+fn fits_step(program: &Program) -> Result<(), Diag> {
+    let sectors = usize::try_from(program.part.vane_count).unwrap_or(usize::MAX);
+    let count = sectors.saturating_mul(program.part.blades.len());
+    if count <= MOST_IN_STEP {
+        return Ok(());
+    }
+    Err(Diag::error(files::CANNOT_WRITE, format!("a STEP file of {count} blades is not written"))
+        .label(program.name_span, format!("at most {MOST_IN_STEP} blades, with splitters, are written"))
+        .help("write `--emit stl` or `--emit sections`, or a part with fewer `vanes`: all sectors are alike"))
+}
+
 /// The STEP file, and what it holds.
 fn step(
     options: &Options,
@@ -114,6 +129,7 @@ fn step(
     stages: &mut Stages,
     sink: &mut Sink,
 ) -> Result<(Vec<u8>, Vec<String>), Aborted> {
+    or_reported(fits_step(program), sink)?;
     // Fillets are left out: not all wheels with them have passed the checks of OpenCASCADE (`docs/export.md`).
     let sharp = program.part.without_fillets();
     let made = stages.run("shell", || shell(&sharp, &program.stock));

@@ -38,7 +38,9 @@ pub(super) fn read_back(files: &TurboGridFiles, names: &TurboGridNames) -> Resul
     ];
     let mut fetch = |name: &str| {
         let found = texts.iter().find(|(own, _)| *own == name);
-        found.map(|(_, text)| SourceFile::text(name, text.as_str())).ok_or_else(|| "there is no such file".to_owned())
+        found
+            .map(|(_, text)| SourceFile::text(name, text.as_str()))
+            .ok_or_else(|| "there is no such file".to_owned().into())
     };
     let read =
         import::read(&["sections.inf".to_owned()], &mut fetch, &ImportOptions::default(), &mut SourceMap::default());

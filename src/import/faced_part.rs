@@ -1,19 +1,21 @@
 //! The text of a part whose faces are given as surfaces: ruled or lofted faces with hub and shroud of their own.
 
-use super::BladeSurfaces;
 use super::job_frame::JobFrame;
 use super::part_text::{
     self, FACES, PartFiles, PartSource, blade_name, curves, head, meridian, meridians, sections, word,
 };
+use super::{BladeSurfaces, angle_part};
 use crate::units::trim;
 use std::fmt::Write as _;
 
 /// Extension of faces to hub and shroud that the language allows without a word, mm.
 const WITHOUT_A_WORD: f64 = 0.1;
 
-/// Writes the files of a part: with the faces that were imported, or as its sections demand.
+/// Writes the files of a part: with the angles or the faces that were imported, or as its sections demand.
 pub fn write(source: &PartSource<'_>) -> PartFiles {
-    FacedPart::of(source).map_or_else(|| part_text::write(source), |faces| faces.files(source))
+    angle_part::write(source)
+        .or_else(|| Some(FacedPart::of(source)?.files(source)))
+        .unwrap_or_else(|| part_text::write(source))
 }
 
 /// A part of faces.

@@ -26,3 +26,18 @@ pub const LENGTH: f64 = 100_000.0;
 
 /// Most notes; of further ones only the last says that they exist.
 pub const NOTES: usize = 1000;
+
+/// Most lines of a BladeGen model that are not points; they take 50 bytes each.
+pub const ENTRIES: usize = 100_000;
+
+/// Most values of angles or thicknesses along a blade, as in the language.
+pub const VALUES: usize = 200;
+
+/// Most spans at which a blade has angles or thicknesses, as in the language.
+pub const SPANS: usize = 30;
+
+/// Most points of a curve in a job.
+pub const POINTS_OF_JOB_CURVE: usize = 2000;
+
+/// Most closed sections of a blade in a job.
+pub const SECTIONS_OF_JOB: usize = 200;

@@ -6,8 +6,23 @@ use crate::diag::codes::{files, import as codes};
 use crate::diag::{Diag, printable};
 use crate::source::{SourceFile, SourceId, SourceMap, Span};
 
+/// Why there is no file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum NoFile {
+    /// It cannot be read, for this reason.
+    Unreadable(String),
+    /// It has more than [`limits::BYTES`]. It was not read.
+    TooLarge,
+}
+
+impl From<String> for NoFile {
+    fn from(reason: String) -> Self {
+        Self::Unreadable(reason)
+    }
+}
+
 /// Gives the file of a path, or the reason why there is none.
-pub type Fetch<'a> = dyn FnMut(&str) -> Result<SourceFile, String> + 'a;
+pub type Fetch<'a> = dyn FnMut(&str) -> Result<SourceFile, NoFile> + 'a;
 
 /// Loads files and keeps their texts.
 pub(super) struct Loader<'a> {
@@ -27,15 +42,25 @@ impl<'a> Loader<'a> {
             Some(span) => diag.label(span, what),
             None => diag.note(what.to_owned()),
         };
-        let file = (self.fetch)(name).map_err(|reason| {
-            at(Diag::error(files::CANNOT_READ, format!("the file `{}` cannot be read", printable(name))), &reason)
-                .help("give the path of the file; a file that another one names lies beside it")
+        let too_large = |message: String, what: &str| {
+            at(Diag::error(codes::TOO_MUCH, message), what)
+                .help("export fewer points or sections; sections of smooth blades need some hundred points")
+        };
+        let file = (self.fetch)(name).map_err(|fault| match fault {
+            NoFile::Unreadable(reason) => {
+                at(Diag::error(files::CANNOT_READ, format!("the file `{}` cannot be read", printable(name))), &reason)
+                    .help("give the path of the file; a file that another one names lies beside it")
+            }
+            NoFile::TooLarge => {
+                let message =
+                    format!("the file `{}` has more than {} MB, the limit", printable(name), limits::BYTES >> 20);
+                too_large(message, "it was not read")
+            }
         })?;
         self.bytes = self.bytes.saturating_add(file.text.len());
         if self.bytes > limits::BYTES {
-            let message = format!("the blade files have more than {} MB", limits::BYTES >> 20);
-            return Err(at(Diag::error(codes::TOO_MUCH, message), "with this file")
-                .help("export fewer points or sections; sections of smooth blades need some hundred points"));
+            let message = format!("the blade files have more than {} MB together, the limit", limits::BYTES >> 20);
+            return Err(too_large(message, "with this file"));
         }
         Ok(self.sources.add_file(file))
     }

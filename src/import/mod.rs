@@ -6,6 +6,9 @@
 //!
 //! The readers touch no disk: [`read`] gets files by a function of the caller, and refuses more than [`limits`] allow.
 
+mod angle_part;
+pub mod angles;
+mod bladegen;
 mod check;
 mod face_choice;
 pub mod faced_part;
@@ -31,7 +34,7 @@ mod wheel_ends;
 
 pub use face_choice::{FaceChoice, FaceRole};
 pub use frame::{Axis, Handedness, LengthUnit};
-pub use loader::Fetch;
+pub use loader::{Fetch, NoFile};
 
 use crate::diag::codes::import as codes;
 use crate::diag::{Diag, printable};
@@ -105,6 +108,8 @@ pub struct ImportedBlade {
     /// Angle from the main blade to this blade as a share of the pitch, where the file states it and the sections do not
     /// hold it.
     pub pitch_share: Option<f64>,
+    /// Angles and thicknesses, where the file states the blade by them. The sections are made of them.
+    pub angles: Option<angles::StatedAngles>,
 }
 
 /// What a reader found or took for granted.
@@ -170,6 +175,7 @@ const READERS: &[Reader] = &[
     Reader { name: "geomturbo", endings: &["geomturbo"], several: false, read: geomturbo::read },
     Reader { name: "ibl", endings: &["ibl"], several: false, read: ibl::read },
     Reader { name: "rtzt", endings: &["rtzt"], several: false, read: rtzt::read },
+    Reader { name: "bgi", endings: &["bgi"], several: false, read: bladegen::read },
     Reader { name: "step", endings: &["step", "stp", "p21"], several: false, read: step::read },
     Reader { name: "table", endings: &["csv", "txt", "dat"], several: true, read: table::read },
 ];
@@ -213,13 +219,6 @@ fn ending(name: &str) -> String {
     file.rsplit_once('.').map(|(_, ending)| ending.to_ascii_lowercase()).unwrap_or_default()
 }
 
-/// The fault of a model of BladeGen.
-fn not_surfaces(name: &str) -> Diag {
-    Diag::error(codes::UNKNOWN_FORMAT, format!("`{}` is a model of BladeGen, not a blade", printable(name)))
-        .note("it has angles and thicknesses from which BladeGen makes surfaces by rules of its own")
-        .help("export the blade from BladeGen for TurboGrid (`.inf` with its curve files), or as `.rtzt`")
-}
-
 /// The reader of the option, or that of the endings of the names.
 fn reader(names: &[String], options: &Options) -> Result<&'static Reader, Diag> {
     let known = || READERS.iter().map(|r| r.name).collect::<Vec<_>>().join(", ");
@@ -232,9 +231,6 @@ fn reader(names: &[String], options: &Options) -> Result<&'static Reader, Diag> 
         None => {
             let mut readers = names.iter().map(|name| {
                 READERS.iter().find(|r| r.endings.contains(&ending(name).as_str())).ok_or_else(|| {
-                    if ending(name) == "bgi" {
-                        return not_surfaces(name);
-                    }
                     Diag::error(codes::UNKNOWN_FORMAT, format!("the ending of `{}` tells no format", printable(name)))
                         .help(format!("the endings are {}; or state `--format` ({})", endings(), known()))
                 })

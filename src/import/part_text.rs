@@ -4,6 +4,7 @@ use super::job_frame::{JobFrame, Zero};
 use super::wheel_ends::{CutMeridian, cut};
 use super::{Imported, ImportedBlade, ImportedRow};
 use crate::sections::SectionForm;
+use crate::sections::angles::EdgeShape;
 use crate::sections::outline::{DividedSection, Side};
 use crate::sections::{EdgeForm, Outline};
 use crate::units::trim;
@@ -89,16 +90,21 @@ pub fn write(source: &PartSource<'_>) -> PartFiles {
 }
 
 /// Hub and shroud of the wheel, where all blades have closed sections.
-fn wheel(source: &PartSource<'_>) -> Option<[CutMeridian; 2]> {
+pub(super) fn wheel(source: &PartSource<'_>) -> Option<[CutMeridian; 2]> {
     let blades = &source.row.blades;
     let closed = blades.iter().flat_map(|b| &b.sections).all(|s| matches!(s.form, SectionForm::Loop(_)));
+    // Blades by angles that are cut off go on to the ends of the wheel, where the lathe cuts them.
+    let lathe = blades
+        .first()
+        .and_then(|b| b.angles.as_ref())
+        .map_or([false; 2], |angles| angles.shapes.map(|shape| shape == EdgeShape::CutOff));
     let few = blades.iter().all(|b| b.sections.len() >= 2);
     let of = |line: &Option<Vec<[f64; 2]>>, last: bool| {
         let section =
             |divided: &Vec<DividedSection>| if last { divided.last().cloned() } else { divided.first().cloned() };
         let outlines = source.divided.iter().filter_map(section).map(|d| d.outline);
         let points = outlines.flat_map(|o| o.faces.into_iter().chain(o.edges).flatten());
-        cut(line.as_ref()?, points.map(|p| [libm::hypot(p.x, p.y), p.z]))
+        cut(line.as_ref()?, points.map(|p| [libm::hypot(p.x, p.y), p.z]), lathe)
     };
     let ends = [of(&source.imported.hub, false)?, of(&source.imported.shroud, true)?];
     (closed && few).then_some(ends)
@@ -118,15 +124,8 @@ pub(super) fn head(source: &PartSource<'_>, frame: JobFrame) -> String {
 
 fn job(source: &PartSource<'_>, frame: JobFrame, ends: Option<&[CutMeridian; 2]>) -> String {
     let mut text = head(source, frame);
-    if let Some([hub, shroud]) = ends {
-        for (name, CutMeridian { beyond: [ahead, behind], .. }) in [("hub", hub), ("shroud", shroud)] {
-            let (ahead, behind) = (trim(*ahead, 3), trim(*behind, 3));
-            _ = writeln!(
-                text,
-                "// The {name} is cut {ahead} mm ahead of the leading edges and {behind} mm behind the trailing edges: change it to the ends of the wheel."
-            );
-        }
-        text.push_str("// Add fillets, stock, tools, operations and contracts.\n");
+    if let Some(ends) = ends {
+        told_cuts(&mut text, ends);
     } else {
         text.push_str(
             "// The faces are ruled from the first to the last section. Add stock, tools, operations and contracts.\n",
@@ -161,8 +160,20 @@ fn job(source: &PartSource<'_>, frame: JobFrame, ends: Option<&[CutMeridian; 2]>
     text
 }
 
+/// Comments that tell where hub and shroud are cut.
+pub(super) fn told_cuts(text: &mut String, [hub, shroud]: &[CutMeridian; 2]) {
+    for (name, CutMeridian { beyond: [ahead, behind], .. }) in [("hub", hub), ("shroud", shroud)] {
+        let (ahead, behind) = (trim(*ahead, 3), trim(*behind, 3));
+        _ = writeln!(
+            text,
+            "// The {name} is cut {ahead} mm ahead of the leading edges and {behind} mm behind the trailing edges: change it to the ends of the wheel."
+        );
+    }
+    text.push_str("// Add fillets, stock, tools, operations and contracts.\n");
+}
+
 /// Where the pressure face looks in the frame of the job, seen from +Z.
-fn looks(divided: &[DividedSection], frame: JobFrame) -> &'static str {
+pub(super) fn looks(divided: &[DividedSection], frame: JobFrame) -> &'static str {
     let greater = divided.first().is_some_and(|d| d.pressure == Side::Greater);
     if greater == frame.over { "clockwise" } else { "counter-clockwise" }
 }
@@ -209,7 +220,7 @@ pub(super) fn meridians(ends: [&[[f64; 2]]; 2], frame: JobFrame) -> String {
 }
 
 /// Points of a curve.
-fn curve(text: &mut String, name: &str, points: &[Point3<f64>], frame: JobFrame) {
+pub(super) fn curve(text: &mut String, name: &str, points: &[Point3<f64>], frame: JobFrame) {
     for (number, p) in points.iter().enumerate() {
         _ = writeln!(text, "{name},{},{}", number + 1, coordinates(p, frame));
     }

@@ -19,10 +19,11 @@ pub(super) struct CutMeridian {
 
 /// Cuts a meridian, given from inlet to outlet, to the wheel with these points of its blades, (r, z). A meridian that is rather
 /// radial where the blades end is cut there, since an impeller ends with its blades; others go on by a tenth of the length of
-/// the blades, as at the inlet. No meridian is extended.
+/// the blades, as at the inlet. No meridian is extended. `lathe` says which edges the lathe makes, leading and trailing: there the
+/// wheel ends with its blades.
 ///
 /// `None` for a meridian without length, or without blades.
-pub(super) fn cut(line: &[[f64; 2]], blades: impl Iterator<Item = [f64; 2]>) -> Option<CutMeridian> {
+pub(super) fn cut(line: &[[f64; 2]], blades: impl Iterator<Item = [f64; 2]>, lathe: [bool; 2]) -> Option<CutMeridian> {
     let points: Vec<Vector2<f64>> = line.iter().map(|p| Vector2::from(*p)).collect();
     let mut lengths = vec![0.0];
     for pair in points.windows(2) {
@@ -47,8 +48,9 @@ pub(super) fn cut(line: &[[f64; 2]], blades: impl Iterator<Item = [f64; 2]>) -> 
     let segment = |s: f64| lengths.partition_point(|l| *l < s).clamp(1, points.len() - 1);
     let end = segment(last);
     let way = points[end] - points[end - 1];
-    let behind = if way.x.abs() > way.y.abs() { 0.0 } else { BEYOND * length };
-    let (from, to) = ((first - BEYOND * length).max(0.0), (last + behind).min(whole));
+    let behind = if lathe[1] || way.x.abs() > way.y.abs() { 0.0 } else { BEYOND * length };
+    let ahead = if lathe[0] { 0.0 } else { BEYOND * length };
+    let (from, to) = ((first - ahead).max(0.0), (last + behind).min(whole));
     let at = |s: f64| {
         let k = segment(s);
         let share = (s - lengths[k - 1]) / (lengths[k] - lengths[k - 1]).max(f64::MIN_POSITIVE);
@@ -80,7 +82,7 @@ mod tests {
     #[test]
     fn an_impeller_ends_with_its_blades() {
         let blades = [[10.5, 28.0], [20.0, 8.0], [55.0, 0.3]];
-        let cut = cut(&line(), blades.into_iter()).expect("cut");
+        let cut = cut(&line(), blades.into_iter(), [false; 2]).expect("cut");
         let [first, last] = [cut.points[0], cut.points[cut.points.len() - 1]];
         assert!((last[0] - 55.0).abs() < 1e-9 && last[1].abs() < 1e-9, "{last:?}");
         assert!(first[1] > 33.0 && first[1] < 36.0 && (first[0] - 10.0).abs() < 1e-9, "{first:?}");
@@ -91,9 +93,11 @@ mod tests {
     #[test]
     fn an_axial_wheel_goes_on_behind_its_blades_as_far_as_the_line() {
         let line = [[20.0, 50.0], [21.0, 0.0], [21.5, -24.0]];
-        let cut = cut(&line, [[22.0, 20.0], [22.0, -20.0]].into_iter()).expect("cut");
+        let cut = cut(&line, [[22.0, 20.0], [22.0, -20.0]].into_iter(), [false; 2]).expect("cut");
+        let ends = super::cut(&line, [[22.0, 20.0], [22.0, -20.0]].into_iter(), [true; 2]).expect("cut").beyond;
+        assert!(ends.iter().all(|beyond| beyond.abs() < 1e-9), "{ends:?}");
         assert!((cut.beyond[0] - 4.0).abs() < 0.1 && (cut.beyond[1] - 4.0).abs() < 0.1, "{:?}", cut.beyond);
-        assert!(super::cut(&line, std::iter::empty()).is_none());
-        assert!(super::cut(&[[1.0, 1.0]], [[1.0, 1.0]].into_iter()).is_none());
+        assert!(super::cut(&line, std::iter::empty(), [false; 2]).is_none());
+        assert!(super::cut(&[[1.0, 1.0]], [[1.0, 1.0]].into_iter(), [false; 2]).is_none());
     }
 }

@@ -3,15 +3,16 @@
 use super::eval::unknown;
 use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
+use crate::import::limits;
 use crate::source::{SourceId, SourceMap, Span};
 use crate::syntax::ast::{Name, Text};
 use std::collections::BTreeSet;
 
 /// Most points of a curve. Splines of measured blades have hundreds.
-pub(super) const MAX_POINTS: usize = 2000;
+pub(super) const MAX_POINTS: usize = limits::POINTS_OF_JOB_CURVE;
 
 /// Most sections of a blade that are closed loops. Designers give some 5 to 30, measuring machines up to 100.
-pub(super) const MAX_LOOPS: usize = 200;
+pub(super) const MAX_LOOPS: usize = limits::SECTIONS_OF_JOB;
 
 /// A curve of a file.
 pub(super) struct FileCurve {

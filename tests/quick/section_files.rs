@@ -21,7 +21,8 @@ fn written(job: &str, sections: usize) -> (Imported, String) {
     };
     let said = driver::compile(&options, &mut Stages::default()).emitted.unwrap();
     let mut fetch = |name: &str| {
-        let text = std::fs::read_to_string(folder.path().join(name)).map_err(|e| e.to_string())?;
+        let text =
+            std::fs::read_to_string(folder.path().join(name)).map_err(|e| import::NoFile::from(e.to_string()))?;
         Ok(SourceFile::text(name, text))
     };
     let names = ["wheel.inf".to_owned()];

@@ -39,6 +39,14 @@ pub struct Thickness {
     pub rows: Vec<Distribution>,
 }
 
+impl Thickness {
+    /// Thickness at a share of the way and a share of the span, mm; zero unless the spans are as stated.
+    pub fn at(&self, way: f64, span: f64) -> f64 {
+        let weights = weights(&self.spans, span).unwrap_or_default();
+        self.rows.iter().zip(weights).map(|(row, weight)| weight * row.at(way)).sum()
+    }
+}
+
 /// A blade on a camber surface, or on a part of it.
 #[derive(Clone, Debug)]
 pub struct AngleBlade<'a> {

@@ -89,6 +89,16 @@ impl CamberSurface {
         Ok(Self { spans: given.iter().map(|row| row.span).collect(), rows, patch, lean })
     }
 
+    /// The meridional surface on which it lies.
+    pub fn patch(&self) -> &MeridionalPatch {
+        &self.patch
+    }
+
+    /// Angle about +Z at a share of the way and a share of the span, rad.
+    pub fn theta(&self, way: f64, span: f64) -> f64 {
+        self.line(span).at(way).theta
+    }
+
     /// The camber line at a share of the span.
     pub(super) fn line(&self, span: f64) -> CamberLine<'_> {
         // The spans are checked where the surface is made.

@@ -152,7 +152,7 @@ impl MeridionalPatch {
 
     /// Point (r, z) and its derivative by the share x of the way from the leading (0) to the trailing edge (1), at a share of
     /// the span from hub (0) to shroud (1).
-    pub(super) fn at(&self, x: f64, span: f64) -> ([f64; 2], [f64; 2]) {
+    pub fn at(&self, x: f64, span: f64) -> ([f64; 2], [f64; 2]) {
         let mut point = [0.0; 2];
         let mut slope = [0.0; 2];
         for (k, weight) in [(0, 1.0 - span), (1, span)] {
@@ -169,6 +169,62 @@ impl MeridionalPatch {
             slope[i] += trailing[i] - leading[i];
         }
         (point, slope)
+    }
+
+    /// Shares of the way at shares of the length from the leading to the trailing edge, on the meridian of a share of the span.
+    /// They are the same on hub and shroud.
+    pub fn at_lengths(&self, span: f64, shares: &[f64]) -> Vec<f64> {
+        const PIECES: usize = 128;
+        let speed = |x: f64| {
+            let (_, [dr, dz]) = self.at(x, span);
+            libm::hypot(dr, dz)
+        };
+        let x = |k: usize| k as f64 / PIECES as f64;
+        let mut lengths = vec![0.0];
+        for k in 0..PIECES {
+            lengths.push(lengths[k] + integral(x(k), x(k + 1), &speed));
+        }
+        let place = |share: &f64| {
+            let due = share * lengths[PIECES];
+            if *share <= 0.0 || *share >= 1.0 {
+                return share.clamp(0.0, 1.0);
+            }
+            let piece = lengths.partition_point(|l| *l <= due).clamp(1, PIECES) - 1;
+            let (mut low, mut high) = (x(piece), x(piece + 1));
+            for _ in 0..ROUNDS {
+                let middle = 0.5 * (low + high);
+                if lengths[piece] + integral(x(piece), middle, &speed) > due { high = middle } else { low = middle }
+            }
+            0.5 * (low + high)
+        };
+        shares.iter().map(place).collect()
+    }
+
+    /// The share of the way and the share of the span at a point (r, z) of the surface, by Newton's method from a place near to
+    /// it. `None` where no place within 1e-7 mm of the point is found.
+    pub fn place_of(&self, point: [f64; 2], near: [f64; 2]) -> Option<[f64; 2]> {
+        const STEP: f64 = 1e-6;
+        const CLOSE: f64 = 1e-7;
+        let [mut x, mut span] = near;
+        for _ in 0..ROUNDS {
+            let ([r, z], [rx, zx]) = self.at(x, span);
+            let off = [point[0] - r, point[1] - z];
+            if libm::hypot(off[0], off[1]) < CLOSE {
+                return Some([x, span]);
+            }
+            let [[r_low, z_low], [r_high, z_high]] = [span - STEP, span + STEP].map(|s| self.at(x, s).0);
+            let [rs, zs] = [r_high - r_low, z_high - z_low].map(|d| d / (2.0 * STEP));
+            let determinant = rx * zs - zx * rs;
+            if determinant == 0.0 || !determinant.is_finite() {
+                return None;
+            }
+            x += (off[0] * zs - off[1] * rs) / determinant;
+            span += (rx * off[1] - zx * off[0]) / determinant;
+            if !(-1.0..=2.0).contains(&x) || !(-1.0..=2.0).contains(&span) {
+                return None;
+            }
+        }
+        None
     }
 }
 
@@ -206,6 +262,32 @@ mod tests {
             let (found, off) = meridian.nearest([30.0 - 15.0 * c, -15.0 * s]);
             assert!((found - share * arc).abs() < 1e-4 && (off - 5.0).abs() < 1e-5);
         }
+    }
+
+    #[test]
+    fn places_are_found_by_length_and_by_point() {
+        let hub = MeridianByLength::new(&quarter()).unwrap();
+        let shroud = MeridianByLength::new(&line(&[[20.0, 0.0], [30.0, -10.0]])).unwrap();
+        let edges = [EdgeLine::straight([0.0; 2]), EdgeLine::straight([hub.length(), shroud.length()])];
+        let patch = MeridionalPatch::new([hub, shroud], edges);
+        let shares: Vec<f64> = (0..=10).map(|k| f64::from(k) / 10.0).collect();
+        for span in [0.0, 1.0] {
+            for (found, due) in patch.at_lengths(span, &shares).iter().zip(&shares) {
+                assert!((found - due).abs() < 1e-9, "{found} {due}");
+            }
+        }
+        // Lengths by chords, which are short enough for 1e-6.
+        let found = patch.at_lengths(0.5, &shares);
+        let length = |x: f64| {
+            let at = |k: u32| patch.at(x * f64::from(k) / 20_000.0, 0.5).0;
+            (0..20_000).map(|k| [at(k), at(k + 1)]).map(|[a, b]| libm::hypot(a[0] - b[0], a[1] - b[1])).sum::<f64>()
+        };
+        for (x, share) in found.iter().zip(&shares) {
+            assert!((length(*x) / length(1.0) - share).abs() < 1e-6, "{x} {share}");
+        }
+        let [x, span] = patch.place_of(patch.at(0.37, 0.62).0, [0.5, 0.5]).unwrap();
+        assert!((x - 0.37).abs() < 1e-7 && (span - 0.62).abs() < 1e-7);
+        assert!(patch.place_of([500.0, 500.0], [0.5, 0.5]).is_none());
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The command `import`: the part that it writes, and when it writes nothing.
 
-use super::{data, rtzt, table, turbogrid};
+use super::{bladegen, data, rtzt, table, turbogrid};
 use crate::support::bounded;
 use std::path::Path;
 use std::process::Output;
@@ -184,6 +184,127 @@ fn splitters_without_a_place_are_not_written() {
     assert_eq!(names(folder.path()), ["a.rtzt"]);
 }
 
+/// A model by angles becomes a part by angles: its blades are modelled, and their sections, written and read back, are those that
+/// were imported.
+#[test]
+fn angles_are_written_as_angles() {
+    let folder = folder(&bladegen::example());
+    let run = import(&["a.bgi", "-o", "wheel.imp"], folder.path());
+    assert!(run.status.success(), "{}", text(&run.stderr));
+    let job = std::fs::read_to_string(folder.path().join("wheel.imp")).unwrap();
+    // The flow goes towards +Z, so the wheel is turned over, and angles have the other sense.
+    for words in [
+        "beta [(0 %, -30 deg)",
+        "start -5 deg",
+        "0 mm behind the trailing edges",
+        "angle 55 %",
+        "from spline from \"wheel.curves.csv\" curve splitter_1_leading mm",
+        "leading-edge elliptic 2",
+        "trailing-edge cut-off",
+        "// Note: a splitter is the main blade",
+    ] {
+        assert!(job.contains(words), "{words} is not in\n{job}");
+    }
+    let said = is_modelled(folder.path(), "wheel.imp", "");
+    assert_eq!(said.matches("IMP0319").count(), 2, "{said}");
+    let emit = ["whole.imp", "--emit", "sections", "--sections", "5", "-o", "back.inf"];
+    let run = bounded::program().current_dir(folder.path()).args(emit).output().unwrap();
+    assert!(run.status.success(), "{}", text(&run.stderr));
+    // Sections between hub and shroud lie at equal steps up the rulings, not on the layers.
+    let mut back = points_of("back.inf", folder.path());
+    back.retain(|(section, _)| section.ends_with(" 1") || section.ends_with(" 5"));
+    // 45 % of the pitch, turned over, are 55 % behind the blade before.
+    let (sin, cos) = (std::f64::consts::TAU / 7.0).sin_cos();
+    for (_, p) in back.iter_mut().filter(|(section, _)| section.starts_with("splitter")) {
+        *p = [cos * p[0] + sin * p[1], cos * p[1] - sin * p[0], p[2]];
+    }
+    let worst = off_chords(&back, &points_of("a.bgi", folder.path()));
+    // Points of the stated sections are some 0.2 mm apart, so chords are within 2 um of the faces.
+    assert!(worst < 0.004, "{worst}");
+}
+
+/// Points of the sections of a file with their blade and section, in the frame of the job.
+fn points_of(given: &str, folder: &Path) -> Vec<(String, [f64; 3])> {
+    let run = import(&[given, "-o", "b.imp", "--force"], folder);
+    assert!(run.status.success(), "{}", text(&run.stderr));
+    let table = std::fs::read_to_string(folder.join("b.sections.csv")).unwrap();
+    let point = |line: &str| -> Option<(String, [f64; 3])> {
+        let fields: Vec<&str> = line.split(',').collect();
+        let p: Vec<f64> = fields.get(4..7)?.iter().map_while(|x| x.parse().ok()).collect();
+        Some((format!("{} {}", fields[0], fields[1]), p.try_into().ok()?))
+    };
+    let points: Vec<_> = table.lines().filter_map(point).collect();
+    assert!(points.len() > 1000, "{}", points.len());
+    points
+}
+
+/// Largest distance of points from the chords between points of the same section.
+fn off_chords(points: &[(String, [f64; 3])], stated: &[(String, [f64; 3])]) -> f64 {
+    let mut worst = 0.0_f64;
+    for (section, p) in points {
+        let of: Vec<_> = stated.iter().filter(|(s, _)| s == section).map(|(_, q)| q).collect();
+        let chords = of.iter().zip(of.iter().cycle().skip(1)).map(|(a, b)| {
+            let along: Vec<f64> = (0..3).map(|i| b[i] - a[i]).collect();
+            let square: f64 = along.iter().map(|x| x * x).sum();
+            let dot: f64 = (0..3).map(|i| (p[i] - a[i]) * along[i]).sum();
+            let t = (dot / square.max(1e-300)).clamp(0.0, 1.0);
+            (0..3).map(|i| (p[i] - a[i] - t * along[i]).powi(2)).sum::<f64>().sqrt()
+        });
+        worst = worst.max(chords.fold(f64::INFINITY, f64::min));
+    }
+    worst
+}
+
+/// More points than a job can have are told before anything is written.
+#[test]
+fn what_no_job_can_have_is_not_written() {
+    let mut table = "section,x,y,z\n".to_owned();
+    for (k, radius) in [50.0, 60.0].into_iter().enumerate() {
+        for [x, y, z] in super::axial_loop(radius, 2400, 0) {
+            table.push_str(&format!("{},{x:.7},{y:.7},{z:.7}\n", k + 1));
+        }
+    }
+    let folder = folder(&[("main.csv".to_owned(), table)]);
+    let arguments =
+        ["main.csv", "--unit", "mm", "--axis", "z", "--blades", "5", "--start", "leading", "--pressure", "greater"];
+    assert!(import(&arguments, folder.path()).status.success());
+    let run = import(&[&arguments[..], &["-o", "wheel.imp"]].concat(), folder.path());
+    let said = text(&run.stderr);
+    assert!(run.status.code() == Some(2) && said.contains("IMP1006") && said.contains("at most 2000"), "{said}");
+    assert_eq!(names(folder.path()), ["main.csv"]);
+}
+
+/// Wheels of many blades are read and modelled; a STEP file of them is refused with its limit before it takes memory.
+#[test]
+fn wheels_of_many_blades_have_limits() {
+    let mut sections = "section,x,y,z\n".to_owned();
+    for (k, radius) in [500.0, 510.0].into_iter().enumerate() {
+        for [x, y, z] in super::axial_loop(radius, 160, 0) {
+            sections.push_str(&format!("{},{x:.7},{y:.7},{z:.7}\n", k + 1));
+        }
+    }
+    let meridian = |name: &str, r: u32| {
+        let points: String = (-5..=25).map(|z| format!("{name},{r},{z}\n")).collect();
+        (format!("{name}.csv"), format!("curve,r,z\n{points}"))
+    };
+    let folder = folder(&[("main.csv".to_owned(), sections), meridian("hub", 500), meridian("shroud", 510)]);
+    let arguments = |blades: &'static str| {
+        let files = ["main.csv", "hub.csv", "shroud.csv", "-o", "wheel.imp", "--force"];
+        let stated = ["--unit", "mm", "--axis", "z", "--pressure", "greater", "--blades", blades];
+        [&files[..], &stated].concat()
+    };
+    let run = import(&arguments("10001"), folder.path());
+    assert!(text(&run.stderr).contains("from 1 to 10000"), "{}", text(&run.stderr));
+    let run = import(&arguments("1000"), folder.path());
+    assert!(run.status.success(), "{}", text(&run.stderr));
+    is_modelled(folder.path(), "wheel.imp", "");
+    let emit = ["whole.imp", "--emit", "step", "-o", "wheel.step"];
+    let run = bounded::program().current_dir(folder.path()).args(emit).output().unwrap();
+    let said = text(&run.stderr);
+    assert!(said.contains("IMP0903") && said.contains("at most 300 blades"), "{said}");
+    assert!(!folder.path().join("wheel.step").exists());
+}
+
 /// 100 MB of sections are refused with the limit, within the memory of [`bounded`].
 #[test]
 fn large_files_are_refused() {
@@ -195,6 +316,7 @@ fn large_files_are_refused() {
         let run = import(&["BladeGen.inf"], folder.path());
         let said = self::text(&run.stderr);
         assert!(said.contains("64 MB, the limit") || said.contains("more than 10000 points of a curve"), "{said}");
+        assert!(said.contains("IMP1006") && said.contains("export fewer points"), "{said}");
         assert!(!run.status.success() && !said.contains("panicked"));
     }
 }

@@ -25,7 +25,7 @@ fn examples() -> Vec<Example> {
     };
     let keep: fn(&mut Vec<[f64; 3]>) = |_| {};
     vec![
-        ("IMP1001", vec![("rotor.bgi", "Begin Model\n".to_owned())], Options::default()),
+        ("IMP1001", vec![("rotor.cft", "Begin Model\n".to_owned())], Options::default()),
         ("IMP1002", vec![("main.csv", loops(0, keep).replacen("2,60", "2,6O", 1))], all.clone()),
         ("IMP1003", vec![("main.csv", loops(0, |points| points.truncate(25)))], all.clone()),
         ("IMP1004", vec![("main.csv", loops(0, keep))], Options::default()),
@@ -62,7 +62,9 @@ fn said((_, files, options): &Example) -> String {
     let mut sources = SourceMap::default();
     let mut fetch = |name: &str| {
         let found = files.iter().find(|(n, _)| *n == name);
-        found.map(|(n, text)| SourceFile::text(*n, text)).ok_or_else(|| "there is no such file".to_owned())
+        found
+            .map(|(n, text)| SourceFile::text(*n, text))
+            .ok_or_else(|| import::NoFile::from("there is no such file".to_owned()))
     };
     let names = vec![files[0].0.to_owned()];
     let diags = match import::read(&names, &mut fetch, options, &mut sources) {

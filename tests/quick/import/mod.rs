@@ -1,6 +1,7 @@
 //! Readers of blade files: what they make of files of every format, of files with the traps of these formats, and of faulty
 //! ones.
 
+mod bladegen;
 mod command;
 mod data;
 mod examples;
@@ -29,7 +30,9 @@ pub fn read(files: FileTexts<'_>, given: usize, options: &Options) -> (Result<Im
     let names: Vec<String> = files.iter().take(given).map(|(name, _)| (*name).to_owned()).collect();
     let mut fetch = |name: &str| {
         let found = files.iter().find(|(n, _)| *n == name);
-        found.map(|(_, text)| SourceFile::text(name, *text)).ok_or_else(|| "there is no such file".to_owned())
+        found
+            .map(|(_, text)| SourceFile::text(name, *text))
+            .ok_or_else(|| import::NoFile::from("there is no such file".to_owned()))
     };
     let read = import::read(&names, &mut fetch, options, &mut sources);
     (read, sources)

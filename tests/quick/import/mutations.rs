@@ -1,7 +1,7 @@
 //! Random changes of files of every format: each text is read, or refused with a place. What is read is divided, or refused.
 
 use super::{human, read};
-use crate::import::{geomturbo, ibl, rtzt, step, step_wheel, table, turbogrid};
+use crate::import::{bladegen, geomturbo, ibl, rtzt, step, step_wheel, table, turbogrid};
 use impellerc::diag::Severity;
 use impellerc::import::outlines::{doubtful, outlines};
 use impellerc::import::{Axis, LengthUnit, Options};
@@ -19,6 +19,7 @@ fn sets() -> Vec<Vec<(String, String)>> {
         table::example(),
         step::example(),
         step_wheel::example(),
+        bladegen::example(),
     ]
 }
 
