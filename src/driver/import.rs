@@ -54,6 +54,9 @@ fn run(options: &Import, stages: &mut Stages, outcome: &mut Outcome) -> Result<(
         return Ok(());
     }
     let row = or_reported(row(&imported, options.row.as_deref()), sink)?;
+    if options.output.is_some() {
+        or_reported(placed(row).and_then(|()| fits(&imported, row)), sink)?;
+    }
     let divided = stages.run("divide", || outlines(row, imported.hub.as_deref(), &options.options));
     let divided = or_reported(divided, sink)?;
     for (blade, divided) in row.blades.iter().zip(&divided) {
@@ -67,7 +70,6 @@ fn run(options: &Import, stages: &mut Stages, outcome: &mut Outcome) -> Result<(
     let mut said: String = part_text::summary(&source).into_iter().map(|line| line + "\n").collect();
     said.push_str(&notes(&imported, sources));
     if let Some(path) = &options.output {
-        or_reported(placed(row).and_then(|()| fits(&imported, row)), sink)?;
         let written = stages.run("write", || write(path, &faced_part::write(&source), options.force, sources));
         said.push_str(&or_reported(written, sink)?);
     } else {
