@@ -13,6 +13,7 @@ use crate::post_file::PostFile;
 use crate::source::Span;
 use crate::units::{Mm, Mm3PerMin, MmPerMin, Rad, Rpm};
 use nalgebra::Point3;
+use std::collections::BTreeSet;
 
 entity_id!(
     /// A tool of the job.
@@ -253,6 +254,20 @@ impl Program {
         self.operations
             .iter()
             .any(|(_, o)| matches!(&o.kind, OperationKind::Point { surfaces, .. } if surfaces.iter().any(edge)))
+    }
+
+    /// Sectors, from 0, whose channels an operation enters but the roughing of the job leaves full; with the operation that
+    /// roughs first. A vane has the channel of its own sector on one side, and that of the sector before on the other.
+    pub fn sectors_left_full(&self, operation: &Operation) -> Option<(&Operation, BTreeSet<u32>)> {
+        let count = self.part.vane_count;
+        let before = |k: &u32| (k + count.saturating_sub(1)) % count.max(1);
+        let roughing = || self.operations.iter().map(|(_, o)| o).filter(|o| o.kind.roughing().is_some());
+        let opened: BTreeSet<u32> = roughing().flat_map(|o| o.sectors.iter().copied()).collect();
+        let own = operation.sectors.iter().copied();
+        let both_sides = operation.kind.finishes() && !operation.kind.is_on_floor();
+        let beside = operation.sectors.iter().filter(|_| both_sides).map(before);
+        let full: BTreeSet<u32> = own.chain(beside).filter(|k| !opened.contains(k)).collect();
+        roughing().next().filter(|_| !full.is_empty()).map(|first| (first, full))
     }
 
     /// The surface over the vane tips.

@@ -8,21 +8,38 @@
 
 use super::clear_axes::{ClearAxes, LEAST_TILT, StandingBall, is_steep};
 use super::orient_tool::tilted_points;
+use super::run::lengths;
 use super::sequence::{self, Blocked, Gap};
+use super::varied_tilt::ClearTilts;
 use crate::analysis::flank::SIDE_CLEARANCE;
+use crate::collide::ToolSolid;
 use crate::diag::{Aborted, Diag, codes::orientation};
-use crate::ir::{CcOperation, CcPass, CcPlan, ClOperation, ClPlan, ClPoint, Drive, Operation, Program};
+use crate::ir::{CcOperation, CcPass, CcPlan, ClOperation, ClPass, ClPlan, ClPoint, Drive, Operation, Program};
 use crate::method::AxisMethod;
 use crate::part::SurfaceKind;
 use crate::passes::context::{AxisTilt, Obstacles, PassContext, remedy};
-use nalgebra::Point3;
+use crate::units::trim;
+use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
 /// Tilt angles that are tried, degrees. A line keeps one tilt angle, so that its axes remain as smooth as the rulings.
 pub(super) const TILTS: [f64; 14] = [0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0, 24.0, 28.0, 32.0];
 
-/// Station at which a pass is not clear, and by how much the tool is too near there, mm.
-type Miss = (usize, f64);
+/// Station at which a pass is not clear with its least bad tilt, by how much the tool is too near there, mm, and the tool.
+struct Miss {
+    station: usize,
+    violation: f64,
+    at: ClPoint,
+}
+
+/// A place without a tool.
+const NOWHERE: ClPoint = ClPoint { tip: Point3::new(0.0, 0.0, 0.0), axis: Vector3::new(0.0, 0.0, 1.0), contact: None };
+
+/// Stations of a pass that are clear, and the largest of their tilts, degrees.
+struct Cleared {
+    points: Vec<ClPoint>,
+    steepest: f64,
+}
 
 /// Tells why the tool of an operation is too near to the part, where the operation itself knows.
 pub(crate) type TooNear = fn(&PassContext<'_>, &Operation) -> Option<Diag>;
@@ -43,18 +60,17 @@ pub(crate) fn run(cx: &mut PassContext<'_>, reason: TooNear, cc: &CcPlan, cl: &m
         }
         let work = cx.progress.begin(format!("{}, clearance", operation.name), planned.passes.len());
         let pairs = || planned.passes.par_iter().zip(&oriented.passes);
-        let tilts: Vec<Result<f64, Miss>> =
-            pairs().map(|(cc, cl)| work.step(clearing_tilt(program, obstacles, operation, cc, &cl.points))).collect();
+        let clear = |(cc, cl): (&CcPass, &ClPass)| {
+            work.step(TiltedPass { program, obstacles, operation, cc }.cleared(&cl.points))
+        };
+        let found: Vec<Result<Cleared, Miss>> = pairs().map(clear).collect();
         let mut steepest = 0.0_f64;
         let mut blocked = Vec::new();
-        for (index, tilt) in tilts.into_iter().enumerate() {
-            match tilt {
-                Ok(tilt) => {
-                    steepest = steepest.max(tilt);
-                    if tilts_away(operation, &planned.passes[index]) {
-                        let tilt = AxisTilt::Away(tilt.to_radians());
-                        oriented.passes[index].points = tilted_points(program, operation, &planned.passes[index], tilt);
-                    }
+        for (index, found) in found.into_iter().enumerate() {
+            match found {
+                Ok(cleared) => {
+                    steepest = steepest.max(cleared.steepest);
+                    oriented.passes[index].points = cleared.points;
                 }
                 Err(miss) => blocked.push((index, miss)),
             }
@@ -65,9 +81,10 @@ pub(crate) fn run(cx: &mut PassContext<'_>, reason: TooNear, cc: &CcPlan, cl: &m
             cx.sink.push(diag);
         }
         if steepest > 0.0 {
-            oriented
-                .notes
-                .push(format!("tool axes tilt away from the nearer wall by up to {steepest} deg at the wall"));
+            oriented.notes.push(format!(
+                "tool axes tilt away from the nearer wall by up to {} deg at the wall",
+                trim(steepest, 1)
+            ));
         }
     }
     if failed { Err(Aborted) } else { Ok(()) }
@@ -149,16 +166,20 @@ fn too_near(
 ) -> Diag {
     let (program, obstacles) = (cx.program, cx.obstacles);
     let tool = &program.tools[operation.tool];
-    let worst = blocked.iter().copied().reduce(|a, b| if b.1.1 > a.1.1 { b } else { a });
-    let (index, (station, violation)) = worst.unwrap_or_default();
-    let place = oriented.passes.get(index).and_then(|pass| Some((pass, pass.points.get(station)?.tip)));
-    let (label, at) =
-        place.map_or((String::new(), Point3::origin()), |(pass, tip)| cx.in_first_sector(operation, &pass.label, tip));
+    let pass = |k: usize| TiltedPass { program, obstacles, operation, cc: &planned.passes[k] };
+    let worst = blocked.iter().reduce(|a, b| if b.1.violation > a.1.violation { b } else { a });
+    let place = worst.and_then(|(k, miss)| Some((oriented.passes.get(*k)?, miss)));
+    let (label, at) = place.map_or((String::new(), Point3::origin()), |(pass, miss)| {
+        cx.in_first_sector(operation, &pass.label, miss.at.tip)
+    });
+    let violation = worst.map_or(0.0, |(_, miss)| miss.violation);
+    let kept = worst.map_or(String::new(), |(k, miss)| pass(*k).nearest_part(miss));
     let cutter_free = blocked.iter().all(|(k, _)| tilts_away(operation, &planned.passes[*k]));
     let help = remedy(&tool.solid, cutter_free, |solid| {
-        let program = program.with_solid(operation.tool, solid);
+        let program = &program.with_solid(operation.tool, solid);
         let clear = |k: usize| {
-            clearing_tilt(&program, obstacles, operation, &planned.passes[k], &oriented.passes[k].points).is_ok()
+            let pass = TiltedPass { program, obstacles, operation, cc: &planned.passes[k] };
+            pass.cleared(&oriented.passes[k].points).is_ok()
         };
         blocked.par_iter().all(|(k, _)| clear(*k))
     });
@@ -169,12 +190,7 @@ fn too_near(
     };
     let diag = Diag::error(
         orientation::COLLISION,
-        format!(
-            "`{}`: {} is {violation:.2} mm too near to the part; required clearance of shank and holder {:.2} mm",
-            operation.name,
-            tool.name,
-            program.clearance.get()
-        ),
+        format!("`{}`: {} is {violation:.2} mm too near to the part; {kept}", operation.name, tool.name,),
     )
     .label(operation.span, "in this operation")
     .label(tool.span, "with this tool")
@@ -198,63 +214,119 @@ fn corridor_is_clear(
         return false;
     }
     let clear = ClearAxes::new(cx.program, cx.obstacles, operation);
-    blocked.par_iter().all(|(pass, (station, _))| {
-        let point = oriented.passes.get(*pass).and_then(|pass| pass.points.get(*station));
+    blocked.par_iter().all(|(pass, miss)| {
+        let point = oriented.passes.get(*pass).and_then(|pass| pass.points.get(miss.station));
         point.is_some_and(|p| {
             let ball = StandingBall::at(p, clear.radius());
-            clear.candidates(&ball, &p.axis, sequence::MARGIN).iter().any(is_steep)
+            clear.candidates(&ball, &p.axis, clear.margin(sequence::MARGIN)).iter().any(is_steep)
         })
     })
 }
 
-/// The least tilt angle, degrees, that clears a pass, or the worst place and by how much the tool is too near there, mm.
-fn clearing_tilt(
-    program: &Program,
-    obstacles: &Obstacles,
-    operation: &Operation,
-    cc: &CcPass,
-    points: &[ClPoint],
-) -> Result<f64, Miss> {
-    let solid = &program.tools[operation.tool].solid;
-    let tilts_away_here = tilts_away(operation, cc);
-    let on_vane = matches!(cc.drive, Drive::Contact(_) | Drive::Round(_));
-    let violation = |p: &ClPoint| {
-        let ball = solid.cutter.ends_in_ball();
+/// A pass among the obstacles, with the tool of its operation.
+struct TiltedPass<'a> {
+    program: &'a Program,
+    obstacles: &'a Obstacles,
+    operation: &'a Operation,
+    cc: &'a CcPass,
+}
+
+impl TiltedPass<'_> {
+    fn solid(&self) -> &ToolSolid {
+        &self.program.tools[self.operation.tool].solid
+    }
+
+    fn on_vane(&self) -> bool {
+        matches!(self.cc.drive, Drive::Contact(_) | Drive::Round(_))
+    }
+
+    /// Stations with the tilts of the stations, degrees.
+    fn tilted(&self, tilt: impl Fn(usize) -> f64) -> Vec<ClPoint> {
+        tilted_points(self.program, self.operation, self.cc, |i| AxisTilt::Away(tilt(i).to_radians()))
+    }
+
+    /// Required distance of the side of a ball, mm.
+    fn side(&self) -> Option<f64> {
+        (tilts_away(self.operation, self.cc) && self.solid().cutter.ends_in_ball()).then_some(SIDE_CLEARANCE)
+    }
+
+    /// Worst violation at a station, negative.
+    fn violation(&self, p: &ClPoint) -> Option<f64> {
+        let solid = self.solid();
         // A ball on an edge that the lathe makes: nothing of the part is near the side of the cutter.
-        let edge = match cc.drive {
-            Drive::Contact(SurfaceKind::InletEdge(blade)) => program.part.edge(blade, 0).is_none(),
-            Drive::Contact(SurfaceKind::OutletEdge(blade)) => program.part.edge(blade, 1).is_none(),
+        let edge = match self.cc.drive {
+            Drive::Contact(SurfaceKind::InletEdge(blade)) => self.program.part.edge(blade, 0).is_none(),
+            Drive::Contact(SurfaceKind::OutletEdge(blade)) => self.program.part.edge(blade, 1).is_none(),
             _ => false,
         };
-        let beside = on_vane && !(ball && edge);
-        let inside = if beside || matches!(cc.drive, Drive::HubWithLead(..)) {
-            obstacles.cutter_inside(solid, &p.tip, &p.axis)
+        let beside = self.on_vane() && !(solid.cutter.ends_in_ball() && edge);
+        let inside = if beside || matches!(self.cc.drive, Drive::HubWithLead(..)) {
+            self.obstacles.cutter_inside(solid, &p.tip, &p.axis)
         } else {
             None
         };
-        let side = (tilts_away_here && ball).then_some(SIDE_CLEARANCE);
-        let body = obstacles.body_lack(solid, &p.tip, &p.axis, program.clearance.get(), side);
+        let clearance = self.program.clearance.get();
+        let body = self.obstacles.body_lack(solid, &p.tip, &p.axis, clearance, self.side());
         inside.into_iter().chain(body).reduce(f64::min)
-    };
-    let worst = |points: &[ClPoint]| {
-        points
-            .iter()
-            .enumerate()
-            .filter_map(|(i, p)| violation(p).map(|d| (i, d)))
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .map(|(i, distance)| (i, -distance))
-    };
-    if !tilts_away_here {
-        return worst(points).map_or(Ok(0.0), Err);
     }
-    let mut last = (0, 0.0);
-    // The contact is on the arc of a barrel and not on its tip.
-    let end = if on_vane { solid.cutter.barrel_angle() } else { None };
-    for tilt in TILTS.into_iter().filter(|tilt| end.is_none_or(|end| *tilt > 0.0 && tilt.to_radians() < end)) {
-        match worst(&tilted_points(program, operation, cc, AxisTilt::Away(tilt.to_radians()))) {
-            None => return Ok(tilt),
-            Some(miss) => last = miss,
+
+    /// The worst place, if the tool is too near anywhere.
+    fn miss(&self, points: &[ClPoint], violations: &[Option<f64>]) -> Option<Miss> {
+        let near = violations.iter().enumerate().filter_map(|(i, v)| v.map(|d| (i, d)));
+        let (station, least) = near.min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let at = points.get(station).copied()?;
+        Some(Miss { station, violation: -least, at })
+    }
+
+    /// Clear stations: with the least tilt that clears all of them, else with tilts that change along the pass.
+    fn cleared(&self, points: &[ClPoint]) -> Result<Cleared, Miss> {
+        let violations = |points: &[ClPoint]| points.iter().map(|p| self.violation(p)).collect::<Vec<_>>();
+        if !tilts_away(self.operation, self.cc) {
+            let miss = self.miss(points, &violations(points));
+            return miss.map_or_else(|| Ok(Cleared { points: points.to_vec(), steepest: 0.0 }), Err);
         }
+        // The contact is on the arc of a barrel and not on its tip.
+        let end = if self.on_vane() { self.solid().cutter.barrel_angle() } else { None };
+        let may = |tilt: &f64| end.is_none_or(|end| *tilt > 0.0 && tilt.to_radians() < end);
+        let tilts: Vec<f64> = TILTS.into_iter().filter(may).collect();
+        let (mut clear, mut least): (Vec<Vec<bool>>, Option<Miss>) = (Vec::new(), None);
+        for tilt in &tilts {
+            let tilted = self.tilted(|_| *tilt);
+            let found = violations(&tilted);
+            let Some(miss) = self.miss(&tilted, &found) else { return Ok(Cleared { points: tilted, steepest: *tilt }) };
+            if least.as_ref().is_none_or(|least| miss.violation < least.violation) {
+                least = Some(miss);
+            }
+            clear.push(found.iter().map(Option::is_none).collect());
+        }
+        let nowhere = Miss { station: 0, violation: 0.0, at: NOWHERE };
+        self.varied(&tilts, &clear).ok_or_else(|| least.unwrap_or(nowhere))
     }
-    Err(last)
+
+    /// Clear stations with tilts that change along the pass.
+    fn varied(&self, tilts: &[f64], clear: &[Vec<bool>]) -> Option<Cleared> {
+        let stations = &self.cc.points;
+        if stations.len() < 2 || clear.iter().any(|clear| clear.len() != stations.len()) {
+            return None;
+        }
+        let lengths = lengths(&stations.iter().map(|p| p.position).collect::<Vec<_>>());
+        let clear = ClearTilts { lengths: &lengths, tilts, clear };
+        let paths = clear.smooth_paths(2.0 * self.solid().cutter.tip_radius());
+        let all = paths.map(|path| Cleared {
+            points: self.tilted(|i| path[i]),
+            steepest: path.iter().copied().fold(0.0, f64::max),
+        });
+        all.into_iter().find(|cleared| cleared.points.iter().all(|p| self.violation(p).is_none()))
+    }
+
+    /// Which part of the tool is too near, and what it has to keep.
+    fn nearest_part(&self, miss: &Miss) -> String {
+        let (solid, clearance) = (self.solid(), self.program.clearance.get());
+        let body = self.obstacles.body_lack(solid, &miss.at.tip, &miss.at.axis, clearance, None).unwrap_or(0.0);
+        if -body >= miss.violation {
+            return format!("required clearance of shank and holder {clearance:.2} mm");
+        }
+        let side = self.side().unwrap_or(0.0);
+        format!("it is the side of its cutter, with a required distance of {side:.2} mm")
+    }
 }

@@ -16,11 +16,17 @@ use crate::ir::{ClPoint, Operation, Program};
 use crate::operation::Allowances;
 use crate::orient::inscribe::{Proof, inscribe};
 use crate::passes::context::{Ends, Obstacles, remedy};
+use crate::units::trim;
 use nalgebra::{Point3, Vector2, Vector3};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-/// Required distance of the side of the cutter from the part, from one diameter over the tip on, mm.
-pub(crate) const SIDE: f64 = 0.5;
+/// Required distance of the side of the cutter from the part, from one diameter over the tip on, mm, for tools from
+/// [`WHOLE_SIDE`] on.
+const SIDE: f64 = 0.5;
+
+/// Diameter of a ball, mm, below which the required distance of the side shrinks in proportion: a distance that suits a wheel
+/// of 100 mm is wider than the channels of one of 20 mm.
+const WHOLE_SIDE: f64 = 5.0;
 
 /// Angles from the middle at which axes are tried, degrees.
 const RINGS: [f64; 9] = [2.5, 5.0, 8.0, 11.0, 15.0, 20.0, 26.0, 33.0, 41.0];
@@ -109,13 +115,18 @@ impl<'a> ClearAxes<'a> {
         Self {
             obstacles,
             solid,
-            asked: [SIDE, bound(Guarded::Shank), bound(Guarded::Holder)],
+            asked: [SIDE * share_of_size(solid), bound(Guarded::Shank), bound(Guarded::Holder)],
             most_lean: program.machine.most_lean(),
         }
     }
 
     pub(crate) fn radius(&self) -> f64 {
         self.solid.cutter.tip_radius()
+    }
+
+    /// A distance that leaves free space about axes: the whole distance for usual tools, less for thin ones.
+    pub(crate) fn margin(&self, whole: f64) -> f64 {
+        whole * share_of_size(self.solid)
     }
 
     /// Distance of a point less the required distance; negative for a violation.
@@ -275,7 +286,8 @@ impl<'a> ClearAxes<'a> {
             orientation::NO_AXIS,
             format!(
                 "`{operation}`: no tool axis within {MOST_AWAY} deg of {direction} keeps {tool} clear of the part; \
-                 required clearance {side} mm at the side of the cutter, {shank} mm at the shank, {holder} mm at the holder"
+                 required clearance {} mm at the side of the cutter, {shank} mm at the shank, {holder} mm at the holder",
+                trim(side, 3)
             ),
         )
         .help(self.remedy(at, about))
@@ -294,6 +306,11 @@ impl<'a> ClearAxes<'a> {
             .chain(rings(middle, &WIDER_RINGS))
             .any(|d| clear.clear(&StandingBall { centre: *centre, normal: None }, &d, 0.0, 0.0))
     }
+}
+
+/// Share to which distances beside a tool shrink with its diameter.
+fn share_of_size(solid: &ToolSolid) -> f64 {
+    (2.0 * solid.cutter.tip_radius() / WHOLE_SIDE).min(1.0)
 }
 
 /// True when an axis is far enough from the pole.

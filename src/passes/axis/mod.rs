@@ -7,3 +7,4 @@ pub(crate) mod orient_tool;
 pub(crate) mod run;
 mod sequence;
 pub(crate) mod smooth_axis;
+mod varied_tilt;

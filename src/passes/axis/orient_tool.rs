@@ -48,7 +48,7 @@ fn orient_operation(cx: &mut PassContext<'_>, cc: &CcOperation) -> Result<ClOper
                     None => flank_points(program, operation, pass, side),
                 },
                 Drive::Hub(_) | Drive::HubWithLead(..) | Drive::Contact(_) | Drive::Round(_) => {
-                    tilted_points(program, operation, pass, tilt(operation))
+                    tilted_points(program, operation, pass, |_| tilt(operation))
                 }
             },
         })
@@ -69,12 +69,19 @@ fn tilt(operation: &Operation) -> AxisTilt {
 /// Tilt off a face before collision avoidance, radians. It leaves some free space for the twist of a vane.
 const FIRST_TILT: f64 = 0.25;
 
-/// Stations of a pass with a given tilt.
-pub(crate) fn tilted_points(program: &Program, operation: &Operation, pass: &CcPass, tilt: AxisTilt) -> Vec<ClPoint> {
+/// Stations of a pass, each with its tilt.
+pub(crate) fn tilted_points(
+    program: &Program,
+    operation: &Operation,
+    pass: &CcPass,
+    tilt: impl Fn(usize) -> AxisTilt,
+) -> Vec<ClPoint> {
     match pass.drive {
-        Drive::Contact(surface) => vane_points(program, operation, pass, |axes, p| axes.axis(surface, p.u, p.v, tilt)),
+        Drive::Contact(surface) => {
+            vane_points(program, operation, pass, |axes, (i, p)| axes.axis(surface, p.u, p.v, tilt(i)))
+        }
         Drive::Round(blade) => {
-            vane_points(program, operation, pass, |axes, p| axes.round(blade, p.w, [p.u, p.v], tilt))
+            vane_points(program, operation, pass, |axes, (i, p)| axes.round(blade, p.w, [p.u, p.v], tilt(i)))
         }
         _ => hub_points(program, operation, pass, tilt),
     }

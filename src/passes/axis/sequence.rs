@@ -164,7 +164,7 @@ impl WayStations {
         let candidates = stops
             .map(|(length, middle)| {
                 let ball = way.ball(*length);
-                let mut axes = clear.candidates(&ball, middle, MARGIN);
+                let mut axes = clear.candidates(&ball, middle, clear.margin(MARGIN));
                 if axes.is_empty() {
                     axes = clear.candidates(&ball, middle, 0.0);
                 }
@@ -194,7 +194,7 @@ impl WayStations {
             let far = |x: &(Point3<f64>, Vector3<f64>)| (x.0 - here).norm_squared();
             let Some((_, beside)) = chosen.iter().min_by(|p, q| far(p).total_cmp(&far(q))) else { continue };
             if on_floor {
-                let axes = clear.beside(&ball, (beside, 1), MARGIN);
+                let axes = clear.beside(&ball, (beside, 1), clear.margin(MARGIN));
                 candidates.truncate(2 * (MOST_CANDIDATES - axes.len()));
                 let poses = |axis| candidates_of(machine, (&here, middle), axis, clear.radius());
                 candidates.extend(axes.iter().filter(|axis| is_steep(axis)).flat_map(poses));

@@ -163,7 +163,7 @@ fn smooth(clear: &ClearAxes<'_>, chain: &Chain, pass: &ClPass) -> Result<Vec<ClP
     let (places, start): (Vec<StandingBall>, Vec<Angles>) = (0..=count).map(|k| at(k as f64 * spacing)).unzip();
     let mut fault = Fault::NotProved(centres[0]);
     for round in 1..=ROUNDS {
-        let margin = MARGIN * round as f64;
+        let margin = clear.margin(MARGIN) * round as f64;
         let mut run = start.clone();
         for _ in 0..LAYINGS {
             let mut cones = Vec::with_capacity(run.len());

@@ -8,7 +8,12 @@ use nalgebra::{Point3, Vector3};
 
 /// Channel finishing: the tool stands on the hub. The axis of a ball blends the rulings of both walls, and tilts away from
 /// the nearer wall: by `tilt` at the wall, less towards the middle. That of a bull nose has its lead.
-pub(crate) fn hub_points(program: &Program, operation: &Operation, pass: &CcPass, tilt: AxisTilt) -> Vec<ClPoint> {
+pub(crate) fn hub_points(
+    program: &Program,
+    operation: &Operation,
+    pass: &CcPass,
+    tilt: impl Fn(usize) -> AxisTilt,
+) -> Vec<ClPoint> {
     let part = &program.part;
     let cutter = &program.tools[operation.tool].solid.cutter;
     let passage = match pass.drive {
@@ -16,18 +21,18 @@ pub(crate) fn hub_points(program: &Program, operation: &Operation, pass: &CcPass
         _ => PassageId::FIRST,
     };
     let chart = ChannelChart::new(part, passage);
-    let at = |p: &CcPoint| {
+    let at = |(i, p): (usize, &CcPoint)| {
         // On the leads the axis is constant, so that the tool moves straight along the tangent of the hub.
         let u = p.u.clamp(0.0, 1.0);
         let at = if u == p.u { p.position } else { edge(program, pass, u) };
         let axis = match pass.drive {
             Drive::HubWithLead(_, angle) => lead::axis(&chart, (u, p.w, libm::atan2(at.y, at.x)), angle),
-            _ => hub_axis(&chart, u, p.w, &at, tilt),
+            _ => hub_axis(&chart, u, p.w, &at, tilt(i)),
         };
         let tip = cutter.tip_at(&p.position, &p.normal, &axis)?;
         Some(ClPoint { tip, axis, contact: Some(p.position) })
     };
-    pass.points.iter().filter_map(at).collect()
+    pass.points.iter().enumerate().filter_map(at).collect()
 }
 
 /// Contact of a pass at inlet or outlet.

@@ -124,7 +124,7 @@ impl<'a> Middle<'a> {
         // Axes on the leads are those of the edge.
         let points = vec![self.contact_at(u.clamp(0.0, 1.0), share), self.contact_at(u, share)];
         let pass = CcPass { label: String::new(), drive: self.drive(), points, path: None };
-        hub_points(program, operation, &pass, tilt).pop()
+        hub_points(program, operation, &pass, |_| tilt).pop()
     }
 
     fn contact_at(&self, u: f64, share: f64) -> CcPoint {

@@ -119,14 +119,14 @@ pub(crate) fn vane_points(
     program: &Program,
     operation: &Operation,
     pass: &CcPass,
-    axis: impl Fn(&VaneAxis<'_>, &CcPoint) -> Vector3<f64>,
+    axis: impl Fn(&VaneAxis<'_>, (usize, &CcPoint)) -> Vector3<f64>,
 ) -> Vec<ClPoint> {
     let cutter = &program.tools[operation.tool].solid.cutter;
     let axes = VaneAxis::new(&program.part);
-    let at = |p: &CcPoint| {
-        let axis = axis(&axes, p);
+    let at = |(i, p): (usize, &CcPoint)| {
+        let axis = axis(&axes, (i, p));
         let tip = cutter.tip_at(&p.position, &p.normal, &axis)?;
         Some(ClPoint { tip, axis, contact: Some(p.position) })
     };
-    pass.points.iter().filter_map(at).collect()
+    pass.points.iter().enumerate().filter_map(at).collect()
 }

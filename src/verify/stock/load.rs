@@ -12,6 +12,7 @@ use crate::units::{length, trim};
 use crate::verify::place::describe;
 use crate::verify::proof::piece::At;
 use nalgebra::Point3;
+use std::collections::BTreeSet;
 
 /// Depth of a slot from which finishing in full material gives a remark, as a share of the diameter of the cutter.
 const FULL_DEPTH: f64 = 0.25;
@@ -152,7 +153,9 @@ fn report_link(program: &Program, motion: &Motion, o: &OperationStock, sink: &mu
             .place(describe(program, motion, Some(link.at)), Point3::from(link.tip))
             .block(link.at.operation, link.at.index)
             .note("a move at feed above `feed` of the operation is a link")
-            .help("use the process feed in this block, or leads that begin and end outside the stock"),
+            .help(opened(program, declared).unwrap_or_else(|| {
+                "use the process feed in this block, or leads that begin and end outside the stock".to_owned()
+            })),
     );
 }
 
@@ -280,8 +283,19 @@ fn report_full(program: &Program, motion: &Motion, o: &OperationStock, sink: &mu
                 "engaged over at least {FULL_ARC:.0} deg, deeper than {:.0} % of the diameter{chip}",
                 100.0 * if breaks { BREAKING_DEPTH } else { FULL_DEPTH }
             ))
-            .help("use roughing that leaves less stock there: one more `expand`, or a smaller `residual`"),
+            .help(opened(program, declared).unwrap_or_else(|| {
+                "use roughing that leaves less stock there: one more `expand`, or a smaller `residual`".to_owned()
+            })),
     );
+}
+
+/// The remedy where roughing leaves channels full that a finishing operation enters: the sectors to rough.
+fn opened(program: &Program, declared: &Operation) -> Option<String> {
+    let (first, full) = program.sectors_left_full(declared)?;
+    let all: BTreeSet<u32> = first.sectors.iter().copied().chain(full).collect();
+    let all: Vec<String> = all.iter().map(|k| (k + 1).to_string()).collect();
+    let (name, all) = (&first.name, all.join(", "));
+    Some(format!("rough all channels beside the vanes that `{}` finishes: `sectors {all}` in `{name}`", declared.name))
 }
 
 #[cfg(test)]

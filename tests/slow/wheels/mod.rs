@@ -1,6 +1,7 @@
-//! Wheels of public data sets, from the blade file to verified NC, with the jobs that a shop would write for them.
+//! Wheels of public data sets, from the blade file to verified NC, with the jobs that a shop would write for them; and wheels of
+//! several sizes and kinds in the language.
 //!
-//! A wheel takes ten minutes on two cores.
+//! A wheel of a data set takes ten minutes on two cores, one in the language about a minute.
 
 mod faces_alone;
 
@@ -95,4 +96,46 @@ fn the_rotor_of_hannover_is_finished() {
         rest: include_str!("hannover.txt"),
         excess: 0.012,
     });
+}
+
+/// Compiles a job of this folder, in which one blade and its passages are finished, and returns the certificate.
+fn certificate_of_job(name: &str) -> Value {
+    let folder = tempfile::tempdir().unwrap();
+    let jobs = Path::new("tests/slow/wheels").canonicalize().unwrap();
+    let library = Path::new("jobs/_lib").canonicalize().unwrap();
+    let mut compile = bounded::program();
+    compile.current_dir(folder.path()).arg(jobs.join(format!("{name}.imp")));
+    succeeds(compile.args(["-o", "whole.nc", "--certificate", "whole.json", "--library"]).arg(library));
+    serde_json::from_str(&std::fs::read_to_string(folder.path().join("whole.json")).unwrap()).unwrap()
+}
+
+/// Nothing is cut into by more than 10 um, and no more than 20 um are left on the faces, fillets and the leading edge of the first
+/// blade and on the floor of the first passage. The lathe makes the trailing edge.
+fn first_blade_is_finished(name: &str) {
+    let certificate = certificate_of_job(name);
+    let mut finished = 0;
+    for surface in certificate["measured"]["surfaces"].as_array().unwrap() {
+        let place = surface["surface"].as_str().unwrap();
+        let [gouge, excess] = ["gouge_bound", "excess_bound"].map(|field| surface[field].as_f64());
+        assert!(gouge.is_none_or(|gouge| gouge <= 0.010), "{name}, {place}: {gouge:?}");
+        if place.starts_with("vane 1 ") && place != "vane 1 outlet edge" || place == "hub of channel 1" {
+            println!("{name}, {place}: {gouge:?}, {excess:?}");
+            assert!(excess.unwrap() <= 0.020, "{name}, {place}: {excess:?}");
+            finished += 1;
+        }
+    }
+    // Two faces, three fillets, the leading edge, the floor.
+    assert_eq!(finished, 7);
+}
+
+/// A turbo wheel of 20 mm: the tilt of the tool changes along lines of the fillet and the floor.
+#[test]
+fn a_turbo_wheel_of_20_mm_is_finished() {
+    first_blade_is_finished("turbo20");
+}
+
+/// A backswept compressor wheel of 94 mm.
+#[test]
+fn a_compressor_wheel_of_94_mm_is_finished() {
+    first_blade_is_finished("compressor94");
 }
