@@ -326,7 +326,10 @@ impl TiltedPass<'_> {
         if -body >= miss.violation {
             return format!("required clearance of shank and holder {clearance:.2} mm");
         }
-        let side = self.side().unwrap_or(0.0);
-        format!("it is the side of its cutter, with a required distance of {side:.2} mm")
+        let inside = self.obstacles.cutter_inside(solid, &miss.at.tip, &miss.at.axis).unwrap_or(0.0);
+        match self.side().filter(|_| -inside < miss.violation) {
+            Some(side) => format!("it is the side of its cutter, with a required distance of {side:.2} mm"),
+            None => "its cutter would cut in".to_owned(),
+        }
     }
 }

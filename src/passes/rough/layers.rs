@@ -422,13 +422,25 @@ impl<'a> Roughing<'a> {
         // The middle first, then outward: the widest place of a twisted channel is near its middle.
         const SEEDS: [f64; 9] = [0.5, 0.45, 0.55, 0.4, 0.6, 0.35, 0.65, 0.3, 0.7];
         let seed = SEEDS.into_iter().find(|w| self.clear(place, level, *w))?;
-        let boundary = |mut blocked: f64| {
-            let mut free = seed;
-            for _ in 0..BISECTIONS {
-                let w = 0.5 * (free + blocked);
-                if self.clear(place, level, w) { free = w } else { blocked = w }
+        let width = place.width(place.v(level, seed));
+        // On a lead, what stands between two places a step apart comes nearer by half of the tolerance at most.
+        let chord = 2.0 * libm::sqrt(self.radius() * self.tolerance);
+        let step = if place.end.is_some() { chord.min(self.radius()) } else { self.radius() };
+        let boundary = |wall: f64| {
+            let (mut first_free, mut first_blocked) = (seed, wall);
+            loop {
+                let (mut free, mut blocked) = (first_free, first_blocked);
+                for _ in 0..BISECTIONS {
+                    let w = 0.5 * (free + blocked);
+                    if self.clear(place, level, w) { free = w } else { blocked = w }
+                }
+                // The space need not be one: before an inlet that is strongly swept, a vane stands between two free places.
+                let count = ((free - seed).abs() * width / step).ceil().max(1.0);
+                let at = |k: f64| seed + (free - seed) * k / count;
+                let mut steps = (1..count as usize).map(|k| k as f64);
+                let Some(gap) = steps.find(|k| !self.clear(place, level, at(*k))) else { return free };
+                (first_free, first_blocked) = (at(gap - 1.0), at(gap));
             }
-            free
         };
         Some([boundary(0.0), boundary(1.0)])
     }
