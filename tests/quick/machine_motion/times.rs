@@ -45,6 +45,17 @@ fn timed(program: &Program, moves: &mut [JointMove], feeds: &[f64]) {
     }
 }
 
+/// Time of the lines that LinuxCNC leaves out, since no axis moves by 1e-7 mm or rad.
+fn too_short(program: &Program, moves: &[JointMove]) -> f64 {
+    const TINY: f64 = 1e-7;
+    let left_out = |pair: &&[JointMove]| {
+        let [a, b] = [&pair[0], &pair[1]].map(|m| (program.machine.forward(&m.joints).tip, m.joints.rotary));
+        let turns = (0..2).map(|k| b.1[k] - a.1[k]);
+        (b.0 - a.0).iter().copied().chain(turns).all(|d| d.abs() < TINY)
+    };
+    moves.windows(2).filter(left_out).map(|pair| pair[1].time).sum()
+}
+
 fn places() -> impl Strategy<Value = Vec<Stop>> {
     let length = prop::sample::select(vec![0.0, 1e-9, 1e-6, 1e-3, 0.3, -7.0, 200.0]);
     let angle = prop::sample::select(vec![0.0, 1e-12, 1e-6, 0.01, -0.3, 1.2]);
@@ -80,6 +91,7 @@ proptest! {
         if !linuxcnc {
             prop_assert!(spent >= least * (1.0 - 1e-9), "{} is less than {}", spent, least);
         } else if speed >= 20.0 {
+            let due = due - too_short(&program, &motion.operations[0].moves);
             prop_assert!(spent >= 0.5 * due, "{} is less than half of {}", spent, due);
         }
     }
