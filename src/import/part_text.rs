@@ -1,7 +1,7 @@
 //! A part in the language, from what was imported: its text, its curves, and tables of sections, hub and shroud.
 
 use super::job_frame::{JobFrame, Zero};
-use super::wheel_ends::{CutMeridian, cut};
+use super::wheel_ends::{CutMeridian, WheelEdges, cut};
 use super::{Imported, ImportedBlade, ImportedRow};
 use crate::sections::SectionForm;
 use crate::sections::angles::EdgeShape;
@@ -98,13 +98,15 @@ pub(super) fn wheel(source: &PartSource<'_>) -> Option<[CutMeridian; 2]> {
         .first()
         .and_then(|b| b.angles.as_ref())
         .map_or([false; 2], |angles| angles.shapes.map(|shape| shape == EdgeShape::CutOff));
+    let trailing = source.divided.iter().flatten().map(|section| &section.edges[1]);
+    let rounded = trailing.filter(|edge| edge.form == EdgeForm::Round).map(|edge| edge.width).fold(0.0, f64::max);
     let few = blades.iter().all(|b| b.sections.len() >= 2);
     let of = |line: &Option<Vec<[f64; 2]>>, last: bool| {
         let section =
             |divided: &Vec<DividedSection>| if last { divided.last().cloned() } else { divided.first().cloned() };
         let outlines = source.divided.iter().filter_map(section).map(|d| d.outline);
         let points = outlines.flat_map(|o| o.faces.into_iter().chain(o.edges).flatten());
-        cut(line.as_ref()?, points.map(|p| [libm::hypot(p.x, p.y), p.z]), lathe)
+        cut(line.as_ref()?, points.map(|p| [libm::hypot(p.x, p.y), p.z]), WheelEdges { lathe, rounded })
     };
     let ends = [of(&source.imported.hub, false)?, of(&source.imported.shroud, true)?];
     (closed && few).then_some(ends)

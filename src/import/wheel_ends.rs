@@ -17,13 +17,26 @@ pub(super) struct CutMeridian {
     pub(super) beyond: [f64; 2],
 }
 
+/// Edges of the blades of a wheel.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct WheelEdges {
+    /// Which edges the lathe makes, leading and trailing: there the wheel ends with its blades.
+    pub(super) lathe: [bool; 2],
+    /// Largest width of rounded trailing edges, mm.
+    pub(super) rounded: f64,
+}
+
 /// Cuts a meridian, given from inlet to outlet, to the wheel with these points of its blades, (r, z). A meridian that is rather
-/// radial where the blades end is cut there, since an impeller ends with its blades; others go on by a tenth of the length of
-/// the blades, as at the inlet. No meridian is extended. `lathe` says which edges the lathe makes, leading and trailing: there the
-/// wheel ends with its blades.
+/// radial where the blades end is cut close behind them, since an impeller ends with its blades: it goes on by the width of
+/// rounded edges, so that there is floor behind them. Others go on by a tenth of the length of the blades, as at the inlet. No
+/// meridian is extended.
 ///
 /// `None` for a meridian without length, or without blades.
-pub(super) fn cut(line: &[[f64; 2]], blades: impl Iterator<Item = [f64; 2]>, lathe: [bool; 2]) -> Option<CutMeridian> {
+pub(super) fn cut(
+    line: &[[f64; 2]],
+    blades: impl Iterator<Item = [f64; 2]>,
+    WheelEdges { lathe, rounded }: WheelEdges,
+) -> Option<CutMeridian> {
     let points: Vec<Vector2<f64>> = line.iter().map(|p| Vector2::from(*p)).collect();
     let mut lengths = vec![0.0];
     for pair in points.windows(2) {
@@ -48,7 +61,12 @@ pub(super) fn cut(line: &[[f64; 2]], blades: impl Iterator<Item = [f64; 2]>, lat
     let segment = |s: f64| lengths.partition_point(|l| *l < s).clamp(1, points.len() - 1);
     let end = segment(last);
     let way = points[end] - points[end - 1];
-    let behind = if lathe[1] || way.x.abs() > way.y.abs() { 0.0 } else { BEYOND * length };
+    let radial = way.x.abs() > way.y.abs();
+    let behind = match lathe[1] {
+        true => 0.0,
+        false if radial => rounded.min(BEYOND * length),
+        false => BEYOND * length,
+    };
     let ahead = if lathe[0] { 0.0 } else { BEYOND * length };
     let (from, to) = ((first - ahead).max(0.0), (last + behind).min(whole));
     let at = |s: f64| {
@@ -82,7 +100,7 @@ mod tests {
     #[test]
     fn an_impeller_ends_with_its_blades() {
         let blades = [[10.5, 28.0], [20.0, 8.0], [55.0, 0.3]];
-        let cut = cut(&line(), blades.into_iter(), [false; 2]).expect("cut");
+        let cut = cut(&line(), blades.into_iter(), WheelEdges::default()).expect("cut");
         let [first, last] = [cut.points[0], cut.points[cut.points.len() - 1]];
         assert!((last[0] - 55.0).abs() < 1e-9 && last[1].abs() < 1e-9, "{last:?}");
         assert!(first[1] > 33.0 && first[1] < 36.0 && (first[0] - 10.0).abs() < 1e-9, "{first:?}");
@@ -90,14 +108,28 @@ mod tests {
         assert!(cut.points.windows(2).all(|pair| pair[0] != pair[1]));
     }
 
+    /// Behind rounded edges there is floor for the ball that goes round them, as far as the line has it.
+    #[test]
+    fn an_impeller_with_rounded_edges_ends_behind_them() {
+        let blades = [[10.5, 28.0], [20.0, 8.0], [55.0, 0.3]];
+        let behind = |rounded: f64| {
+            let edges = WheelEdges { rounded, ..WheelEdges::default() };
+            cut(&line(), blades.into_iter(), edges).expect("cut").beyond[1]
+        };
+        assert!((behind(1.2) - 1.2).abs() < 1e-9, "{}", behind(1.2));
+        // At most a tenth of the length of the blades, and no longer than the line.
+        assert!(behind(50.0) > 4.0 && behind(50.0) <= 5.0 + 1e-9, "{}", behind(50.0));
+    }
+
     #[test]
     fn an_axial_wheel_goes_on_behind_its_blades_as_far_as_the_line() {
         let line = [[20.0, 50.0], [21.0, 0.0], [21.5, -24.0]];
-        let cut = cut(&line, [[22.0, 20.0], [22.0, -20.0]].into_iter(), [false; 2]).expect("cut");
-        let ends = super::cut(&line, [[22.0, 20.0], [22.0, -20.0]].into_iter(), [true; 2]).expect("cut").beyond;
+        let cut = cut(&line, [[22.0, 20.0], [22.0, -20.0]].into_iter(), WheelEdges::default()).expect("cut");
+        let turned = WheelEdges { lathe: [true; 2], ..WheelEdges::default() };
+        let ends = super::cut(&line, [[22.0, 20.0], [22.0, -20.0]].into_iter(), turned).expect("cut").beyond;
         assert!(ends.iter().all(|beyond| beyond.abs() < 1e-9), "{ends:?}");
         assert!((cut.beyond[0] - 4.0).abs() < 0.1 && (cut.beyond[1] - 4.0).abs() < 0.1, "{:?}", cut.beyond);
-        assert!(super::cut(&line, std::iter::empty(), [false; 2]).is_none());
-        assert!(super::cut(&[[1.0, 1.0]], [[1.0, 1.0]].into_iter(), [false; 2]).is_none());
+        assert!(super::cut(&line, std::iter::empty(), WheelEdges::default()).is_none());
+        assert!(super::cut(&[[1.0, 1.0]], [[1.0, 1.0]].into_iter(), WheelEdges::default()).is_none());
     }
 }

@@ -162,7 +162,11 @@ pub(super) fn report(program: &Program, motion: &Motion, found: &[VaneReport], s
         }
         sink.push(
             diag.note(format!("its allowance on the vanes is {}; it may lack `tolerance rough`", r.allowance()))
-                .help("use a smaller allowance on the vanes, or compile the job again and do not change its program"),
+                .help(format!(
+                    "state `tolerance rough {}`, which is twice as much, or a smaller allowance on the vanes; a program of \
+                     another job has to be compiled again",
+                    length(2.0 * tolerance)
+                )),
         );
     }
 }
