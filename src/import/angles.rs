@@ -20,7 +20,7 @@ pub enum StatedAngle {
 
 /// What holds at a share of the span.
 #[derive(Clone, Debug, PartialEq)]
-pub struct AtSpan<T> {
+pub struct StatedAtSpan<T> {
     /// Share of the span from hub (0) to shroud (1).
     pub at: f64,
     /// What holds there.
@@ -31,9 +31,9 @@ pub struct AtSpan<T> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct StatedAngles {
     /// Camber lines, ascending from hub to shroud.
-    pub camber: Vec<AtSpan<StatedAngle>>,
+    pub camber: Vec<StatedAtSpan<StatedAngle>>,
     /// Thicknesses by the share of the way, mm, ascending from hub to shroud, or one that holds for all spans.
-    pub thickness: Vec<AtSpan<Vec<[f64; 2]>>>,
+    pub thickness: Vec<StatedAtSpan<Vec<[f64; 2]>>>,
     /// Points (r, z) of the meridional leading and trailing edge, from hub to shroud, mm.
     pub edges: [Vec<[f64; 2]>; 2],
     /// Forms of the leading and trailing edge.
@@ -68,7 +68,7 @@ impl StatedAngles {
 
     /// The camber surface on a meridional surface.
     pub(super) fn camber(&self, patch: MeridionalPatch) -> Result<CamberSurface, CamberFault> {
-        let row = |line: &AtSpan<StatedAngle>| {
+        let row = |line: &StatedAtSpan<StatedAngle>| {
             let angles = match &line.says {
                 StatedAngle::Theta(theta) => CamberAngles::Theta(Distribution::through(theta)?),
                 StatedAngle::Beta(beta, theta) => {

@@ -30,12 +30,6 @@ pub const NOTES: usize = 1000;
 /// Most lines of a BladeGen model that are not points; they take 50 bytes each.
 pub const ENTRIES: usize = 100_000;
 
-/// Most values of angles or thicknesses along a blade, as in the language.
-pub const VALUES: usize = 200;
-
-/// Most spans at which a blade has angles or thicknesses, as in the language.
-pub const SPANS: usize = 30;
-
 /// Most points of a curve in a job.
 pub const POINTS_OF_JOB_CURVE: usize = 2000;
 

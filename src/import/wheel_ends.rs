@@ -62,10 +62,12 @@ pub(super) fn cut(
     let end = segment(last);
     let way = points[end] - points[end - 1];
     let radial = way.x.abs() > way.y.abs();
-    let behind = match lathe[1] {
-        true => 0.0,
-        false if radial => rounded.min(BEYOND * length),
-        false => BEYOND * length,
+    let behind = if lathe[1] {
+        0.0
+    } else if radial {
+        rounded.min(BEYOND * length)
+    } else {
+        BEYOND * length
     };
     let ahead = if lathe[0] { 0.0 } else { BEYOND * length };
     let (from, to) = ((first - ahead).max(0.0), (last + behind).min(whole));

@@ -8,7 +8,7 @@ use super::properties::{Properties, Range, name_of};
 use super::quantity::Dimension;
 use crate::diag::Diag;
 use crate::diag::codes::{geometry, job as codes};
-use crate::sections::angles::{EdgeShape, STEEPEST};
+use crate::sections::angles::{EdgeShape, STEEPEST, limits};
 use crate::source::Span;
 use crate::syntax::ast::{Block, Expr, ExprKind, Name, Path, Value};
 use crate::units::{Mm, trim};
@@ -28,16 +28,6 @@ const EDGES: [&str; 2] = ["leading-edge", "trailing-edge"];
 
 /// Largest distance of the surfaces to the stated sections by default, mm.
 const FIT: f64 = 0.002;
-
-/// Half axes of an elliptic edge along the camber line, as a multiple of half the thickness: flatter edges are cut off, longer
-/// ones are part of the thickness.
-const RATIOS: [f64; 2] = [0.5, 10.0];
-
-/// Thinnest blade, mm.
-const THINNEST: f64 = 0.001;
-
-/// Thickest blade, mm.
-const THICKEST: f64 = 1000.0;
 
 /// Direction from which beta is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -361,12 +351,13 @@ impl<'a> AnglesGiven<'a> {
 fn thickness_of(word: &Name, values: &[&Value], cx: &mut Context<'_>) -> Option<DistributionSpec> {
     let example = "thickness [(0 %, 1.5 mm) (40 %, 2.5 mm) (100 %, 2 mm)]";
     let given = distribution(single(word, values, cx)?, ("thickness", Dimension::LENGTH), example, cx)?;
-    let wrong = given.points.iter().find(|[_, value]| !(THINNEST..=THICKEST).contains(value));
+    let [thinnest, thickest] = limits::THICKNESSES;
+    let wrong = given.points.iter().find(|[_, value]| !(thinnest..=thickest).contains(value));
     if let Some([at, value]) = wrong {
         cx.sink.push(
             Diag::error(geometry::THIN, "a blade cannot have this thickness")
                 .label(given.span, format!("{} at {} %", Mm(*value), trim(at * 100.0, 4)))
-                .help(format!("give thicknesses from {THINNEST} to {THICKEST} mm")),
+                .help(format!("give thicknesses from {thinnest} to {thickest} mm")),
         );
         return None;
     }
@@ -387,7 +378,7 @@ fn edge_shape(p: &mut Properties<'_, '_>, edge: &str) -> Option<EdgeShape> {
         }
         [Value::Expr(Expr { kind: ExprKind::Path(path), .. })] if path.text() == "cut-off" => Some(EdgeShape::CutOff),
         [Value::Labelled(label, ratio)] if label.text == "elliptic" => {
-            let range = Range::Between(RATIOS[0], RATIOS[1]);
+            let range = Range::Between(limits::RATIOS[0], limits::RATIOS[1]);
             p.value_of(ratio, edge, Dimension::NONE, range).map(EdgeShape::Elliptic)
         }
         _ => {

@@ -5,17 +5,9 @@ use super::model::{DistributionSpec, SpanSpec};
 use super::quantity::Dimension;
 use crate::diag::codes::{geometry, job as codes};
 use crate::diag::{Code, Diag};
+use crate::sections::angles::limits;
 use crate::source::Span;
 use crate::syntax::ast::{Expr, Name, Value};
-
-/// Most values of a distribution. Designers give 2 to 10, files some 60.
-const MOST_VALUES: usize = 200;
-
-/// Most spans of a blade. Designers give 2 to 11.
-const MOST_SPANS: usize = 30;
-
-/// Least step from one share to the next.
-const STEP: f64 = 1e-4;
 
 /// The value of an entry that takes one.
 pub(super) fn single<'a>(word: &Name, values: &[&'a Value], cx: &mut Context<'_>) -> Option<&'a Value> {
@@ -74,8 +66,8 @@ pub(super) fn distribution(
                 .help(format!("give values with growing shares, the first at 0 %, the last at 100 %: `{example}`")),
         );
     };
-    if !(2..=MOST_VALUES).contains(&given.len()) {
-        fault(span, format!("2 to {MOST_VALUES} values are expected, not {}", given.len()), cx);
+    if !(2..=limits::VALUES).contains(&given.len()) {
+        fault(span, format!("2 to {} values are expected, not {}", limits::VALUES, given.len()), cx);
         return None;
     }
     let mut points: Vec<[f64; 2]> = Vec::new();
@@ -94,7 +86,7 @@ pub(super) fn distribution(
             fault(at.span, if k == 0 { "0 % is expected" } else { "100 % is expected" }.to_owned(), cx);
             return None;
         }
-        if points.last().is_some_and(|[before, _]| share_at - before < STEP) {
+        if points.last().is_some_and(|[before, _]| share_at - before < limits::STEP) {
             fault(at.span, "this share is not greater than the one before by 0.01 % or more".to_owned(), cx);
             return None;
         }
@@ -114,9 +106,9 @@ pub(super) fn at_spans<T>(
     let (at, label) = match rows.as_slice() {
         [] => (head, format!("no span has {what}")),
         [_] => return Some(rows),
-        [.., last] if rows.len() > MOST_SPANS => (last.span, format!("more than {MOST_SPANS} spans")),
+        [.., last] if rows.len() > limits::SPANS => (last.span, format!("more than {} spans", limits::SPANS)),
         [first, .., last] => {
-            let falls = rows.windows(2).find(|pair| pair[1].at - pair[0].at < STEP);
+            let falls = rows.windows(2).find(|pair| pair[1].at - pair[0].at < limits::STEP);
             if let Some(pair) = falls {
                 (pair[1].span, "this span is not above the one before by 0.01 % or more".to_owned())
             } else if first.at != 0.0 {

@@ -11,6 +11,7 @@ use crate::job::model::{
     AnglesAtSpan, AnglesSpec, BladeSpec, CamberSpec, DistributionSpec, EdgePlace, MeridianPlace, PartSpec,
 };
 use crate::part::{Blade, FaceSurface};
+use crate::sections::angles::limits::{LEAST_LENGTH, OFF_ENDS};
 use crate::sections::angles::{
     AngleBlade, CamberAngles, CamberRow, CamberSurface, Distribution, EdgeLine, FaultKind, MadeFault, MeridianByLength,
     MeridionalPatch, STEEPEST, SectionFault, SurfaceResidual, Thickness, made,
@@ -19,12 +20,6 @@ use crate::sections::loft::{LoftFault, LoftedBlade};
 use crate::sections::outline::Side;
 use crate::source::Span;
 use crate::units::{length, trim};
-
-/// Largest distance of the ends of a meridional edge from hub and shroud, mm.
-const OFF_ENDS: f64 = 0.05;
-
-/// Least length of a blade along hub and shroud, mm.
-const LEAST_LENGTH: f64 = 0.1;
 
 /// A blade by angles in its part.
 pub(super) struct AngleBladeGiven<'a> {

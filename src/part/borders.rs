@@ -38,9 +38,14 @@ pub struct Rolling {
 }
 
 impl Rolling {
+    /// A ball of this radius that touches face and hub.
+    pub fn ball(radius: f64) -> Self {
+        Self { wall: radius, floor: radius, top: 1.0 }
+    }
+
     /// The ball of the fillet of a face.
     fn in_fillet(part: &Part, id: FaceId) -> Option<Self> {
-        part.fillet(id).map(|radius| Self { wall: radius.get(), floor: radius.get(), top: 1.0 })
+        part.fillet(id).map(|radius| Self::ball(radius.get()))
     }
 }
 

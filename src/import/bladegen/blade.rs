@@ -1,26 +1,17 @@
 //! A main blade of BladeGen: angles and thicknesses on layers, forms of its edges.
 
 use super::curves::values;
-use super::model::{Meridional, Model};
-use super::named::{Block, not_read, same};
+use super::model::{Meridional, WheelModel};
+use super::named::{ModelSection, not_read, same};
 use crate::diag::Diag;
 use crate::diag::codes::import as codes;
-use crate::import::angles::{AtSpan, CamberFault, StatedAngle, StatedAngles};
+use crate::import::angles::{CamberFault, StatedAngle, StatedAngles, StatedAtSpan};
 use crate::import::found::{Found, within};
-use crate::import::limits;
 use crate::import::lines::malformed;
+use crate::sections::angles::limits::{OFF_ENDS, RATIOS, SPANS, THICKNESSES};
 use crate::sections::angles::{CamberSurface, EdgeShape, FaultKind, MeridionalPatch, SectionFault, Thickness};
 use crate::source::Span;
 use crate::units::trim;
-
-/// Half axes of an elliptic edge along the camber line over half the thickness, as in the language.
-const RATIOS: [f64; 2] = [0.5, 10.0];
-
-/// Largest distance of the ends of a meridional edge from hub and shroud, mm, as in the language.
-const OFF_ENDS: f64 = 0.05;
-
-/// Thicknesses of a blade in the language, mm.
-const THICKNESSES: [f64; 2] = [0.001, 1000.0];
 
 /// Keys of a blade for its edges.
 pub(super) const EDGE_KEYS: [&str; 7] = [
@@ -45,11 +36,11 @@ pub(super) struct MainBlade {
 }
 
 /// Forms of both edges.
-pub(super) fn shapes(block: &Block<'_>) -> Result<[EdgeShape; 2], Diag> {
+pub(super) fn shapes(block: &ModelSection<'_>) -> Result<[EdgeShape; 2], Diag> {
     Ok([shape(block, "LeadingEdgeEndType", "LE")?, shape(block, "TrailingEdgeEndType", "TE")?])
 }
 
-fn shape(block: &Block<'_>, key: &str, edge: &str) -> Result<EdgeShape, Diag> {
+fn shape(block: &ModelSection<'_>, key: &str, edge: &str) -> Result<EdgeShape, Diag> {
     let kind = block.value(key)?.ok_or_else(|| block.lacks(&format!("{key}=Ellipse")))?;
     if same(kind.text, "CutOff") {
         return Ok(EdgeShape::CutOff);
@@ -75,7 +66,7 @@ fn shape(block: &Block<'_>, key: &str, edge: &str) -> Result<EdgeShape, Diag> {
 }
 
 /// Rows in the order of the span, without two on a layer.
-fn in_order<T>(mut rows: Vec<(AtSpan<T>, Span)>) -> Result<Vec<(AtSpan<T>, Span)>, Diag> {
+fn in_order<T>(mut rows: Vec<(StatedAtSpan<T>, Span)>) -> Result<Vec<(StatedAtSpan<T>, Span)>, Diag> {
     rows.sort_by(|a, b| a.0.at.total_cmp(&b.0.at));
     match rows.windows(2).find(|pair| pair[1].0.at - pair[0].0.at < 1e-4) {
         Some(pair) => Err(malformed("two curves lie on one layer", pair[1].1, "this curve")),
@@ -84,13 +75,13 @@ fn in_order<T>(mut rows: Vec<(AtSpan<T>, Span)>) -> Result<Vec<(AtSpan<T>, Span)
 }
 
 /// Whether rows go from hub to shroud.
-fn whole_span<T>(rows: &[(AtSpan<T>, Span)]) -> bool {
+fn whole_span<T>(rows: &[(StatedAtSpan<T>, Span)]) -> bool {
     rows.len() > 1 && rows.first().is_some_and(|r| r.0.at == 0.0) && rows.last().is_some_and(|r| r.0.at == 1.0)
 }
 
 /// Reads the curves of a blade.
 struct CurveReader<'a> {
-    model: &'a Model,
+    model: &'a WheelModel,
     meridional: &'a Meridional,
     patch: &'a MeridionalPatch,
     /// Largest distance of the ends of a curve from 0 % and 100 %.
@@ -99,7 +90,7 @@ struct CurveReader<'a> {
 
 impl CurveReader<'_> {
     /// Values by the share of the way on a layer. BladeGen counts lengths of the layer, the language those of hub and shroud.
-    fn on_layer(&mut self, curve: &Block<'_>, span: f64) -> Result<Vec<[f64; 2]>, Diag> {
+    fn on_layer(&mut self, curve: &ModelSection<'_>, span: f64) -> Result<Vec<[f64; 2]>, Diag> {
         let given = values(curve, &mut self.off_ends)?;
         if span == 0.0 || span == 1.0 {
             return Ok(given);
@@ -109,15 +100,15 @@ impl CurveReader<'_> {
         Ok(places.into_iter().zip(given).map(|(x, [_, value])| [x, value]).collect())
     }
 
-    fn angles(&mut self, block: &Block<'_>) -> Result<Vec<(AtSpan<StatedAngle>, Span)>, Diag> {
+    fn angles(&mut self, block: &ModelSection<'_>) -> Result<Vec<(StatedAtSpan<StatedAngle>, Span)>, Diag> {
         block.only(&["AngleLocation", "SpanwiseDistribution"], &["AngleCurve"])?;
         block.must_be("AngleLocation", "MeanLine")?;
         block.must_be("SpanwiseDistribution", "General")?;
         let mut rows = Vec::new();
         for curve in block.all("AngleCurve") {
-            within(rows.len() + 1, limits::SPANS, "layers of a blade", curve.line.span)?;
+            within(rows.len() + 1, SPANS, "layers of a blade", curve.line.span)?;
             let at = self.meridional.layer(curve)?;
-            rows.push((AtSpan { at, says: self.angle(curve, at)? }, curve.line.span));
+            rows.push((StatedAtSpan { at, says: self.angle(curve, at)? }, curve.line.span));
         }
         let rows = in_order(rows)?;
         if whole_span(&rows) {
@@ -127,7 +118,7 @@ impl CurveReader<'_> {
         Err(not_read(message, block.line, "curves on a layer at 0 and on one at 1 are expected"))
     }
 
-    fn angle(&mut self, curve: &Block<'_>, span: f64) -> Result<StatedAngle, Diag> {
+    fn angle(&mut self, curve: &ModelSection<'_>, span: f64) -> Result<StatedAngle, Diag> {
         let keys = ["Layer", "DefinitionType", "HorizDim", "VertDim"];
         let kind = curve.value("DefinitionType")?.ok_or_else(|| curve.lacks("DefinitionType=ThetaCurve"))?;
         curve.must_be("VertDim", "Degree")?;
@@ -155,13 +146,17 @@ impl CurveReader<'_> {
         Ok(StatedAngle::Beta(beta, self.model.sign() * start.to_radians()))
     }
 
-    fn thicknesses(&mut self, block: &Block<'_>, found: &mut Found) -> Result<Vec<AtSpan<Vec<[f64; 2]>>>, Diag> {
+    fn thicknesses(
+        &mut self,
+        block: &ModelSection<'_>,
+        found: &mut Found,
+    ) -> Result<Vec<StatedAtSpan<Vec<[f64; 2]>>>, Diag> {
         block.only(&["ThicknessType", "SpanwiseDistribution"], &["ThicknessCurve"])?;
         block.must_be("ThicknessType", "Normal To Camber Line")?;
         block.must_be("SpanwiseDistribution", "General")?;
         let mut rows = Vec::new();
         for curve in block.all("ThicknessCurve") {
-            within(rows.len() + 1, limits::SPANS, "layers of a blade", curve.line.span)?;
+            within(rows.len() + 1, SPANS, "layers of a blade", curve.line.span)?;
             curve.only(&["Layer", "HorizDim"], &["Segment"])?;
             let at = self.meridional.layer(curve)?;
             let mut says = self.on_layer(curve, at)?;
@@ -170,7 +165,7 @@ impl CurveReader<'_> {
                 let due = format!("from {} to {} mm are expected", THICKNESSES[0], THICKNESSES[1]);
                 return Err(malformed("a blade cannot have this thickness", curve.line.span, &due));
             }
-            rows.push((AtSpan { at, says }, curve.line.span));
+            rows.push((StatedAtSpan { at, says }, curve.line.span));
         }
         let rows = in_order(rows)?;
         if let [(_, at)] = rows.as_slice() {
@@ -189,8 +184,8 @@ impl CurveReader<'_> {
 
 /// Reads the main blade.
 pub(super) fn main_blade(
-    block: &Block<'_>,
-    model: &Model,
+    block: &ModelSection<'_>,
+    model: &WheelModel,
     meridional: &Meridional,
     found: &mut Found,
 ) -> Result<MainBlade, Diag> {

@@ -1,6 +1,6 @@
 //! Curves of BladeGen: segments with lists of points, of which meridians and values along a blade are made.
 
-use super::named::{Block, ListedPoint, not_read, not_read_at, same};
+use super::named::{ListedPoint, ModelSection, not_read, not_read_at, same};
 use crate::diag::Diag;
 use crate::diag::codes::import as codes;
 use crate::geom::{NurbsCurve, interpolate};
@@ -11,6 +11,7 @@ use crate::import::limits;
 use crate::import::lines::{Line, malformed};
 use crate::import::meridian;
 use crate::sections::angles::MeridianByLength;
+use crate::sections::angles::limits::{LEAST_LENGTH, STEP, VALUES};
 use crate::source::Span;
 use nalgebra::Point3;
 
@@ -25,9 +26,6 @@ const CORNER: f64 = 5.0 * std::f64::consts::PI / 180.0;
 
 /// Largest distance of the first and last value of a curve from 0 % and 100 % of the way. BladeGen writes 99.9992 for 100.
 const OFF_ENDS: f64 = 1e-4;
-
-/// Least step of the share of the way from one value to the next, as in the language.
-const STEP: f64 = 1e-4;
 
 /// A meridional curve.
 #[derive(Clone, Debug)]
@@ -46,9 +44,7 @@ impl MeridionalCurve {
     pub(super) fn holds_blade(&self, name: &str, [from, to]: [f64; 2], found: &mut Found) -> Result<(), Diag> {
         /// Share of the length of the blade beyond its ends that belongs to the wheel, with a margin.
         const BEYOND: f64 = 0.15;
-        /// Least length of a blade along hub and shroud, mm, as in the language.
-        const LEAST: f64 = 0.1;
-        if to - from < LEAST {
+        if to - from < LEAST_LENGTH {
             let label = format!("the blade goes from {from:.3} to {to:.3} mm along this curve");
             return Err(Diag::error(codes::CONTRADICTS, format!("on the {name} the blade ends before it begins"))
                 .label(self.at, label)
@@ -83,7 +79,7 @@ fn corner(turn: f64, at: Span) -> Diag {
 }
 
 /// The points of a segment.
-fn segment<'b, 't>(block: &'b Block<'t>) -> Result<&'b [ListedPoint<'t>], Diag> {
+fn segment<'b, 't>(block: &'b ModelSection<'t>) -> Result<&'b [ListedPoint<'t>], Diag> {
     block.only(&["CurveType", "UpstreamControl", "DownstreamControl"], &["Data"])?;
     let kind = block.value("CurveType")?.ok_or_else(|| block.lacks("CurveType=Spline"))?;
     let data = block.required("Data")?;
@@ -125,7 +121,7 @@ fn first_line(points: &[ListedPoint<'_>]) -> Span {
 }
 
 /// A meridional curve: hub, shroud, or an edge.
-pub(super) fn meridional(block: &Block<'_>, frame: &Frame) -> Result<MeridionalCurve, Diag> {
+pub(super) fn meridional(block: &ModelSection<'_>, frame: &Frame) -> Result<MeridionalCurve, Diag> {
     block.only(&[], &["Segment"])?;
     let mut splines: Vec<(NurbsCurve, usize, Line<'_>)> = Vec::new();
     let mut corners = Vec::new();
@@ -176,7 +172,7 @@ fn joined(before: &NurbsCurve, next: &NurbsCurve, line: Line<'_>) -> Result<f64,
 /// Hub or shroud.
 pub(super) fn surface(
     name: &str,
-    block: &Block<'_>,
+    block: &ModelSection<'_>,
     frame: &Frame,
     found: &mut Found,
 ) -> Result<MeridionalCurve, Diag> {
@@ -186,11 +182,11 @@ pub(super) fn surface(
 }
 
 /// Values along a blade with their lines: the share of the way, and the value as the file has it.
-pub(super) fn values(block: &Block<'_>, off_ends: &mut f64) -> Result<Vec<[f64; 2]>, Diag> {
+pub(super) fn values(block: &ModelSection<'_>, off_ends: &mut f64) -> Result<Vec<[f64; 2]>, Diag> {
     block.must_be("HorizDim", "PercentMeridional")?;
     let part = block.required("Segment")?;
     let points = segment(part)?;
-    within(points.len(), limits::VALUES, "values of a curve", part.line.span)?;
+    within(points.len(), VALUES, "values of a curve", part.line.span)?;
     let last = points.len() - 1;
     let mut values: Vec<[f64; 2]> = Vec::with_capacity(points.len());
     for (k, ListedPoint { at: [percent, value], line }) in points.iter().enumerate() {

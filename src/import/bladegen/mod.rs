@@ -21,8 +21,8 @@ use crate::sections::EdgeForm;
 use crate::sections::angles::{CamberSurface, EdgeShape, Thickness};
 use crate::source::{SourceId, Span};
 use blade::{main_blade, no_section};
-use model::{Meridional, Model, only_known};
-use named::{Block, blocks, only_one, same};
+use model::{Meridional, WheelModel, only_known};
+use named::{ModelSection, blocks, only_one, same};
 use splitter::splitter;
 
 /// What is taken for granted of every model.
@@ -44,9 +44,9 @@ pub(super) fn read(
     let blocks = blocks(text, found)?;
     only_known(&blocks)?;
     let section = |name: &str| only_one(&blocks, name)?.ok_or_else(|| ends(text, &format!("the section `{name}`")));
-    let model = Model::of(section("Model")?, options, found)?;
+    let model = WheelModel::of(section("Model")?, options, found)?;
     let meridional = Meridional::of(section("Meridional")?, &model.frame, found)?;
-    let given: Vec<&Block<'_>> = blocks.iter().filter(|block| same(block.name, "Blade")).collect();
+    let given: Vec<&ModelSection<'_>> = blocks.iter().filter(|block| same(block.name, "Blade")).collect();
     let Some((first, others)) = given.split_first() else { return Err(ends(text, "the first section `Blade`")) };
     within(given.len(), limits::BLADES, "blades of a row", text.end())?;
     complete(&blocks, text)?;
@@ -84,7 +84,7 @@ pub(super) fn read(
 }
 
 /// Refuses a file without its last section: it may have been cut off between two blades.
-fn complete(blocks: &[Block<'_>], text: Text<'_>) -> Result<(), Diag> {
+fn complete(blocks: &[ModelSection<'_>], text: Text<'_>) -> Result<(), Diag> {
     if blocks.last().is_some_and(|block| same(block.name, "PlusData")) {
         return Ok(());
     }

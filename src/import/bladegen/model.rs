@@ -1,7 +1,7 @@
 //! What a BladeGen model states of the whole wheel: the sections `Model` and `Meridional`.
 
 use super::curves::{MeridionalCurve, meridional, surface};
-use super::named::{Block, not_read, only_one, same};
+use super::named::{ModelSection, not_read, only_one, same};
 use crate::diag::codes::import as codes;
 use crate::diag::{Diag, printable};
 use crate::import::Options;
@@ -30,7 +30,7 @@ const WITHOUT_EFFECT: [&str; 13] = [
 
 /// Facts of `Model`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Model {
+pub(super) struct WheelModel {
     pub(super) count: u32,
     pub(super) frame: Frame,
     /// Whether beta is stated as the angle to the meridian.
@@ -48,8 +48,8 @@ pub(super) struct Meridional {
     layers: Vec<(String, f64)>,
 }
 
-impl Model {
-    pub(super) fn of(block: &Block<'_>, options: &Options, found: &mut Found) -> Result<Self, Diag> {
+impl WheelModel {
+    pub(super) fn of(block: &ModelSection<'_>, options: &Options, found: &mut Found) -> Result<Self, Diag> {
         let read = [
             "NumMainBlades",
             "Mode",
@@ -109,7 +109,7 @@ impl Model {
 }
 
 impl Meridional {
-    pub(super) fn of(block: &Block<'_>, frame: &Frame, found: &mut Found) -> Result<Self, Diag> {
+    pub(super) fn of(block: &ModelSection<'_>, frame: &Frame, found: &mut Found) -> Result<Self, Diag> {
         let curves = [
             "HubCurve",
             "ShroudCurve",
@@ -158,7 +158,7 @@ impl Meridional {
     }
 
     /// Share of the span of the layer that a curve names.
-    pub(super) fn layer(&self, curve: &Block<'_>) -> Result<f64, Diag> {
+    pub(super) fn layer(&self, curve: &ModelSection<'_>) -> Result<f64, Diag> {
         let name = curve.value("Layer")?.ok_or_else(|| curve.lacks("Layer=\"Layer1\""))?;
         let known = self.layers.iter().find(|(layer, _)| same(layer, name.text));
         known
@@ -168,14 +168,14 @@ impl Meridional {
 }
 
 /// Refuses sections of the file that are not known, and formulas.
-pub(super) fn only_known(blocks: &[Block<'_>]) -> Result<(), Diag> {
+pub(super) fn only_known(blocks: &[ModelSection<'_>]) -> Result<(), Diag> {
     let known = ["Defaults", "Equations", "Model", "Meridional", "Blade", "PlusData"];
     if let Some(block) = blocks.iter().find(|block| !known.iter().any(|name| same(block.name, name))) {
         let name = printable(block.name);
         return Err(not_read(format!("the section `{name}` is not known"), block.line, "it may change the blade"));
     }
     for name in ["Defaults", "Equations"] {
-        only_one(blocks, name)?.map_or(Ok(()), Block::must_be_empty)?;
+        only_one(blocks, name)?.map_or(Ok(()), ModelSection::must_be_empty)?;
     }
     Ok(())
 }

@@ -10,7 +10,7 @@ use crate::source::Span;
 
 /// A line with a key. A flag has no value.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Entry<'t> {
+pub(super) struct ModelEntry<'t> {
     key: &'t str,
     value: Option<&'t str>,
     line: Line<'t>,
@@ -18,7 +18,7 @@ pub(super) struct Entry<'t> {
 
 /// A value with its line.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Value<'t> {
+pub(super) struct ModelValue<'t> {
     pub(super) text: &'t str,
     pub(super) line: Line<'t>,
 }
@@ -32,12 +32,12 @@ pub(super) struct ListedPoint<'t> {
 
 /// A block with what is in it.
 #[derive(Debug)]
-pub(super) struct Block<'t> {
+pub(super) struct ModelSection<'t> {
     pub(super) name: &'t str,
     /// Line at which it begins.
     pub(super) line: Line<'t>,
-    entries: Vec<Entry<'t>>,
-    blocks: Vec<Block<'t>>,
+    entries: Vec<ModelEntry<'t>>,
+    blocks: Vec<ModelSection<'t>>,
     pub(super) points: Vec<ListedPoint<'t>>,
 }
 
@@ -49,9 +49,9 @@ pub(super) fn same(a: &str, b: &str) -> bool {
 }
 
 /// Reads a text to its blocks.
-pub(super) fn blocks<'t>(text: Text<'t>, found: &mut Found) -> Result<Vec<Block<'t>>, Diag> {
+pub(super) fn blocks<'t>(text: Text<'t>, found: &mut Found) -> Result<Vec<ModelSection<'t>>, Diag> {
     let mut open = Open::default();
-    let mut stack: Vec<Block<'t>> = Vec::new();
+    let mut stack: Vec<ModelSection<'t>> = Vec::new();
     let mut top = Vec::new();
     let mut count = 0;
     let mut head = true;
@@ -76,7 +76,7 @@ pub(super) fn blocks<'t>(text: Text<'t>, found: &mut Found) -> Result<Vec<Block<
         let is = |keyword: &str| word.eq_ignore_ascii_case(keyword) && !rest.is_empty() && !rest.starts_with('=');
         if is("Begin") || is("New") {
             open.begin(rest, line)?;
-            stack.push(Block { name: rest, line, entries: Vec::new(), blocks: Vec::new(), points: Vec::new() });
+            stack.push(ModelSection { name: rest, line, entries: Vec::new(), blocks: Vec::new(), points: Vec::new() });
         } else if is("End") {
             open.end(rest, line)?;
             if let Some(done) = stack.pop() {
@@ -96,7 +96,12 @@ pub(super) fn blocks<'t>(text: Text<'t>, found: &mut Found) -> Result<Vec<Block<
     Ok(top)
 }
 
-fn point<'t>(inside: &'t str, line: Line<'t>, block: Option<&mut Block<'t>>, found: &mut Found) -> Result<(), Diag> {
+fn point<'t>(
+    inside: &'t str,
+    line: Line<'t>,
+    block: Option<&mut ModelSection<'t>>,
+    found: &mut Found,
+) -> Result<(), Diag> {
     let Some(block) = block.filter(|block| same(block.name, "Data")) else {
         return Err(line.fault("a point outside of a list", "points stand in a section `Data`"));
     };
@@ -108,15 +113,18 @@ fn point<'t>(inside: &'t str, line: Line<'t>, block: Option<&mut Block<'t>>, fou
     found.point(block.points.len(), line.span)
 }
 
-fn entry(line: Line<'_>) -> Entry<'_> {
+fn entry(line: Line<'_>) -> ModelEntry<'_> {
     match line.text.split_once('=') {
-        Some((key, value)) => Entry { key: key.trim(), value: Some(value.trim().trim_matches('"').trim()), line },
-        None => Entry { key: line.text, value: None, line },
+        Some((key, value)) => ModelEntry { key: key.trim(), value: Some(value.trim().trim_matches('"').trim()), line },
+        None => ModelEntry { key: line.text, value: None, line },
     }
 }
 
 /// The only block with a name, where there is one.
-pub(super) fn only_one<'b, 't>(blocks: &'b [Block<'t>], name: &str) -> Result<Option<&'b Block<'t>>, Diag> {
+pub(super) fn only_one<'b, 't>(
+    blocks: &'b [ModelSection<'t>],
+    name: &str,
+) -> Result<Option<&'b ModelSection<'t>>, Diag> {
     let mut named = blocks.iter().filter(|block| same(block.name, name));
     let first = named.next();
     match named.next() {
@@ -137,16 +145,16 @@ pub(super) fn not_read_at(message: impl Into<String>, at: Span, due: &str) -> Di
     )
 }
 
-impl<'t> Block<'t> {
+impl<'t> ModelSection<'t> {
     /// The value of a key, where the block has it.
-    pub(super) fn value(&self, key: &str) -> Result<Option<Value<'t>>, Diag> {
+    pub(super) fn value(&self, key: &str) -> Result<Option<ModelValue<'t>>, Diag> {
         let Some(entry) = self.entry(key)? else { return Ok(None) };
         let text = entry.value.filter(|text| !text.is_empty());
         let text = text.ok_or_else(|| entry.line.fault(format!("`{key}` has no value"), "`Key=Value` is expected"))?;
-        Ok(Some(Value { text, line: entry.line }))
+        Ok(Some(ModelValue { text, line: entry.line }))
     }
 
-    fn entry(&self, key: &str) -> Result<Option<Entry<'t>>, Diag> {
+    fn entry(&self, key: &str) -> Result<Option<ModelEntry<'t>>, Diag> {
         let mut named = self.entries.iter().filter(|entry| same(entry.key, key));
         let first = named.next().copied();
         match named.next() {
@@ -225,17 +233,17 @@ impl<'t> Block<'t> {
     }
 
     /// The blocks with a name.
-    pub(super) fn all(&self, name: &str) -> Vec<&Block<'t>> {
+    pub(super) fn all(&self, name: &str) -> Vec<&ModelSection<'t>> {
         self.blocks.iter().filter(|block| same(block.name, name)).collect()
     }
 
     /// The only block with a name, where there is one.
-    pub(super) fn block(&self, name: &str) -> Result<Option<&Block<'t>>, Diag> {
+    pub(super) fn block(&self, name: &str) -> Result<Option<&ModelSection<'t>>, Diag> {
         only_one(&self.blocks, name)
     }
 
     /// The only block with a name, which the file must have.
-    pub(super) fn required(&self, name: &str) -> Result<&Block<'t>, Diag> {
+    pub(super) fn required(&self, name: &str) -> Result<&ModelSection<'t>, Diag> {
         self.block(name)?.ok_or_else(|| {
             Diag::error(codes::ENDS_EARLY, format!("the section `{}` has no section `{name}`", printable(self.name)))
                 .label(self.line.span, "this section")

@@ -5,11 +5,11 @@
 
 use super::blade::{EDGE_KEYS, MainBlade, edge_ends, no_camber, shapes};
 use super::curves::meridional as curve;
-use super::model::{Meridional, Model};
-use super::named::{Block, not_read};
+use super::model::{Meridional, WheelModel};
+use super::named::{ModelSection, not_read};
 use crate::diag::Diag;
 use crate::diag::codes::import as codes;
-use crate::import::angles::{AtSpan, StatedAngle, StatedAngles};
+use crate::import::angles::{StatedAngle, StatedAngles, StatedAtSpan};
 use crate::import::found::Found;
 use crate::import::lines::malformed;
 use crate::sections::angles::{CamberSurface, MeridionalPatch, Thickness};
@@ -47,8 +47,8 @@ impl OnMain<'_> {
 
 /// Reads a splitter.
 pub(super) fn splitter(
-    block: &Block<'_>,
-    model: &Model,
+    block: &ModelSection<'_>,
+    model: &WheelModel,
     meridional: &Meridional,
     main: &MainBlade,
     found: &mut Found,
@@ -96,8 +96,8 @@ pub(super) fn splitter(
             theta.push([way, angle]);
             thickness.push([way, thick]);
         }
-        stated.camber.push(AtSpan { at: span, says: StatedAngle::Theta(theta) });
-        stated.thickness.push(AtSpan { at: span, says: thickness });
+        stated.camber.push(StatedAtSpan { at: span, says: StatedAngle::Theta(theta) });
+        stated.thickness.push(StatedAtSpan { at: span, says: thickness });
     }
     let camber = stated.camber(patch.clone()).map_err(|fault| no_camber(fault, &[], at))?;
     let thickness = stated.thicknesses().ok_or_else(outside)?;

@@ -36,7 +36,7 @@ struct Miss {
 const NOWHERE: ClPoint = ClPoint { tip: Point3::new(0.0, 0.0, 0.0), axis: Vector3::new(0.0, 0.0, 1.0), contact: None };
 
 /// Stations of a pass that are clear, and the largest of their tilts, degrees.
-struct Cleared {
+struct ClearedPass {
     points: Vec<ClPoint>,
     steepest: f64,
 }
@@ -63,7 +63,7 @@ pub(crate) fn run(cx: &mut PassContext<'_>, reason: TooNear, cc: &CcPlan, cl: &m
         let clear = |(cc, cl): (&CcPass, &ClPass)| {
             work.step(TiltedPass { program, obstacles, operation, cc }.cleared(&cl.points))
         };
-        let found: Vec<Result<Cleared, Miss>> = pairs().map(clear).collect();
+        let found: Vec<Result<ClearedPass, Miss>> = pairs().map(clear).collect();
         let mut steepest = 0.0_f64;
         let mut blocked = Vec::new();
         for (index, found) in found.into_iter().enumerate() {
@@ -279,11 +279,11 @@ impl TiltedPass<'_> {
     }
 
     /// Clear stations: with the least tilt that clears all of them, else with tilts that change along the pass.
-    fn cleared(&self, points: &[ClPoint]) -> Result<Cleared, Miss> {
+    fn cleared(&self, points: &[ClPoint]) -> Result<ClearedPass, Miss> {
         let violations = |points: &[ClPoint]| points.iter().map(|p| self.violation(p)).collect::<Vec<_>>();
         if !tilts_away(self.operation, self.cc) {
             let miss = self.miss(points, &violations(points));
-            return miss.map_or_else(|| Ok(Cleared { points: points.to_vec(), steepest: 0.0 }), Err);
+            return miss.map_or_else(|| Ok(ClearedPass { points: points.to_vec(), steepest: 0.0 }), Err);
         }
         // The contact is on the arc of a barrel and not on its tip.
         let end = if self.on_vane() { self.solid().cutter.barrel_angle() } else { None };
@@ -293,7 +293,9 @@ impl TiltedPass<'_> {
         for tilt in &tilts {
             let tilted = self.tilted(|_| *tilt);
             let found = violations(&tilted);
-            let Some(miss) = self.miss(&tilted, &found) else { return Ok(Cleared { points: tilted, steepest: *tilt }) };
+            let Some(miss) = self.miss(&tilted, &found) else {
+                return Ok(ClearedPass { points: tilted, steepest: *tilt });
+            };
             if least.as_ref().is_none_or(|least| miss.violation < least.violation) {
                 least = Some(miss);
             }
@@ -304,7 +306,7 @@ impl TiltedPass<'_> {
     }
 
     /// Clear stations with tilts that change along the pass.
-    fn varied(&self, tilts: &[f64], clear: &[Vec<bool>]) -> Option<Cleared> {
+    fn varied(&self, tilts: &[f64], clear: &[Vec<bool>]) -> Option<ClearedPass> {
         let stations = &self.cc.points;
         if stations.len() < 2 || clear.iter().any(|clear| clear.len() != stations.len()) {
             return None;
@@ -312,7 +314,7 @@ impl TiltedPass<'_> {
         let lengths = lengths(&stations.iter().map(|p| p.position).collect::<Vec<_>>());
         let clear = ClearTilts { lengths: &lengths, tilts, clear };
         let paths = clear.smooth_paths(2.0 * self.solid().cutter.tip_radius());
-        let all = paths.map(|path| Cleared {
+        let all = paths.map(|path| ClearedPass {
             points: self.tilted(|i| path[i]),
             steepest: path.iter().copied().fold(0.0, f64::max),
         });

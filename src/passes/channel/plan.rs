@@ -80,8 +80,8 @@ fn whole_floor<'a>(
 ) -> Result<ChannelFloor<'a>, Aborted> {
     let part = &cx.program.part;
     let rolling = part.main().fillet.map_or(radius, |f| f.get());
-    let ball = Rolling { wall: rolling, floor: rolling, top: 1.0 };
-    let Some(walls) = contacts(part, &passage, ball, TURN_OFF * scallop::flat_step(radius, height)) else {
+    let Some(walls) = contacts(part, &passage, Rolling::ball(rolling), TURN_OFF * scallop::flat_step(radius, height))
+    else {
         cx.sink.push(
             Diag::error(
                 planning::NO_FILLET,
@@ -206,8 +206,7 @@ fn what_would_do(part: &Part, below: f64) -> String {
     let over_hollow = hollow(part).map_or(f64::INFINITY, |(_, hollow)| hollow);
     let fits = |radius: f64| {
         part.passages().all(|passage| {
-            let ball = Rolling { wall: radius, floor: radius, top: 1.0 };
-            contacts(part, &passage, ball, f64::INFINITY).is_some_and(|walls| {
+            contacts(part, &passage, Rolling::ball(radius), f64::INFINITY).is_some_and(|walls| {
                 let floor = ChannelFloor { part, passage, radius, walls, finished: Vec::new() };
                 radius < over_hollow && stations().all(|u| floor.walls(u).1 > 0.0)
             })

@@ -7,11 +7,13 @@
 //! | `meridional` | the meridional surface between hub, shroud and both edges |
 //! | `camber` | the camber surface: theta stated, or integrated from beta |
 //! | `blade` | sections: half of the thickness to both sides of the camber line, and edges |
+//! | `limits` | what such blades may have |
 //! | `made` | the surfaces through enough sections |
 
 mod blade;
 mod camber;
 mod distribution;
+pub mod limits;
 mod made;
 mod meridional;
 
