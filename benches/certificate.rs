@@ -5,6 +5,7 @@
 use criterion::{BenchmarkId, Criterion, SamplingMode, criterion_group, criterion_main};
 use impellerc::collide::{Cutter, ToolSolid};
 use impellerc::driver::{self, Options, Outcome, Stages};
+use impellerc::geom::range::Thickness;
 use impellerc::kin::{Chain, RotaryPose};
 use impellerc::part::{
     PassageId, SurfaceId, SurfaceKind,
@@ -47,6 +48,10 @@ const SIDE: f64 = 40.0;
 impl Shape for Floor {
     fn place(&self, x: f64, y: f64) -> Place {
         Place { position: Point3::new(x * SIDE, y * SIDE, 0.0), normal: Vector3::z(), parameters: [x, y] }
+    }
+
+    fn thickness(&self, _: [[f64; 2]; 2]) -> Thickness {
+        Thickness::of_rate(0.0, 1.0)
     }
 }
 

@@ -122,6 +122,21 @@ impl LoftedSurface {
         &self.places
     }
 
+    /// Knots along u and along v.
+    pub(super) fn knots(&self) -> [&[f64]; 2] {
+        self.knots.each_ref().map(Vec::as_slice)
+    }
+
+    /// Degree along u and along v.
+    pub(super) fn degree(&self) -> [usize; 2] {
+        self.degree
+    }
+
+    /// Control point i along u and j along v.
+    pub(super) fn control_point(&self, i: usize, j: usize) -> Vector3<f64> {
+        self.control[i * self.sections.len() + j]
+    }
+
     /// The same surface as control points on knots.
     pub fn to_surface(&self) -> NurbsSurface {
         let control = self.control.iter().map(|c| c.push(1.0)).collect();

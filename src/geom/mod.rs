@@ -15,6 +15,7 @@ pub mod lofted;
 pub mod moving_least_squares;
 pub mod proximity;
 pub mod quadrature;
+pub mod range;
 pub mod revolution;
 pub mod row_fit;
 pub mod ruled;

@@ -10,21 +10,13 @@
 //! | edge that the lathe makes | from the fillets (or the hub) to the shroud | from the pressure face to the suction face |
 //! | edge that is a surface of its own | u, from the pressure to the suction face | as for a face |
 
-use super::borders::{Opening, arc_between};
-use super::chart_table::{ChartForm, ChartTable, ChartTables};
-use super::{BladeId, Extent, FaceId, Part, Passage, Surface, SurfaceKind, hub_normal};
+use super::chart_table::{ChartForm, ChartTable};
+use super::charting::tables;
+use super::{BladeId, Extent, Part, Surface, SurfaceKind};
 use crate::geom::angle::great_arc;
+use crate::geom::range::{self, Jet, Thickness};
 use nalgebra::{Point3, Vector3};
-
-/// Difference of two values of the secant method that has no slope, mm.
-const LEVEL: f64 = 1e-15;
-
-/// Error at which the secant method ends, mm.
-const EXACT: f64 = 1e-11;
-
-/// Rows of the tables of borders and rolling balls. Rows are about 0.2 mm apart. For a curve with a curvature radius of
-/// millimetres, cubic interpolation is then exact to 1 nm (tested).
-const ROWS: usize = 400;
+use std::array::from_fn;
 
 /// A milled surface of sector 0 over the unit square.
 #[derive(Clone, Debug)]
@@ -47,6 +39,29 @@ pub struct Place {
     pub parameters: [f64; 2],
 }
 
+/// A parameter of a chart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Along {
+    /// x.
+    X,
+    /// y.
+    Y,
+}
+
+impl Along {
+    /// x and y of a rectangle as jets: one varies, the other is somewhere in its range.
+    pub fn jets(self, [x, y]: [[f64; 2]; 2]) -> [Jet; 2] {
+        [Jet::varying(x, self == Self::X), Jet::varying(y, self == Self::Y)]
+    }
+}
+
+/// Thickness over a rectangle of a surface, of its coordinates along x and along y.
+pub(super) fn thickness(rectangle: [[f64; 2]; 2], coordinates: impl Fn(Along) -> [Jet; 3]) -> Thickness {
+    let [x, y] = [(Along::X, rectangle[0]), (Along::Y, rectangle[1])]
+        .map(|(along, [from, to])| Thickness::of(&coordinates(along), 0.5 * (to - from)));
+    Thickness::of_surface([x, y])
+}
+
 /// A surface as the image of the unit square.
 pub trait Shape: Sync {
     /// The place of (x, y), both in [0, 1].
@@ -56,6 +71,10 @@ pub trait Shape: Sync {
     fn is_milled(&self, _position: &Point3<f64>) -> bool {
         true
     }
+
+    /// How far the surface lies from the biquadratic through nine points of a rectangle: its corners, the middles of its sides and
+    /// its middle. Proved by the ranges of the derivatives.
+    fn thickness(&self, rectangle: [[f64; 2]; 2]) -> Thickness;
 
     /// Patches that cover the square once, with cells of at most `spacing` on the surface, mm.
     fn patches(&self, spacing: f64) -> Vec<Patch> {
@@ -109,14 +128,6 @@ impl Patch {
 /// Cells along a side of a patch.
 const PATCH: usize = 8;
 
-fn tables(part: &Part) -> ChartTables {
-    let mut milled: Vec<ChartTable> = part.faces().map(|id| face(part, id, SurfaceKind::Face(id))).collect();
-    let sides = part.blade_ids().flat_map(|blade| part.sides(blade));
-    milled.extend(sides.filter_map(|id| fillet(part, id, part.fillet(id)?.get())));
-    milled.extend(part.passages().filter_map(|passage| hub(part, &passage)));
-    ChartTables { milled, edges: part.blade_ids().flat_map(|blade| edges_of_blade(part, blade)).collect() }
-}
-
 /// Charts of all milled surfaces of sector 0.
 pub fn charts(part: &Part) -> Vec<Chart<'_>> {
     part.chart_tables(tables).milled.iter().map(|table| Chart::new(part, table)).collect()
@@ -132,100 +143,48 @@ pub fn edges_of(part: &Part, blade: BladeId) -> [Chart<'_>; 2] {
     [0, 1].map(|end| Chart::new(part, &part.chart_tables(tables).edges[2 * blade.index() + end]))
 }
 
-fn edges_of_blade(part: &Part, blade: BladeId) -> [ChartTable; 2] {
-    [(SurfaceKind::InletEdge(blade), 0.0), (SurfaceKind::OutletEdge(blade), 1.0)].map(|(kind, u)| {
-        if let Some(edge) = part.edge(blade, usize::from(u > 0.5)) {
-            return face(part, edge, kind);
-        }
-        let ranges = blade.faces().map(|id| borders(part, id, u));
-        ChartTable { kind, blade, form: ChartForm::Edge { blade, u, ranges } }
-    })
-}
-
-/// v at the lower and the upper border of a face, on the ruling at u.
-fn borders(part: &Part, id: FaceId, u: f64) -> [f64; 2] {
-    let low = part
-        .fillet(id)
-        .and_then(|r| part.fillet_tangent(id, u, r.get()))
-        .unwrap_or_else(|| part.ruling_meets(id, u, &part.hub, 0.0));
-    [low, part.ruling_meets(id, u, &part.shroud, 1.0)]
-}
-
-fn rows() -> impl Iterator<Item = f64> {
-    (0..=ROWS).map(|i| i as f64 / ROWS as f64)
-}
-
-fn face(part: &Part, id: FaceId, kind: SurfaceKind) -> ChartTable {
-    let borders = rows().map(|u| borders(part, id, u)).collect();
-    ChartTable { kind, blade: id.blade, form: ChartForm::Face { face: id, borders } }
-}
-
-fn fillet(part: &Part, id: FaceId, radius: f64) -> Option<ChartTable> {
-    let face = part.face(id);
-    let [from, to] = part.fillet_ends(id, radius);
-    let ball = |u: f64| {
-        let v = part.fillet_tangent(id, u, radius)?;
-        let to_face = -face.normal(u, v);
-        let centre = face.surface.point(u, v) - to_face * radius;
-        Some([centre.coords, to_face, -hub_normal(part, &centre)])
-    };
-    let found: Vec<Option<[Vector3<f64>; 3]>> = rows().map(|x| ball(from + (to - from) * x)).collect();
-    // Far beyond an end there may be no ball; the surface is the connected run of rows about the middle.
-    let middle = ROWS / 2;
-    found[middle]?;
-    let first = (0..middle).rev().find(|i| found[*i].is_none()).map_or(0, |i| i + 1);
-    let last = (middle..=ROWS).find(|i| found[*i].is_none()).unwrap_or(ROWS + 1);
-    let balls: Vec<[Vector3<f64>; 3]> = found[first..last].iter().copied().flatten().collect();
-    let u = [first, last - 1].map(|i| from + (to - from) * i as f64 / ROWS as f64);
-    (balls.len() > 3).then_some(ChartTable {
-        kind: SurfaceKind::Fillet(id),
-        blade: id.blade,
-        form: ChartForm::Fillet { radius, u, balls },
-    })
-}
-
-fn hub(part: &Part, passage: &Passage) -> Option<ChartTable> {
-    let opening = Opening::of(part, passage);
-    let border = |i| opening.at(i as f64 / ROWS as f64).map(|[from, angle]| [from, angle.max(0.0)]);
-    let borders: Option<Vec<[f64; 2]>> = (0..=ROWS).map(border).collect();
-    Some(ChartTable {
-        kind: SurfaceKind::Hub(passage.id),
-        blade: BladeId::MAIN,
-        form: ChartForm::Hub { borders: borders? },
-    })
-}
-
 impl<'a> Chart<'a> {
     fn new(part: &'a Part, table: &'a ChartTable) -> Self {
         Self { kind: table.kind, part, extent: part.extent(table.blade), form: &table.form }
     }
 
-    /// Point of an edge.
-    fn on_edge(&self, blade: BladeId, u: f64, ranges: &[[f64; 2]; 2], x: f64, y: f64) -> Point3<f64> {
-        let [p, s] = blade.faces().map(|id| {
-            let [low, high] = ranges[id.index()];
-            self.turned(id, u, low + (high - low) * x)
-        });
-        arc_between(&p, &s, y)
+    /// As [`Shape::thickness`], for the surface that lies at a distance from this one along its normal, mm. Known for faces and
+    /// fillets, and for other surfaces at no distance.
+    pub fn moved_thickness(&self, rectangle: [[f64; 2]; 2], distance: f64) -> Thickness {
+        thickness(rectangle, |along| self.jets(along, rectangle, distance))
     }
 
-    /// The end of the line of equal v of a face at u = 0 or 1, or its intersection with the inlet cone or the outlet
-    /// cylinder, if this lies farther out: a straight ruling between two points of a cone is not on the cone.
-    fn turned(&self, id: FaceId, u: f64, v: f64) -> Point3<f64> {
-        let surface = &self.part.face(id).surface;
-        let gap = |u: f64| self.extent.beyond(u.round().clamp(0.0, 1.0), &surface.point(u, v));
-        let (mut a, mut b) = (u, u + 1e-3);
-        let (mut fa, mut fb) = (gap(a), gap(b));
-        // Secant method: over some 0.01 mm the face is nearly straight.
-        for _ in 0..8 {
-            if (fb - fa).abs() < LEVEL || fb.abs() < EXACT {
-                break;
+    /// Coordinates along x or along y over a rectangle, of the surface at a distance along the normal, mm. Unknown as for
+    /// [`Self::moved_thickness`].
+    pub fn jets(&self, along: Along, rectangle: [[f64; 2]; 2], distance: f64) -> [Jet; 3] {
+        let [x, y] = along.jets(rectangle);
+        let varies = along == Along::X;
+        match self.form {
+            ChartForm::Face { face, borders } => {
+                let [low, high] = borders.jets(rectangle[0], varies);
+                let v = low.towards(high, y);
+                let face = self.part.face(*face);
+                let partials = face.surface.partials(rectangle[0], v.orders[0].into());
+                let position = partials.along(&x, &v);
+                if distance == 0.0 {
+                    return position;
+                }
+                let normal = partials.normal(&x, &v);
+                from_fn(|k| position[k] + normal[k] * (face.orientation * distance))
             }
-            let next = (b - fb * (b - a) / (fb - fa)).clamp(u - 0.2, u + 0.2);
-            (a, fa) = (b, fb);
-            (b, fb) = (next, gap(next));
+            ChartForm::Fillet { radius, balls, .. } => {
+                let [a, b, c, d, e, f, g, h, i] = balls.jets(rectangle[0], varies);
+                let direction = range::great_arc(&[d, e, f], &[g, h, i], y);
+                let centre = [a, b, c];
+                from_fn(|k| centre[k] + direction[k] * (radius - distance))
+            }
+            ChartForm::Hub { borders } if distance == 0.0 => {
+                let [from, angle] = borders.jets(rectangle[0], varies);
+                range::turned(self.part.hub.meridian_jets(&x), from + angle * y)
+            }
+            ChartForm::Edge { patch, .. } if distance == 0.0 => patch.jets(rectangle[0], varies, y),
+            ChartForm::Hub { .. } | ChartForm::Edge { .. } => [Jet::UNKNOWN; 3],
         }
-        surface.point(if u > 0.5 { b.max(u) } else { b.min(u) }, v)
     }
 }
 
@@ -233,7 +192,7 @@ impl Shape for Chart<'_> {
     fn place(&self, x: f64, y: f64) -> Place {
         match self.form {
             ChartForm::Face { face, borders } => {
-                let [low, high] = level(borders, x);
+                let [low, high] = borders.at(x);
                 let v = low + (high - low) * y;
                 let face = self.part.face(*face);
                 let (position, su, sv) = face.surface.tangents(x, v);
@@ -241,7 +200,8 @@ impl Shape for Chart<'_> {
                 Place { position, normal, parameters: [x, v] }
             }
             ChartForm::Fillet { radius, u, balls } => {
-                let [centre, to_face, to_hub] = smooth(balls, x);
+                let ball = balls.at(x);
+                let [centre, to_face, to_hub] = [0, 3, 6].map(|k| Vector3::new(ball[k], ball[k + 1], ball[k + 2]));
                 let (to_face, to_hub) = (to_face.normalize(), to_hub.normalize());
                 // From the face contact to the hub contact.
                 let direction = great_arc(&to_face, &to_hub, y);
@@ -249,15 +209,15 @@ impl Shape for Chart<'_> {
                 Place { position, normal: -direction, parameters: [u[0] + (u[1] - u[0]) * x, y] }
             }
             ChartForm::Hub { borders } => {
-                let [from, angle] = level(borders, x);
+                let [from, angle] = borders.at(x);
                 let azimuth = from + angle * y;
                 let position = self.part.hub.point(x, azimuth);
                 Place { position, normal: self.part.hub.normal(x, azimuth), parameters: [x, y] }
             }
-            ChartForm::Edge { blade, u, ranges } => {
+            ChartForm::Edge { blade, u, patch } => {
                 /// Step of differences: their relative error over the thickness of a vane is below 1e-9.
                 const STEP: f64 = 1e-5;
-                let at = |x: f64, y: f64| self.on_edge(*blade, *u, ranges, x, y);
+                let at = |x: f64, y: f64| patch.point(x, y);
                 let along = at(x + STEP, y) - at(x - STEP, y);
                 let across = at(x, y + STEP) - at(x, y - STEP);
                 let normal = along.cross(&across).normalize();
@@ -270,37 +230,12 @@ impl Shape for Chart<'_> {
         }
     }
 
+    fn thickness(&self, rectangle: [[f64; 2]; 2]) -> Thickness {
+        self.moved_thickness(rectangle, 0.0)
+    }
+
     /// Fillets end at the inlet cone and the outlet cylinder.
     fn is_milled(&self, position: &Point3<f64>) -> bool {
         !matches!(self.form, ChartForm::Fillet { .. }) || self.extent.holds(position)
     }
-}
-
-/// Index and share of x in a table of evenly spaced rows.
-fn row(count: usize, x: f64) -> (usize, f64) {
-    let at = x.clamp(0.0, 1.0) * (count - 1) as f64;
-    let i = (at as usize).min(count.saturating_sub(2));
-    (i, at - i as f64)
-}
-
-/// Linear interpolation, sufficient for borders, which only divide one surface from the next.
-fn level(table: &[[f64; 2]], x: f64) -> [f64; 2] {
-    let (i, t) = row(table.len(), x);
-    let (a, b) = (&table[i], &table[i + 1]);
-    [a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t]
-}
-
-/// Cubic interpolation through four rows, for rows that define the surface itself.
-fn smooth(table: &[[Vector3<f64>; 3]], x: f64) -> [Vector3<f64>; 3] {
-    let (i, t) = row(table.len(), x);
-    let start = i.saturating_sub(1).min(table.len() - 4);
-    let t = t + (i - start) as f64;
-    // Lagrange weights of the rows 0, 1, 2, 3.
-    let w = [
-        -(t - 1.0) * (t - 2.0) * (t - 3.0) / 6.0,
-        t * (t - 2.0) * (t - 3.0) / 2.0,
-        -t * (t - 1.0) * (t - 3.0) / 2.0,
-        t * (t - 1.0) * (t - 2.0) / 6.0,
-    ];
-    std::array::from_fn(|k| (0..4).map(|j| table[start + j][k] * w[j]).sum())
 }

@@ -1,8 +1,9 @@
 //! Tables of the charts of a part.
 
 use super::blade::{BladeId, FaceId};
+use super::chart_rows::ChartRows;
 use super::names::SurfaceKind;
-use nalgebra::Vector3;
+use super::turned_patch::TurnedPatch;
 
 /// Tables of all charts of sector 0, made once for a part.
 #[derive(Clone, Debug)]
@@ -22,12 +23,12 @@ pub(super) struct ChartTable {
 
 #[derive(Clone, Debug)]
 pub(super) enum ChartForm {
-    /// v at the lower and upper border of a face, row by row.
-    Face { face: FaceId, borders: Vec<[f64; 2]> },
-    /// Centre of the rolling ball, and unit vectors from the centre to face and hub.
-    Fillet { radius: f64, u: [f64; 2], balls: Vec<[Vector3<f64>; 3]> },
+    /// v at the lower and upper border of a face.
+    Face { face: FaceId, borders: ChartRows<2> },
+    /// Centre of the rolling ball, and the directions from the centre to face and hub.
+    Fillet { radius: f64, u: [f64; 2], balls: ChartRows<9> },
     /// First azimuth and opening angle of the channel.
-    Hub { borders: Vec<[f64; 2]> },
-    /// u of the end, and v at the lower and upper border on each face.
-    Edge { blade: BladeId, u: f64, ranges: [[f64; 2]; 2] },
+    Hub { borders: ChartRows<2> },
+    /// u of the end, and the turned patch between the ends of both faces.
+    Edge { blade: BladeId, u: f64, patch: TurnedPatch },
 }

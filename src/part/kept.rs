@@ -9,13 +9,16 @@
 //! | edge | from the fillets (or the hub) to the shroud | from the pressure face to the suction face |
 //! | root | from the hub to the edge | between the two fillets of the vane |
 
-use super::chart::{self, Chart, Patch, Place, Shape, charts};
+use super::chart::{self, Along, Chart, Patch, Place, Shape, charts};
+use super::chart_rows::ChartRows;
 use super::sheet::Sheet;
+use super::turned_patch::TurnedPatch;
 use super::{BladeId, Part, Stock, Surface, SurfaceKind};
 use crate::geom::angle::nearest_turn;
+use crate::geom::range::{Interval, Jet, Thickness, turned};
 use nalgebra::{Point3, Vector2, Vector3};
 use rayon::prelude::*;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// Rows of the tables of borders, as for charts; borders only divide one surface from the next.
 const ROWS: usize = 400;
@@ -41,13 +44,12 @@ pub struct Kept<'a> {
 enum KeptForm<'a> {
     /// A straight line of the meridian plane, rotated once around, and its unit normal (r, z) out of the material.
     Ring { ends: [Vector2<f64>; 2], normal: Vector2<f64> },
-    /// u of the shroud and azimuth of the upper border of the pressure and of the suction face, row by row.
-    Tip { part: &'a Part, borders: [Vec<[f64; 2]>; 2] },
+    /// u of the shroud and azimuth of the upper border of the pressure face, then of the suction face.
+    Tip { part: &'a Part, borders: ChartRows<4> },
     /// The chart of a surface that milling makes, in this job or in others.
     Chart(Chart<'a>),
-    /// Radius, height and azimuth of the borders at the pressure and at the suction fillet, row by row, and the unit
-    /// normal (r, z).
-    Root { borders: [Vec<[f64; 3]>; 2], normal: Vector2<f64> },
+    /// The patch from the pressure fillet to the suction fillet, and its unit normal (r, z).
+    Root { patch: TurnedPatch, normal: Vector2<f64> },
 }
 
 /// All kept surfaces of a part that is milled from a blank. With `milled_edges` an operation finishes the edges of the
@@ -88,16 +90,25 @@ pub fn milled(part: &Part) -> Vec<Kept<'_>> {
 }
 
 fn tip(part: &Part, blade: BladeId) -> Kept<'_> {
-    let borders = blade.faces().map(|face| {
+    let [pressure, suction] = blade.faces().map(|face| {
         let at = |i: usize| {
             let (id, u) = part.outline_place(face, i as f64 / ROWS as f64);
             let p = part.face(id).surface.point(u, part.ruling_meets(id, u, &part.shroud, 1.0));
             let (along, _) = part.shroud.closest(Vector2::new(libm::hypot(p.x, p.y), p.z));
             [along, libm::atan2(p.y, p.x)]
         };
-        (0..=ROWS).into_par_iter().map(at).collect()
+        (0..=ROWS).into_par_iter().map(at).collect::<Vec<_>>()
     });
-    Kept { kind: SurfaceKind::Tip(blade), form: KeptForm::Tip { part, borders } }
+    // Azimuths of neighbouring rows, and of both borders of the first row, lie within half a turn.
+    let mut before = [pressure[0][1]; 2];
+    let row = |([u, azimuth], [other_u, other_azimuth]): (&[f64; 2], &[f64; 2])| {
+        let from = nearest_turn(*azimuth, before[0]);
+        let to = nearest_turn(*other_azimuth, before[1]);
+        before = [from, to];
+        [*u, from, *other_u, to]
+    };
+    let rows: Vec<[f64; 4]> = pressure.iter().zip(&suction).map(row).collect();
+    Kept { kind: SurfaceKind::Tip(blade), form: KeptForm::Tip { part, borders: ChartRows::along(&rows) } }
 }
 
 /// Roots at inlet and outlet; none without fillets, or where a fillet ends before inlet or outlet.
@@ -117,13 +128,10 @@ fn roots_of<'a>(part: &Part, charts: &[Chart<'_>], blade: BladeId) -> Vec<Kept<'
         if part.edge(blade, usize::from(end > 0.5)).is_some() {
             return None;
         }
-        let border = |sheet: &Sheet<'_>| -> Option<Vec<[f64; 3]>> {
-            let at = |i: usize| {
-                let w = (1.0 + ROOT_OVERLAP) * i as f64 / ROOT_ROWS as f64;
-                let p = sheet.point(sheet.meets(end, w)?, w);
-                Some([libm::hypot(p.x, p.y), p.z, libm::atan2(p.y, p.x)])
-            };
-            (0..=ROOT_ROWS).map(at).collect()
+        let row = |i: usize| -> Option<[Point3<f64>; 2]> {
+            let w = (1.0 + ROOT_OVERLAP) * i as f64 / ROOT_ROWS as f64;
+            let at = |sheet: &Sheet<'_>| Some(sheet.point(sheet.meets(end, w)?, w));
+            Some([at(&pressure)?, at(&suction)?])
         };
         let [hub, shroud] = part.end_line(blade, end);
         let across = (shroud - hub).normalize();
@@ -131,7 +139,8 @@ fn roots_of<'a>(part: &Part, charts: &[Chart<'_>], blade: BladeId) -> Vec<Kept<'
         let normal = Vector2::new(across.y, -across.x);
         let away = hub - part.end_line(blade, 1.0 - end)[0];
         let normal = if normal.dot(&away) < 0.0 { -normal } else { normal };
-        Some(Kept { kind, form: KeptForm::Root { borders: [border(&pressure)?, border(&suction)?], normal } })
+        let rows = (0..=ROOT_ROWS).map(row).collect::<Option<Vec<_>>>()?;
+        Some(Kept { kind, form: KeptForm::Root { patch: TurnedPatch::between(&rows), normal } })
     };
     let ends = [(SurfaceKind::InletRoot(blade), 0.0), (SurfaceKind::OutletRoot(blade), 1.0)];
     ends.into_iter().filter_map(root).collect()
@@ -143,6 +152,27 @@ impl Kept<'_> {
         matches!(self.form, KeptForm::Ring { .. })
     }
 
+    /// Coordinates along x or along y over a rectangle.
+    fn jets(&self, along: Along, rectangle: [[f64; 2]; 2]) -> [Jet; 3] {
+        let [x, y] = along.jets(rectangle);
+        let varies = along == Along::X;
+        match &self.form {
+            KeptForm::Ring { ends: [from, to], .. } => {
+                let [r, z] = [[from.x, to.x], [from.y, to.y]].map(|ends| {
+                    let [from, to] = ends.map(|end| Jet::constant(Interval::of(end)));
+                    from.towards(to, y)
+                });
+                turned([r, z], x * TAU)
+            }
+            KeptForm::Tip { part, borders } => {
+                let [u, azimuth, other_u, other_azimuth] = borders.jets(rectangle[0], varies);
+                turned(part.shroud.meridian_jets(&u.towards(other_u, y)), azimuth.towards(other_azimuth, y))
+            }
+            KeptForm::Chart(chart) => chart.jets(along, rectangle, 0.0),
+            KeptForm::Root { patch, .. } => patch.jets(rectangle[0], varies, y),
+        }
+    }
+
     /// Middle of a patch, and a radius that contains the patch, mm; `None` where these are not known in closed form.
     pub fn ball(&self, patch: &Patch) -> Option<(Point3<f64>, f64)> {
         let KeptForm::Ring { ends, .. } = &self.form else { return None };
@@ -152,30 +182,6 @@ impl Kept<'_> {
         let radius = libm::hypot(half(patch.x) * TAU * widest, half(patch.y) * (ends[1] - ends[0]).norm());
         Some((self.place(x, y).position, radius))
     }
-}
-
-/// Row of a table at x, linear between its rows.
-fn level<const N: usize>(table: &[[f64; N]], x: f64) -> [f64; N] {
-    let at = x.clamp(0.0, 1.0) * (table.len() - 1) as f64;
-    let i = (at as usize).min(table.len().saturating_sub(2));
-    let t = at - i as f64;
-    std::array::from_fn(|k| table[i][k] + (table[i + 1][k] - table[i][k]) * t)
-}
-
-/// Azimuth at a share of the path between two azimuths, along the shorter arc.
-fn between(from: f64, to: f64, share: f64) -> f64 {
-    from + nearest_turn(to - from, 0.0) * share
-}
-
-/// As [`level`], for a table whose last column is an azimuth; neighbouring azimuths lie within half a turn.
-fn turned_level<const N: usize>(table: &[[f64; N]], x: f64) -> [f64; N] {
-    let at = x.clamp(0.0, 1.0) * (table.len() - 1) as f64;
-    let i = (at as usize).min(table.len().saturating_sub(2));
-    let mut row = level(table, x);
-    if (table[i + 1][N - 1] - table[i][N - 1]).abs() > PI {
-        row[N - 1] = between(table[i][N - 1], table[i + 1][N - 1], at - i as f64);
-    }
-    row
 }
 
 /// A place of a surface of revolution.
@@ -196,35 +202,24 @@ impl Shape for Kept<'_> {
                 place([p.x, p.y], TAU * x, *normal, [x, y])
             }
             KeptForm::Tip { part, borders } => {
-                let [p, s] = borders.each_ref().map(|border| turned_level(border, x));
-                let (u, azimuth) = (p[0] + (s[0] - p[0]) * y, between(p[1], s[1], y));
+                let [u, azimuth, other_u, other_azimuth] = borders.at(x);
+                let (u, azimuth) = (u + (other_u - u) * y, azimuth + (other_azimuth - azimuth) * y);
                 let normal = part.shroud.normal(u, azimuth);
                 Place { position: part.shroud.point(u, azimuth), normal, parameters: [x, y] }
             }
             KeptForm::Chart(chart) => chart.place(x, y),
-            KeptForm::Root { borders, normal } => {
-                let [p, s] = borders.each_ref().map(|border| turned_level(border, x));
-                let at = [0, 1].map(|k| p[k] + (s[k] - p[k]) * y);
-                place(at, between(p[2], s[2], y), *normal, [x, y])
+            KeptForm::Root { patch, normal } => {
+                let [r, z, azimuth] = patch.at(x, y);
+                place([r, z], azimuth, *normal, [x, y])
             }
         }
     }
 
+    fn thickness(&self, rectangle: [[f64; 2]; 2]) -> Thickness {
+        chart::thickness(rectangle, |along| self.jets(along, rectangle))
+    }
+
     fn is_milled(&self, position: &Point3<f64>) -> bool {
         if let KeptForm::Chart(chart) = &self.form { chart.is_milled(position) } else { true }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The path between azimuths is the shorter arc, also across the jump at half a turn.
-    #[test]
-    fn the_short_way_around() {
-        assert!((between(3.0, -3.0, 0.5).abs() - PI).abs() < 1e-12);
-        let table = [[1.0, 3.1], [2.0, -3.1]];
-        let [r, azimuth] = turned_level(&table, 0.5);
-        assert!((r - 1.5).abs() < 1e-12 && (azimuth.abs() - PI).abs() < 1e-12);
     }
 }

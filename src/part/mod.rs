@@ -17,6 +17,9 @@
 //! | `borders` | borders between neighbouring surfaces |
 //! | `chart` | milled surfaces over the unit square |
 //! | `chart_table` | their tables, made once for a part |
+//! | `charting` | makes these tables |
+//! | `chart_rows` | rows of such a table as splines |
+//! | `turned_patch` | turned surfaces between two borders |
 //! | `kept` | surfaces that milling leaves as the lathe made them, over the unit square |
 //! | `sample` | points of all surfaces |
 //! | `sheet` | walls of channels with their fillets |
@@ -34,7 +37,9 @@ pub mod blade_loops;
 mod blade_sheets;
 mod borders;
 pub mod chart;
+mod chart_rows;
 mod chart_table;
+mod charting;
 mod continued;
 mod extent;
 mod hub_patches;
@@ -52,6 +57,7 @@ pub mod shell;
 pub mod solid;
 mod stock;
 pub mod surface;
+mod turned_patch;
 mod unrolled;
 
 pub use blade::{Blade, BladeId, Face, FaceId, Guides, RulingEnd};

@@ -1,6 +1,7 @@
 //! Surfaces of blades: the common interface of all kinds.
 
 use crate::geom::proximity::{ClosestPair, Patch, Projection};
+use crate::geom::range::Partials;
 use crate::geom::{LoftedSurface, NurbsCurve, RuledSurface, SurfaceDerivatives};
 use nalgebra::{Point3, Vector3};
 
@@ -136,6 +137,11 @@ impl FaceSurface {
             }
             Self::Lofted(s) => FaceLine::Lofted(s, u),
         }
+    }
+
+    /// Partial derivatives over a range of u within [0, 1] and a range of v.
+    pub fn partials(&self, u: [f64; 2], v: [f64; 2]) -> Partials {
+        of_its_kind!(self, s => s.partials(u, v))
     }
 
     /// Name of the kind in the job language.

@@ -6,8 +6,8 @@
 //! [`SLACK`] of the worst value measured on the surface, or within the limit of a contract where the limit is closer. A
 //! cell whose bounds are not sufficient is divided. When a worse value is measured, the goal moves with it.
 //!
-//! One quantity is measured instead of proved: the deviation of a surface from the biquadratic through nine points of a
-//! cell. It comes from third differences, with a reserve.
+//! A cell counts as the biquadratic through nine of its points with a thickness ([`crate::geom::range::Thickness`]), which
+//! follows from the ranges of the derivatives of the surface over the cell.
 
 pub use super::proof::cells::{CORNER_SLACK, FAR, LEAST_SLACK, PatchCorners, SLACK};
 use super::proof::cells::{Extreme, Goals, Looked, PatchTask, Proved, deviation};

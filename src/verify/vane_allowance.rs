@@ -13,9 +13,10 @@ use super::proof::sweep::Sweep;
 use super::surface::{self, Worst};
 use super::{SPACING, proof::cells::Extreme};
 use crate::diag::{Diag, Sink, codes::verification};
+use crate::geom::range::{Interval, Thickness};
 use crate::ir::{Motion, Program};
 use crate::operation::VaneAllowance;
-use crate::part::chart::{Chart, Place, Shape, charts};
+use crate::part::chart::{Along, Chart, Place, Shape, charts};
 use crate::part::{Part, SurfaceId, SurfaceKind};
 use crate::progress::Progress;
 use crate::units::length;
@@ -49,10 +50,13 @@ pub struct MissingAllowance {
 }
 
 /// Face or fillet, moved along its normal by the allowance at the height of each point.
-struct Moved<'a> {
-    chart: Chart<'a>,
-    part: &'a Part,
-    vane: VaneAllowance,
+pub struct Moved<'a> {
+    /// Face or fillet.
+    pub chart: Chart<'a>,
+    /// Part.
+    pub part: &'a Part,
+    /// Allowance.
+    pub vane: VaneAllowance,
 }
 
 impl Shape for Moved<'_> {
@@ -62,8 +66,39 @@ impl Shape for Moved<'_> {
         Place { position: place.position + place.normal * allowance, ..place }
     }
 
+    /// That of the surface at the allowance of the middle, and that of the rest of a growing allowance along the normal.
+    fn thickness(&self, rectangle: [[f64; 2]; 2]) -> Thickness {
+        let [x, y] = rectangle.map(|[from, to]| 0.5 * (from + to));
+        let middle = self.chart.place(x, y).position;
+        let even = self.chart.moved_thickness(rectangle, self.vane.at(self.part.height(&middle)));
+        if self.vane.growth() == 0.0 { even } else { even.plus(self.growth_thickness(rectangle, &middle)) }
+    }
+
     fn is_milled(&self, position: &Point3<f64>) -> bool {
         self.chart.is_milled(position)
+    }
+}
+
+impl Moved<'_> {
+    /// The share of the height changes by at most one over the sum of both distances in it per mm of way.
+    fn growth_thickness(&self, rectangle: [[f64; 2]; 2], middle: &Point3<f64>) -> Thickness {
+        let half = rectangle.map(|[from, to]| 0.5 * (to - from));
+        let most = |derivative: [Interval; 3]| derivative.map(|d| d.most() * d.most()).iter().sum::<f64>().sqrt();
+        // Lengths of the derivatives of the surface and of its normal, along x and along y.
+        let [(along, turn_along), (across, turn_across)] = [Along::X, Along::Y].map(|along| {
+            let [own, moved] = [0.0, 1.0].map(|distance| self.chart.jets(along, rectangle, distance));
+            let first = own.map(|jet| jet.orders[1]);
+            (most(first), most(std::array::from_fn(|k| moved[k].orders[1] - first[k])))
+        });
+        let radius = along * half[0] + across * half[1];
+        let [over_hub, under_shroud] = [self.part.hub.distance(middle), -self.part.shroud.distance(middle)];
+        let height = over_hub.max(0.0) + under_shroud.max(0.0) - 2.0 * radius;
+        let slope = if height > 0.0 { self.vane.growth() / height } else { f64::INFINITY };
+        let rest = slope * radius;
+        Thickness::of_surface([
+            Thickness::of_rate(slope * along + rest * turn_along, half[0]),
+            Thickness::of_rate(slope * across + rest * turn_across, half[1]),
+        ])
     }
 }
 

@@ -4,7 +4,8 @@ use crate::support;
 use impellerc::geom::interpolate::chord_parameters;
 use impellerc::geom::knots::merge_knots;
 use impellerc::geom::proximity::Patch;
-use impellerc::geom::{GeomError, NurbsCurve, NurbsSurface, Revolution, RuledSurface, interpolate};
+use impellerc::geom::range::{Interval, Jet};
+use impellerc::geom::{GeomError, LoftedSurface, NurbsCurve, NurbsSurface, Revolution, RuledSurface, interpolate};
 use nalgebra::{Point3, Point4, Rotation3, Vector2, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
@@ -436,6 +437,16 @@ where
     near - far
 }
 
+/// The ranges of a jet hold derivatives of a place, but for rounding.
+fn held(jet: &Jet, derivatives: &[f64; 3], at: f64) -> Result<(), TestCaseError> {
+    for (range, value) in jet.orders.iter().zip(derivatives) {
+        let rounding = 1e-9 * (1.0 + value.abs() + range.high.abs().min(1e9));
+        let held = (range.low - rounding..=range.high + rounding).contains(value);
+        prop_assert!(held, "{value} at {at}: {range:?}");
+    }
+    Ok(())
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -466,6 +477,56 @@ proptest! {
         prop_assert!(check(d.svv, difference(|x| s.derivatives(u, x).sv, v, hv), d.svv.norm() + d.sv.norm()));
         prop_assert!(check(d.suv, difference(|x| s.derivatives(u, x).su, v, hv), d.suv.norm() + d.su.norm()));
         prop_assert!(check(d.suv, difference(|x| s.derivatives(x, v).sv, u, hu), d.suv.norm() + d.sv.norm()));
+    }
+
+    /// Ranges over a part of a curve hold every value and derivative in it.
+    #[test]
+    fn ranges_of_a_curve_hold_its_derivatives(c in random_curve(true), from in 0.0..=1.0f64, width in 0.0..0.5f64) {
+        let to = (from + width).min(1.0);
+        let jets = c.jets([from, to]);
+        for t in (0..=20).map(|k| from + (to - from) * f64::from(k) / 20.0) {
+            let d = c.derivatives(t);
+            // Differences of the second derivative do not reach over its jumps.
+            let near = c.knots().iter().any(|knot| (knot - t).abs() < 1e-4);
+            for (k, jet) in jets.iter().enumerate() {
+                held(jet, &[d.point[k], d.first[k], d.second[k]], t)?;
+                let third = difference(|u| c.derivatives(u.clamp(0.0, 1.0)).second[k], t, 1e-5);
+                let (range, reserve) = (jet.orders[3], 1e-3 * (1.0 + third.abs() + d.second.norm()));
+                prop_assert!(near || (range.low - reserve..=range.high + reserve).contains(&third), "{third} at {t}: {range:?}");
+            }
+        }
+    }
+
+    /// The same for the meridian of a turned curve, also beyond its ends, for a parameter that moves twice as fast.
+    #[test]
+    fn ranges_of_a_meridian_hold_its_derivatives(c in random_curve(true), from in -0.3..1.1f64, width in 0.0..0.4f64) {
+        let surface = Revolution::new(c, Vector2::new(100.0, 0.0));
+        let jets = surface.meridian_jets(&(Jet::parameter([0.5 * from, 0.5 * (from + width)]) * 2.0));
+        for u in (0..=20).map(|k| from + width * f64::from(k) / 20.0) {
+            let m = surface.meridian(u);
+            for (k, jet) in jets.iter().enumerate() {
+                held(jet, &[m.point[k], 2.0 * m.first[k], 4.0 * m.second[k]], u)?;
+            }
+        }
+    }
+
+    /// The same along a slanted line of a lofted surface, also beyond its first and last section.
+    #[test]
+    fn ranges_of_a_lofted_surface_hold_its_derivatives(
+        sections in prop::collection::vec(random_curve(false), 2..6), from in 0.0..=0.9f64, width in 0.0..0.1f64,
+        v in -0.3..1.2f64, slope in -2.0..2.0f64,
+    ) {
+        let Ok(surface) = LoftedSurface::through(sections) else { return Ok(()) };
+        let u = Jet::parameter([from, from + width]);
+        let line = u * slope + Jet::constant(Interval::of(v - slope * from));
+        let jets = surface.partials([from, from + width], line.orders[0].into()).along(&u, &line);
+        for u in (0..=20).map(|k| from + width * f64::from(k) / 20.0) {
+            let d = surface.derivatives(u, v + slope * (u - from));
+            let second = d.suu + d.suv * (2.0 * slope) + d.svv * (slope * slope);
+            for (k, jet) in jets.iter().enumerate() {
+                held(jet, &[d.point[k], d.su[k] + d.sv[k] * slope, second[k]], u)?;
+            }
+        }
     }
 
     #[test]

@@ -72,6 +72,7 @@ mod stl;
 mod stock_links;
 mod stock_program;
 mod surface_truths;
+mod thickness;
 mod trochoid;
 mod validators;
 mod verify_command;

@@ -2,6 +2,7 @@
 //! hold.
 
 use impellerc::collide::{Cutter, Section, ToolSolid};
+use impellerc::geom::range::{Interval, Jet, Thickness};
 use impellerc::kin::{AxisLine, Carries, Chain, RotaryPose};
 use impellerc::part::{
     PassageId, SurfaceId, SurfaceKind,
@@ -20,13 +21,22 @@ fn tool(cutter: Cutter, flute_length: f64) -> ToolSolid {
     ToolSolid { cutter, flute_length, shank: vec![shank], holder: Vec::new() }
 }
 
-/// A shape by its place.
-struct By<F>(F);
+/// A shape by its place, and the largest lengths of its third derivatives by x and by y.
+struct By<F>(F, [f64; 2]);
 
 impl<F: Fn(f64, f64) -> (Point3<f64>, Vector3<f64>) + Sync> Shape for By<F> {
     fn place(&self, x: f64, y: f64) -> Place {
         let (position, normal) = self.0(x, y);
         Place { position, normal: normal.normalize(), parameters: [x, y] }
+    }
+
+    fn thickness(&self, rectangle: [[f64; 2]; 2]) -> Thickness {
+        Thickness::of_surface([0, 1].map(|k| {
+            let mut along = [Jet::constant(Interval::ZERO); 3];
+            along[0].orders[3] = Interval::new([-self.1[k], self.1[k]]);
+            along[0].orders[1..3].fill(Interval::ALL);
+            Thickness::of(&along, 0.5 * (rectangle[k][1] - rectangle[k][0]))
+        }))
     }
 }
 
@@ -53,7 +63,7 @@ fn agrees(report: &SurfaceReport, gouge: f64, excess: f64) {
 }
 
 fn plane(side: f64) -> impl Shape {
-    By(move |x, y| (Point3::new(x * side, y * side, 0.0), Vector3::z()))
+    By(move |x, y| (Point3::new(x * side, y * side, 0.0), Vector3::z()), [0.0; 2])
 }
 
 /// Lines along x, `step` apart, with the tool tilted so that the contact is not at the tip. `level` is the height of the
@@ -115,7 +125,7 @@ fn bull_nose_over_plane_leaves_the_ridge_of_its_corner() {
 fn cylinder_beside_plane() {
     // A wall x = 0 with material behind it; the mill leans by a small angle towards it, so that the cut deepens upward.
     let (radius, lean, low, high) = (5.0_f64, 1e-3_f64, 2.0, 12.0);
-    let wall = By(move |x: f64, y: f64| (Point3::new(0.0, x * 10.0, low + y * (high - low)), Vector3::x()));
+    let wall = By(move |x: f64, y: f64| (Point3::new(0.0, x * 10.0, low + y * (high - low)), Vector3::x()), [0.0; 2]);
     for cutter in [Cutter::Flat { radius }, Cutter::Bull { radius, corner: 1.0 }] {
         let solid = tool(cutter, 30.0);
         // Axis in the plane of y = 0 leaning to -x: A about x after C = pi/2 about z.
@@ -141,7 +151,8 @@ fn cone_on_cone() {
     let (along, out) = ((tilt + half).sin_cos(), (tilt + half).cos());
     let centre = (ball * tilt.sin(), ball * tilt.cos());
     let depth = 0.0031;
-    let socket = By(move |x: f64, y: f64| {
+    let widest = centre.0 + along.0 * 25.0 + ball;
+    let at = move |x: f64, y: f64| {
         let l = 5.0 + 20.0 * y;
         // Material outside of the cone; the cutter reaches `depth` into it.
         let r = centre.0 + along.0 * l + (ball - depth) * out;
@@ -150,7 +161,8 @@ fn cone_on_cone() {
         let azimuth = -std::f64::consts::FRAC_PI_2 + 0.2 + 1.8 * x;
         let radial = Vector3::new(azimuth.cos(), azimuth.sin(), 0.0);
         (Point3::from(radial * r + Vector3::z() * z), -radial * out + Vector3::z() * along.0)
-    });
+    };
+    let socket = By(at, [widest * 1.8_f64.powi(3), 0.0]);
     agrees(&certify(&socket, &solid, &poses), depth, -depth);
 }
 
@@ -180,7 +192,7 @@ fn swept_helix() {
     let (ball, r, pitch, depth) = (2.0_f64, 15.0_f64, 6.0_f64, 0.0017);
     let solid = tool(Cutter::TaperedBall { ball, half_angle: 0.05 }, 25.0);
     let centre = move |t: f64| Point3::new(r * t.cos(), r * t.sin(), pitch * t / std::f64::consts::TAU);
-    let tube = By(move |x: f64, y: f64| {
+    let at = move |x: f64, y: f64| {
         let t = 0.8 * x;
         let forward = Vector3::new(-r * t.sin(), r * t.cos(), pitch / std::f64::consts::TAU).normalize();
         let out = Vector3::new(t.cos(), t.sin(), 0.0);
@@ -190,7 +202,9 @@ fn swept_helix() {
         let angle = -0.9 + 1.8 * y;
         let direction = out * angle.sin() - up * angle.cos();
         (centre(t) + direction * (ball - depth), -direction)
-    });
+    };
+    // Along x the whole tube turns about Z and moves evenly.
+    let tube = By(at, [(r + ball) * 0.8_f64.powi(3), ball * 1.8_f64.powi(3)]);
     for chain in chains() {
         // Chords leave the helix by 15 (1e-3)^2 / 8 mm, 2 nm.
         let poses: Vec<RotaryPose> = (-200..=1000)

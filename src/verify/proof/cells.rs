@@ -205,7 +205,7 @@ impl PatchTask<'_> {
 
     fn hull_of(&self, cell: &Cell) -> Hull {
         let at = |k: usize| self.surface.point(cell.at((k / 3) as f64 - 1.0, (k % 3) as f64 - 1.0));
-        Hull::new(&std::array::from_fn(at), self.grid.thickness() * 0.125_f64.powi(cell.depth))
+        Hull::new(&std::array::from_fn(at), cell.thickness.most)
     }
 
     fn lies(&self, hull: &Hull) -> Lies {
@@ -487,7 +487,7 @@ impl PatchTask<'_> {
         if low >= goal || (cell.depth >= DEEPEST && self.surface.holds(&hull.centre)) {
             proved.low = proved.low.min(low);
         } else if self.divides(cell, hull, lies) {
-            for quarter in cell.quarters() {
+            for quarter in cell.quarters(self.surface.shape) {
                 let hull = self.hull_of(&quarter);
                 self.below_cell(&quarter, &hull, self.lies(&hull), &left, goal, proved);
             }
@@ -535,7 +535,7 @@ impl PatchTask<'_> {
             [low_y, middle, c, high_x],
             [middle, high_y, high_x, d],
         ];
-        for (quarter, corners) in cell.quarters().iter().zip(parts) {
+        for (quarter, corners) in cell.quarters(self.surface.shape).iter().zip(parts) {
             let hull = self.hull_of(quarter);
             let lies = if lies == Lies::Inside { lies } else { self.lies(&hull) };
             if lies != Lies::Outside {

@@ -1,16 +1,12 @@
 //! A surface in one sector, the points of a patch of it, and the cells between them.
 
 use super::hull::Hull;
+use crate::geom::range::Thickness;
 use crate::part::{
     SurfaceId,
     chart::{Patch, Shape},
 };
 use nalgebra::{Point3, Rotation3};
-
-/// Share of the third difference over half a cell that bounds the deviation of a surface from the biquadratic through
-/// nine points. A cubic deviates from the parabola by 1/15.6, in two directions, with the mixed terms; the reserve is
-/// half as much again.
-const THICKNESS: f64 = 0.2;
 
 /// Cells along the side of a block, whose corners share their candidates.
 const BLOCK: usize = 2;
@@ -41,8 +37,12 @@ pub(crate) struct Grid {
     /// The patch.
     pub(crate) patch: Patch,
     points: Vec<Point3<f64>>,
-    /// Largest third difference along the lines of the grid, mm.
-    third: f64,
+    /// Thickness of the whole patch from the biquadratic through nine of its points.
+    whole: Thickness,
+    /// Of its blocks, x by x.
+    blocks: Vec<Thickness>,
+    /// Of its cells, x by x.
+    cells: Vec<Thickness>,
 }
 
 impl Grid {
@@ -53,19 +53,25 @@ impl Grid {
             .flat_map(|i| (0..=ny).map(move |j| (i, j)))
             .map(|(i, j)| shape.place(mix(patch.x, i, nx), mix(patch.y, j, ny)).position)
             .collect();
-        let at = |i: usize, j: usize| points[i * (ny + 1) + j].coords;
-        let mut third = 0.0_f64;
-        for i in 0..=nx {
-            for j in 0..=ny {
-                if i + 3 <= nx {
-                    third = third.max((at(i + 3, j) - (at(i + 2, j) - at(i + 1, j)) * 3.0 - at(i, j)).norm());
+        let over = |block: &CellBlock| {
+            let along = |range, [from, to]: [usize; 2], n| [mix(range, from, n), mix(range, to, n)];
+            shape.thickness([along(patch.x, block.x, patch.columns), along(patch.y, block.y, patch.rows)])
+        };
+        let whole = over(&CellBlock { x: [0, patch.columns], y: [0, patch.rows] });
+        let mut cells = vec![whole; patch.columns * patch.rows];
+        let mut blocks = Vec::new();
+        for x in CellBlock::runs([0, patch.columns]) {
+            for y in CellBlock::runs([0, patch.rows]) {
+                let block = CellBlock { x, y };
+                let thickness = over(&block);
+                let halved = thickness.halved().filter(|_| x[1] - x[0] == 2 && y[1] - y[0] == 2);
+                for cell in block.cells() {
+                    cells[cell.x[0] * patch.rows + cell.y[0]] = halved.unwrap_or_else(|| over(&cell));
                 }
-                if j + 3 <= ny {
-                    third = third.max((at(i, j + 3) - (at(i, j + 2) - at(i, j + 1)) * 3.0 - at(i, j)).norm());
-                }
+                blocks.push(thickness);
             }
         }
-        Self { patch, points, third }
+        Self { patch, points, whole, blocks, cells }
     }
 
     /// Point i along x and j along y; neighbouring corners are two points apart.
@@ -73,18 +79,23 @@ impl Grid {
         self.points[i * (2 * self.patch.rows + 1) + j]
     }
 
-    /// Largest deviation of a cell from the biquadratic through its nine points, mm.
-    pub(crate) fn thickness(&self) -> f64 {
-        THICKNESS * self.third
+    /// How far a cell, a block of [`CellBlock::runs`] or the whole patch lies from the biquadratic through its nine points.
+    fn thickness(&self, block: &CellBlock) -> Thickness {
+        match block.longest() {
+            1 => self.cells[block.x[0] * self.patch.rows + block.y[0]],
+            longest if longest <= BLOCK => {
+                self.blocks[block.x[0] / BLOCK * self.patch.rows.div_ceil(BLOCK) + block.y[0] / BLOCK]
+            }
+            _ => self.whole,
+        }
     }
 
     /// The hull of a block of cells, rotated into a sector.
     pub(crate) fn hull(&self, block: &CellBlock, turn: &Rotation3<f64>) -> Hull {
         let along = |[from, to]: [usize; 2]| [2 * from, from + to, 2 * to];
         let (x, y) = (along(block.x), along(block.y));
-        let size = block.longest() as f64;
         let at = |k: usize| turn * self.point(x[k / 3], y[k % 3]);
-        Hull::new(&std::array::from_fn(at), self.thickness() * size * size * size)
+        Hull::new(&std::array::from_fn(at), self.thickness(block).most)
     }
 
     /// The first cell of a block.
@@ -96,7 +107,7 @@ impl Grid {
         ];
         let middle =
             [patch.x[0] + half[0] * (2 * block.x[0] + 1) as f64, patch.y[0] + half[1] * (2 * block.y[0] + 1) as f64];
-        Cell { middle, half, depth: 0 }
+        Cell { middle, half, depth: 0, thickness: self.thickness(block) }
     }
 }
 
@@ -140,15 +151,19 @@ pub(crate) struct Cell {
     pub(crate) half: [f64; 2],
     /// Number of times that the cell was halved.
     pub(crate) depth: i32,
+    /// How far the surface lies from the biquadratic through nine points of the cell.
+    pub(crate) thickness: Thickness,
 }
 
 impl Cell {
-    pub(crate) fn quarters(self) -> [Self; 4] {
+    /// Its quarters, on a surface.
+    pub(crate) fn quarters(self, shape: &dyn Shape) -> [Self; 4] {
         let half = self.half.map(|h| 0.5 * h);
-        [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)].map(|(i, j)| Self {
-            middle: [self.middle[0] + i * half[0], self.middle[1] + j * half[1]],
-            half,
-            depth: self.depth + 1,
+        [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)].map(|(i, j)| {
+            let middle = [self.middle[0] + i * half[0], self.middle[1] + j * half[1]];
+            let range = |k: usize| [middle[k] - half[k], middle[k] + half[k]];
+            let thickness = self.thickness.halved().unwrap_or_else(|| shape.thickness([range(0), range(1)]));
+            Self { middle, half, depth: self.depth + 1, thickness }
         })
     }
 
