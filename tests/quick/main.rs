@@ -35,6 +35,7 @@ mod kept;
 mod language;
 mod larger_balls;
 mod layering;
+mod leads;
 mod left;
 mod levels;
 mod link_rate;

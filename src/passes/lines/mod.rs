@@ -65,6 +65,11 @@ pub(crate) trait DriveSurface: Sync {
         at.normal
     }
 
+    /// A contact of a lead or an arc, moved off the hub where the cutter would cut into it there.
+    fn off_hub(&self, at: CcPoint) -> CcPoint {
+        at
+    }
+
     /// The edges in y, at x, of what earlier tools have finished; half a step of theirs beside their outer lines. `None`
     /// where they have finished nothing.
     fn finished(&self, _x: f64) -> Option<[f64; 2]> {
@@ -384,7 +389,7 @@ fn line(
     };
     let lifted = |(u, lift): (f64, f64)| {
         let p = point(u);
-        CcPoint { position: p.position + surface.rise(&p) * lift, ..p }
+        surface.off_hub(CcPoint { position: p.position + surface.rise(&p) * lift, ..p })
     };
     let mut points: Vec<CcPoint> = Vec::new();
     if from.is_finite() && arcs[0] > 0.0 {

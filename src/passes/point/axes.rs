@@ -1,5 +1,6 @@
 //! Tool axes at contacts of vane faces, fillets and edges, and the cutter locations for them.
 
+use crate::geom::Revolution;
 use crate::ir::{CcPass, CcPoint, ClPoint, Operation, Program};
 use crate::part::{BladeId, FaceId, Part, Surface, SurfaceKind};
 use crate::passes::context::{AxisTilt, ChannelChart};
@@ -74,6 +75,10 @@ impl<'a> VaneAxis<'a> {
         } else {
             edge.slerp(&self.axis(to, end, v, tilt), 2.0 * share - 1.0)
         }
+    }
+
+    pub(crate) fn hub(&self) -> &Revolution {
+        &self.part.hub
     }
 
     pub(crate) fn looks_ahead(&self, face: FaceId) -> bool {

@@ -158,7 +158,7 @@ impl Around<'_> {
     fn lead(&self, points: &mut Vec<CcPoint>, leads: [f64; 2]) {
         let on = |a: &CcPoint, b: &CcPoint, length: f64| {
             let way = (b.position - a.position).normalize() * length;
-            CcPoint { position: b.position + way, ..*b }
+            self.faces[0].off_hub(CcPoint { position: b.position + way, ..*b })
         };
         let [first, second, .., before, last] = points.as_slice() else { return };
         let (enters, leaves) = (on(second, first, leads[0]), on(before, last, leads[1]));

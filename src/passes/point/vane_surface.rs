@@ -222,8 +222,24 @@ impl DriveSurface for VaneSurface<'_> {
             SurfaceKind::OutletEdge(_) if !self.round_edge => (1.0, y),
             _ => (u + off, if self.axes.looks_ahead(self.side) { 0.0 } else { 1.0 }),
         };
-        let position = if off == 0.0 { place.position } else { place.position + self.local(inside, y).px * off };
-        CcPoint { u, v, w, position, normal: place.normal }
+        let on_surface = CcPoint { u, v, w, position: place.position, normal: place.normal };
+        if off == 0.0 {
+            return on_surface;
+        }
+        self.off_hub(CcPoint { position: place.position + self.local(inside, y).px * off, ..on_surface })
+    }
+
+    /// A ball with the radius of the fillet touches the hub at the ends of the lowest line. A lead straight on, or an arc
+    /// along the normal of the face, may go into the hub: it is hollow along its meridian, and the face may lean over it.
+    fn off_hub(&self, at: CcPoint) -> CcPoint {
+        if !self.cutter.ends_in_ball() {
+            return at;
+        }
+        let centre = at.position + at.normal * self.cutter.tip_radius();
+        let hub = self.axes.hub();
+        let (u, distance) = hub.closest(Vector2::new(libm::hypot(centre.x, centre.y), centre.z));
+        let missing = (self.cutter.tip_radius() - distance).max(0.0);
+        CcPoint { position: at.position + hub.normal(u, libm::atan2(centre.y, centre.x)) * missing, ..at }
     }
 
     /// Below an edge is the hub, beside an edge free space. Where a blade ends inside of the part, the surface goes on round
