@@ -26,7 +26,7 @@ const BETWEEN: [f64; 3] = [0.25, 0.5, 0.75];
 const EASY: f64 = 1.73;
 
 /// Bisection steps for wall distances and lifts: half a channel divided by 2^10 is about 0.02 mm.
-const BISECTIONS: u32 = 10;
+pub(super) const BISECTIONS: u32 = 10;
 
 /// Data and limits of a roughing operation.
 pub(crate) struct Roughing<'a> {
@@ -112,6 +112,11 @@ impl<'a> StationPlace<'a> {
         let end = u.clamp(0.0, 1.0);
         let end = (u != end).then(|| chart.crossing(end));
         Self { at: chart.crossing(u), end, known: RefCell::default() }
+    }
+
+    /// True beyond the inlet and the outlet.
+    pub(super) fn is_on_lead(&self) -> bool {
+        self.end.is_some()
     }
 
     fn inside(&self) -> &Crossing<'a> {
@@ -348,7 +353,8 @@ impl<'a> Roughing<'a> {
         Some(high)
     }
 
-    fn clear(&self, place: &StationPlace<'_>, level: Level, w: f64) -> bool {
+    /// True when the tool keeps all allowances at w of a level.
+    pub(super) fn clear(&self, place: &StationPlace<'_>, level: Level, w: f64) -> bool {
         self.lifted(place, place.v(level, w), w).is_some_and(|v| {
             let (tip, axis) = (place.at.point(v, w), self.axis_at(place, v, w));
             self.obstacles.walls_clear(self.solid, &tip, &axis, &self.keep)
@@ -410,39 +416,6 @@ impl<'a> Roughing<'a> {
             self.obstacles.walls_clear(self.solid, &tip, &axis, &self.between)
                 && self.obstacles.hub_clear(self.solid, &tip, &axis, &self.between)
         })
-    }
-
-    /// Free space between the walls at u of a level.
-    pub(super) fn room(&self, u: f64, level: Level) -> Option<[f64; 2]> {
-        self.room_at(&StationPlace::new(&self.chart, u), level)
-    }
-
-    /// The same at a place that is known.
-    pub(super) fn room_at(&self, place: &StationPlace<'_>, level: Level) -> Option<[f64; 2]> {
-        // The middle first, then outward: the widest place of a twisted channel is near its middle.
-        const SEEDS: [f64; 9] = [0.5, 0.45, 0.55, 0.4, 0.6, 0.35, 0.65, 0.3, 0.7];
-        let seed = SEEDS.into_iter().find(|w| self.clear(place, level, *w))?;
-        let width = place.width(place.v(level, seed));
-        // On a lead, what stands between two places a step apart comes nearer by half of the tolerance at most.
-        let chord = 2.0 * libm::sqrt(self.radius() * self.tolerance);
-        let step = if place.end.is_some() { chord.min(self.radius()) } else { self.radius() };
-        let boundary = |wall: f64| {
-            let (mut first_free, mut first_blocked) = (seed, wall);
-            loop {
-                let (mut free, mut blocked) = (first_free, first_blocked);
-                for _ in 0..BISECTIONS {
-                    let w = 0.5 * (free + blocked);
-                    if self.clear(place, level, w) { free = w } else { blocked = w }
-                }
-                // The space need not be one: before an inlet that is strongly swept, a vane stands between two free places.
-                let count = ((free - seed).abs() * width / step).ceil().max(1.0);
-                let at = |k: f64| seed + (free - seed) * k / count;
-                let mut steps = (1..count as usize).map(|k| k as f64);
-                let Some(gap) = steps.find(|k| !self.clear(place, level, at(*k))) else { return free };
-                (first_free, first_blocked) = (at(gap - 1.0), at(gap));
-            }
-        };
-        Some([boundary(0.0), boundary(1.0)])
     }
 }
 

@@ -3,6 +3,7 @@
 //! A level is a surface through the channel. A run is a part of a level along the channel in which the tool fits
 //! everywhere, with its ends: open where the tool comes in from outside of the stock, closed where it no longer fits.
 
+use super::free_space::{Interval, Strip, strips};
 use super::layers::{LayerStation, Level, Roughing, length_of, limit_leads};
 use crate::method::Levels;
 use crate::passes::context::maximal_ranges;
@@ -204,30 +205,34 @@ impl Roughing<'_> {
                 }
             }
         }
-        let fits: Vec<Option<[f64; 2]>> =
-            (0..=count).into_par_iter().map(|i| if wanted[i] { self.room(grid[i], level) } else { None }).collect();
-        let mut level_found = RoughLevel { number, runs: Vec::new(), length: [0.0; 2] };
-        level_found.length[0] = (0..count).filter(|i| inside[*i] && inside[i + 1]).map(step).sum();
-        for fitting in maximal_ranges(count + 1, |i| fits[i].is_some()) {
-            let i = fitting.start;
+        let free_ends = self.free_ends();
+        let several = |u: f64| (u < 0.0 && free_ends[0]) || (u > 1.0 && free_ends[1]);
+        let rooms = |i: usize| if wanted[i] { self.rooms(grid[i], level, several(grid[i])) } else { Vec::new() };
+        let rooms: Vec<Vec<Interval>> = (0..=count).into_par_iter().map(rooms).collect();
+        let mut runs = Vec::new();
+        // Steps from station to station in the stock, and whether the tool cuts there.
+        let in_stock: Vec<usize> = (0..count).filter(|i| inside[*i] && inside[i + 1]).collect();
+        let mut cuts = vec![false; count];
+        for Strip { first, rooms } in strips(&rooms, &inside) {
             let mut stations: Vec<LayerStation> =
-                fitting.filter_map(|k| fits[k].map(|room| LayerStation { u: grid[k], room })).collect();
-            if limit_leads(&mut stations, self.free_ends(), |k, _| inside[i + k]).is_ok()
+                rooms.into_iter().zip(&grid[first..]).map(|(room, u)| LayerStation { u: *u, room }).collect();
+            if limit_leads(&mut stations, free_ends, |k, _| inside[first + k]).is_ok()
                 && self.ease(level, &mut stations).is_ok()
             {
                 for part in self.continuous(level, &stations) {
                     let stations: Vec<LayerStation> = stations[part.clone()].to_vec();
-                    let inside = |k: usize| inside[i + k];
+                    let inside = |k: usize| inside[first + k];
                     let open = [!inside(part.start), !inside(part.end - 1)];
-                    let steps = (part.start..part.end - 1).filter(|k| inside(*k) && inside(k + 1));
-                    let cut: f64 = steps.map(|k| step(i + k)).sum();
-                    if cut > 0.0 && (open[0] || open[1]) {
-                        level_found.length[1] += cut;
-                        level_found.runs.push(LevelRun { level, stations, open });
+                    let steps = first + part.start..first + part.end - 1;
+                    if in_stock.iter().any(|i| steps.contains(i)) && (open[0] || open[1]) {
+                        steps.for_each(|i| cuts[i] = true);
+                        runs.push(LevelRun { level, stations, open });
                     }
                 }
             }
         }
-        level_found
+        let [all, cut]: [f64; 2] =
+            [false, true].map(|cut| in_stock.iter().filter(|i| !cut || cuts[**i]).map(|i| step(*i)).sum());
+        RoughLevel { number, runs, length: [all, cut] }
     }
 }

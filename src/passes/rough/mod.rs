@@ -4,6 +4,7 @@ mod best_tilt;
 pub(crate) mod channel_levels;
 pub(crate) mod expand;
 mod floor;
+mod free_space;
 pub(crate) mod groove;
 mod layers;
 mod levels;
