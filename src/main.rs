@@ -286,7 +286,8 @@ struct ImportArguments {
     #[arg(long = import::SIDE_OPTION, value_enum, value_name = "SIDE")]
     side: Option<SideArgument>,
 
-    /// Face of a STEP file by its role: hub, shroud, pressure, suction, inlet, outlet. ROLE=#NUMBER or ROLE=NAME; several times
+    /// Face of a STEP file by its role: hub, shroud, pressure, suction, inlet, outlet, fillet, splitter1-pressure and so on.
+    /// ROLE=#NUMBER or ROLE=NAME; several times
     #[arg(long = "face", value_name = "ROLE=FACE", value_parser = face)]
     faces: Vec<FaceChoice>,
 
@@ -369,9 +370,8 @@ enum SideArgument {
 
 /// The face that the command line picks.
 fn face(text: &str) -> Result<FaceChoice, String> {
-    let roles: Vec<&str> = FaceRole::WORDS.iter().map(|(_, word)| *word).collect();
     FaceChoice::parsed(text)
-        .ok_or_else(|| format!("write ROLE=#NUMBER or ROLE=NAME; the roles are {}", roles.join(", ")))
+        .ok_or_else(|| format!("write ROLE=#NUMBER or ROLE=NAME; the roles are {}", FaceRole::FORMS))
 }
 
 /// The unit of a word of the command line.

@@ -32,7 +32,7 @@ mod table;
 mod turbogrid;
 mod wheel_ends;
 
-pub use face_choice::{FaceChoice, FaceRole};
+pub use face_choice::{BladeFace, FaceChoice, FaceRole};
 pub use frame::{Axis, Handedness, LengthUnit};
 pub use loader::{Fetch, NoFile};
 
@@ -79,6 +79,13 @@ pub enum BladeSurfaces {
         /// Largest distance from the ends of the faces to hub and shroud, mm.
         extend: f64,
     },
+    /// Faces and edges of closed loops, between hub and shroud as they are given.
+    Loops {
+        /// Largest distance from the ends of the faces to hub and shroud, mm.
+        extend: f64,
+        /// Largest distance of points from the curve of their section, mm.
+        fit: f64,
+    },
 }
 
 /// A row of blades.
@@ -103,6 +110,10 @@ pub struct ImportedBlade {
     pub places: Vec<Span>,
     /// Forms of the leading and of the trailing edge, where the file states them.
     pub edges: [Option<EdgeForm>; 2],
+    /// Side of the pressure face, where the file states it and the forms of the sections do not.
+    pub pressure: Option<Side>,
+    /// Radius of the fillet at the hub, mm, where the file states it.
+    pub fillet: Option<f64>,
     /// Gap at the tip at the leading and at the trailing edge, mm, where the file states it.
     pub tip_gap: Option<[f64; 2]>,
     /// Angle from the main blade to this blade as a share of the pitch, where the file states it and the sections do not

@@ -31,7 +31,7 @@ pub fn outlines(
         let known = Known { inlet, pressure };
         row.blades.iter().map(|blade| of_blade(blade, &known)).collect()
     };
-    if let Some(side) = options.side {
+    if let Some(side) = stated_side(row, options)? {
         return all(side);
     }
     let found = all(Side::Greater)?;
@@ -45,6 +45,21 @@ pub fn outlines(
         None => Err(Diag::error(codes::SECTION, "the pressure face of the blades is not known")
             .label(place(main, 0), "the face that is ahead is not the concave one, as on turbines")
             .help("state `--pressure greater` or `--pressure smaller`: the side of the pressure face by the angle about Z")),
+    }
+}
+
+/// The side of the pressure face that the file or the caller states.
+fn stated_side(row: &ImportedRow, options: &Options) -> Result<Option<Side>, Diag> {
+    let main = row.blades.first();
+    let of_file = main.and_then(|blade| blade.pressure);
+    match (of_file, options.side) {
+        (Some(of_file), Some(given)) if of_file != given => Err(Diag::error(
+            codes::CONTRADICTS,
+            "the file has the pressure face on the other side than `--pressure` says",
+        )
+        .label(main.map_or(Span::default(), |blade| place(blade, 0)), "the pressure face of the file")
+        .help("leave out `--pressure`, or pick the other face as pressure face")),
+        (of_file, given) => Ok(of_file.or(given)),
     }
 }
 

@@ -44,7 +44,7 @@ pub struct PartSource<'a> {
 }
 
 /// Digits behind the point of written coordinates, mm: a tenth of a nanometre, so that reading them changes nothing.
-const DIGITS: usize = 7;
+pub(super) const DIGITS: usize = 7;
 
 /// Most files that are named one by one.
 const NAMED: usize = 4;
@@ -191,7 +191,7 @@ fn ruled_faces(text: &mut String, divided: &[DividedSection], blade: &str, file:
 }
 
 /// Closed sections of each blade.
-fn loops(source: &PartSource<'_>, frame: JobFrame) -> Vec<(String, String)> {
+pub(super) fn loops(source: &PartSource<'_>, frame: JobFrame) -> Vec<(String, String)> {
     let of = |(k, blade): (usize, &ImportedBlade)| {
         let mut text = format!(
             "# Sections of {} of {} in mm, from hub to shroud. Z is the axis of rotation.\n# curve,number,x,y,z\n",

@@ -20,5 +20,6 @@ mod point;
 mod quantities;
 mod refused_roughing;
 mod rough;
+mod step_import;
 mod stock;
 mod wheels;

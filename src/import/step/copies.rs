@@ -6,28 +6,23 @@ use nalgebra::{Point3, Rotation3, Vector3};
 use std::f64::consts::TAU;
 
 /// Ends and middles of the edges of a face: points that its copies have as well.
-fn marks(face: &StepFace, turned: &dyn Fn(&Point3<f64>) -> Point3<f64>) -> Vec<Point3<f64>> {
-    face.borders
-        .iter()
-        .flatten()
-        .flat_map(|edge| [edge.first(), edge.get(EDGE_STEPS / 2)])
-        .flatten()
-        .map(turned)
-        .collect()
+fn marks(face: &StepFace) -> Vec<Point3<f64>> {
+    let edges = face.borders.iter().flatten();
+    edges.flat_map(|edge| [edge.points.first(), edge.points.get(EDGE_STEPS / 2)]).flatten().copied().collect()
 }
 
 fn middle(marks: &[Point3<f64>]) -> Vector3<f64> {
     marks.iter().map(|p| p.coords).sum::<Vector3<f64>>() / marks.len().max(1) as f64
 }
 
-/// Number of copies of a face, itself included, that other faces of the file are: each turned about the axis, all at equal
+/// Number of copies of a face, itself included, that other faces of the file are: each turned about Z, all at equal
 /// angles round it. `None` where there are none, or their angles are not equal.
-pub(super) fn count(face: &StepFace, others: &[StepFace], turned: &dyn Fn(&Point3<f64>) -> Point3<f64>) -> Option<u32> {
-    let own = marks(face, turned);
+pub(super) fn count(face: &StepFace, others: impl Iterator<Item = StepFace>) -> Option<u32> {
+    let own = marks(face);
     let at = middle(&own);
     let mut angles = vec![0.0];
     for other in others {
-        let theirs = marks(other, turned);
+        let theirs = marks(&other);
         let there = middle(&theirs);
         let same = theirs.len() == own.len()
             && (libm::hypot(there.x, there.y) - libm::hypot(at.x, at.y)).abs() < APART

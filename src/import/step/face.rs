@@ -1,6 +1,7 @@
 //! Faces of STEP files with their borders: points of their edges in order, and the chains of edges between corners.
 
 use super::curve::StepCurve;
+use super::picks::ListedFace;
 use super::placement::StepGeometry;
 use super::surface::StepSurface;
 use super::table::Entity;
@@ -29,10 +30,31 @@ pub(super) struct StepFace {
     pub(super) borders: Vec<StepBorder>,
 }
 
-/// A closed border: the points of each edge, of which the last is the first of the next edge.
-pub(super) type StepBorder = Vec<Vec<Point3<f64>>>;
+/// A closed border: edges, of which each ends at the first point of the next one.
+pub(super) type StepBorder = Vec<StepEdge>;
+
+/// An edge of a border.
+#[derive(Clone, Debug)]
+pub(super) struct StepEdge {
+    /// The number of its curve: two faces that meet there have the same one.
+    pub(super) number: u64,
+    pub(super) points: Vec<Point3<f64>>,
+}
+
+/// A chain of edges of a border.
+#[derive(Clone, Debug)]
+pub(super) struct StepChain {
+    /// Numbers of its edges.
+    pub(super) edges: Vec<u64>,
+    pub(super) points: Vec<Point3<f64>>,
+}
 
 impl StepGeometry<'_, '_> {
+    /// A listed face at the first of its places.
+    pub(super) fn listed(&self, face: &ListedFace<'_>) -> Result<StepFace, Diag> {
+        self.of_part(&face.place()).face(&face.entity)
+    }
+
     /// A face with its surface and its borders.
     pub(super) fn face(&self, entity: &Entity<'_>) -> Result<StepFace, Diag> {
         let arguments = entity.arguments("FACE_SURFACE")?;
@@ -44,7 +66,7 @@ impl StepGeometry<'_, '_> {
             let mut border = self.border(of_bound.reference(1)?, bound.span)?;
             if of_bound.word(2) == Some("F") {
                 border.reverse();
-                border.iter_mut().for_each(|edge| edge.reverse());
+                border.iter_mut().for_each(|edge| edge.points.reverse());
             }
             let outer = bound.part("FACE_OUTER_BOUND").is_some();
             if border.is_empty() {
@@ -73,14 +95,15 @@ impl StepGeometry<'_, '_> {
         for edge in edges {
             let oriented = self.entity(edge, entity.span)?;
             let arguments = oriented.arguments("ORIENTED_EDGE")?;
-            let mut points = self.edge(arguments.reference(3)?, oriented.span)?;
+            let number = arguments.reference(3)?;
+            let mut points = self.edge(number, oriented.span)?;
             if arguments.word(4) == Some("F") {
                 points.reverse();
             }
-            border.push(points);
+            border.push(StepEdge { number, points });
         }
         let open = |k: usize| {
-            let (here, next): (&Vec<_>, &Vec<_>) = (&border[k], &border[(k + 1) % border.len()]);
+            let [here, next] = [k, k + 1].map(|k| &border[k % border.len()].points);
             here.last().zip(next.first()).is_none_or(|(a, b)| nalgebra::distance(a, b) > APART)
         };
         if (0..border.len()).any(open) {
@@ -141,7 +164,7 @@ fn turns(border: &StepBorder) -> Vec<f64> {
     let way = |points: &[Point3<f64>]| points.first().zip(points.last()).map(|(a, b)| b - a);
     let count = border.len();
     let turn = |k: usize| {
-        let (before, here) = (&border[(k + count - 1) % count], &border[k]);
+        let [before, here] = [k + count - 1, k].map(|k| &border[k % count].points);
         let ways = way(&before[before.len().saturating_sub(2)..]).zip(way(&here[..here.len().min(2)]));
         ways.map_or(0.0, |(a, b)| a.angle(&b))
     };
@@ -149,14 +172,14 @@ fn turns(border: &StepBorder) -> Vec<f64> {
 }
 
 /// Chains of the edges of a border that begin at these edges.
-fn chains(border: &StepBorder, starts: &[usize]) -> Vec<Vec<Point3<f64>>> {
+fn chains(border: &StepBorder, starts: &[usize]) -> Vec<StepChain> {
     let count = border.len();
     let of = |(i, start): (usize, &usize)| {
         let end = starts.get(i + 1).copied().unwrap_or(starts[0] + count);
-        let edges = (*start..end).map(|k| &border[k % count]);
-        let mut chain: Vec<Point3<f64>> = Vec::new();
-        for edge in edges {
-            chain.extend(edge.iter().skip(usize::from(!chain.is_empty())));
+        let mut chain = StepChain { edges: Vec::new(), points: Vec::new() };
+        for edge in (*start..end).map(|k| &border[k % count]) {
+            chain.edges.push(edge.number);
+            chain.points.extend(edge.points.iter().skip(usize::from(!chain.points.is_empty())));
         }
         chain
     };
@@ -164,7 +187,7 @@ fn chains(border: &StepBorder, starts: &[usize]) -> Vec<Vec<Point3<f64>>> {
 }
 
 /// The four sides of a border, between its four sharpest corners; `None` where it has no four.
-pub(super) fn four_sides(border: &StepBorder) -> Option<[Vec<Point3<f64>>; 4]> {
+pub(super) fn four_sides(border: &StepBorder) -> Option<[StepChain; 4]> {
     /// Least turn of a corner, rad: 5 deg.
     const CORNER: f64 = 0.087;
     let turns = turns(border);
@@ -176,7 +199,7 @@ pub(super) fn four_sides(border: &StepBorder) -> Option<[Vec<Point3<f64>>; 4]> {
 }
 
 /// Chains of a border between its corners.
-pub(super) fn smooth_chains(border: &StepBorder) -> Vec<Vec<Point3<f64>>> {
+pub(super) fn smooth_chains(border: &StepBorder) -> Vec<StepChain> {
     /// Least turn of a corner, rad: 30 deg.
     const CORNER: f64 = 0.52;
     let turns = turns(border);

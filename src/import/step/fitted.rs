@@ -28,16 +28,16 @@ pub(super) struct FittedSections {
 
 /// Sections for two faces: two where ruled faces are near enough, otherwise as many as lofted faces need. `None` where no surface
 /// goes through their points.
-pub(super) fn sections(faces: &[StepSheet; 2], turned: &dyn Fn(&Point3<f64>) -> Point3<f64>) -> Option<FittedSections> {
+pub(super) fn sections(faces: &[StepSheet; 2]) -> Option<FittedSections> {
     let of = |rows: usize, steps: usize| -> Option<FittedSections> {
         let mut made: Vec<Vec<Vec<Point3<f64>>>> = Vec::with_capacity(2);
         let mut distance = 0.0_f64;
         for face in faces {
-            let row = |j: usize| face.row(j as f64 / rows as f64, steps).iter().map(turned).collect();
+            let row = |j: usize| face.row(j as f64 / rows as f64, steps);
             let points: Vec<Vec<Point3<f64>>> = (0..=rows).map(row).collect();
             let curves: Option<Vec<_>> = points.iter().map(|p| interpolate(p, DEGREE.min(p.len() - 1)).ok()).collect();
             let lofted = LoftedSurface::through(curves?).ok()?;
-            distance = distance.max(off(face, turned, &lofted, [3 * steps + 1, 3 * rows.max(4) + 1]));
+            distance = distance.max(off(face, &lofted, [3 * steps + 1, 3 * rows.max(4) + 1]));
             made.push(points);
         }
         let (second, first) = (made.pop()?, made.pop()?);
@@ -68,24 +68,19 @@ pub(super) fn sections(faces: &[StepSheet; 2], turned: &dyn Fn(&Point3<f64>) -> 
 }
 
 /// Largest distance of places of a face from a surface, mm. Each place is near the one of the surface with its parameters.
-fn off(
-    face: &StepSheet,
-    turned: &dyn Fn(&Point3<f64>) -> Point3<f64>,
-    lofted: &LoftedSurface,
-    counts: [usize; 2],
-) -> f64 {
+fn off(face: &StepSheet, lofted: &LoftedSurface, counts: [usize; 2]) -> f64 {
     let mut most = 0.0_f64;
     for i in 0..=counts[0] {
         for j in 0..=counts[1] {
             let [s, t] = [i as f64 / counts[0] as f64, j as f64 / counts[1] as f64];
-            most = most.max(from_surface(&turned(&face.jet(s, t).point), lofted, [s, t]));
+            most = most.max(from_surface(&face.jet(s, t).point, lofted, [s, t]));
         }
     }
     most
 }
 
-/// Distance of a point from a surface, searched from a place.
-fn from_surface(p: &Point3<f64>, lofted: &LoftedSurface, [mut u, mut v]: [f64; 2]) -> f64 {
+/// Distance of a point from a surface within its borders, mm, searched from a place.
+pub(super) fn from_surface(p: &Point3<f64>, lofted: &LoftedSurface, [mut u, mut v]: [f64; 2]) -> f64 {
     let mut least = f64::INFINITY;
     for _ in 0..8 {
         let d = lofted.derivatives(u, v);

@@ -67,65 +67,83 @@ impl StepMeridian {
         }
     }
 
+    /// The meridian with the part of another one that goes on beyond one of its ends; `None` where the other one does not meet that
+    /// end, or goes on nowhere.
+    fn continued(&self, other: &Self) -> Option<Self> {
+        /// Distance within which meridians of several faces meet, mm.
+        const MEET: f64 = 0.01;
+        for line in [self.clone(), self.reversed()] {
+            let end = line.points[line.points.len() - 1];
+            for other in [other.clone(), other.reversed()] {
+                let [from, far] = other.nearest(&end);
+                let beyond = other.points[other.points.len() - 1];
+                if far < MEET && line.nearest(&beyond)[1] > MEET {
+                    let rest = other.points.iter().zip(&other.lengths).filter(|(_, length)| **length > from);
+                    let rest = rest.map(|(p, _)| *p).skip_while(|p| (p - end).norm() < MEET);
+                    return Self::new(line.points.iter().copied().chain(rest).collect());
+                }
+            }
+        }
+        None
+    }
+
+    /// The meridian from one length to another one.
+    pub(super) fn part(&self, [from, to]: [f64; 2]) -> Option<Self> {
+        let between = self.points.iter().zip(&self.lengths).filter(|(_, length)| (from..to).contains(*length));
+        let inside = between.map(|(p, _)| *p);
+        Self::new(std::iter::once(self.at(from)).chain(inside).chain(std::iter::once(self.at(to))).collect())
+    }
+
+    /// The meridian with straight lines of these lengths before its start and behind its end.
+    pub(super) fn lengthened(&self, [before, behind]: [f64; 2]) -> Option<Self> {
+        let last = self.points.len() - 1;
+        let beyond = |end: usize, inside: usize, by: f64| {
+            let way = self.points[end] - self.points[inside];
+            self.points[end] + way * (by / way.norm())
+        };
+        let first = (before > 0.0).then(|| beyond(0, 1, before));
+        let end = (behind > 0.0).then(|| beyond(last, last - 1, behind));
+        Self::new(first.into_iter().chain(self.points.iter().copied()).chain(end).collect())
+    }
+
     /// Points between two lengths, with equal steps.
     pub(super) fn between(&self, [from, to]: [f64; 2], steps: usize) -> Vec<[f64; 2]> {
         (0..=steps).map(|k| self.at(from + (to - from) * k as f64 / steps as f64).into()).collect()
     }
 }
 
-/// The meridian of faces of a surface of revolution, points turned into the part frame by `turned`, and the largest distance of
-/// their borders from it, mm: zero for exact surfaces.
-pub(super) fn of_faces(
-    faces: &[StepFace],
-    turned: impl Fn(&Point3<f64>) -> Point3<f64>,
-) -> Result<(StepMeridian, f64), Diag> {
+/// The meridian of faces of a surface of revolution about Z, and the largest distance of their borders from it, mm: zero for exact
+/// surfaces.
+pub(super) fn of_faces(faces: &[StepFace]) -> Result<(StepMeridian, f64), Diag> {
     /// Of the points of borders, one in so many is checked.
     const CHECKED: usize = 16;
-    /// Distance within which meridians of several faces meet, mm.
-    const MEET: f64 = 0.01;
-    let fault = |message: &str| {
-        let place = faces.first();
-        let mut diag = Diag::error(codes::NOT_READ, message.to_owned())
-            .help("pick faces of the hub that are surfaces of revolution with edges from inlet to outlet");
-        if let Some(face) = place {
-            diag = diag.label(face.span, format!("#{}", face.number));
-        }
-        diag
-    };
-    let flat_line =
-        |points: &Vec<Point3<f64>>| -> Vec<Vector2<f64>> { points.iter().map(|p| flat(&turned(p))).collect() };
+    let flat_line = |points: &[Point3<f64>]| points.iter().map(flat).collect();
     let mut longest: Vec<StepMeridian> = Vec::new();
     for face in faces {
         let chains = face.borders.iter().flat_map(smooth_chains);
-        let lines = chains.filter_map(|chain| StepMeridian::new(flat_line(&chain)));
+        let lines = chains.filter_map(|chain| StepMeridian::new(flat_line(&chain.points)));
         longest.extend(lines.max_by(|a, b| a.length().total_cmp(&b.length())));
     }
     longest.sort_by(|a, b| b.length().total_cmp(&a.length()));
     let mut rest = longest.into_iter();
-    let Some(mut line) = rest.next() else { return Err(fault("the faces have no meridian")) };
+    let Some(mut line) = rest.next() else { return Err(no_meridian(faces)) };
     let mut rest: Vec<StepMeridian> = rest.collect();
-    // Faces that lie behind each other: what ends at an end of the line goes on from there.
-    while let Some((k, joined)) = rest.iter().enumerate().find_map(|(k, other)| Some((k, joined(&line, other, MEET)?)))
-    {
-        line = joined;
+    // Faces behind each other, and faces of which one goes beyond the other.
+    while let Some((k, longer)) = rest.iter().enumerate().find_map(|(k, other)| Some((k, line.continued(other)?))) {
+        line = longer;
         rest.swap_remove(k);
     }
     let borders = faces.iter().flat_map(|face| face.borders.iter().flatten());
-    let checked = borders.flat_map(|edge| edge.iter().step_by(CHECKED));
-    let spread = checked.map(|p| line.nearest(&flat(&turned(p)))[1]).fold(0.0, f64::max);
+    let checked = borders.flat_map(|edge| edge.points.iter().step_by(CHECKED));
+    let spread = checked.map(|p| line.nearest(&flat(p))[1]).fold(0.0, f64::max);
     Ok((line, spread))
 }
 
-/// Two meridians one behind the other; `None` where they do not meet, or lie on each other.
-fn joined(line: &StepMeridian, other: &StepMeridian, meet: f64) -> Option<StepMeridian> {
-    let ends = |line: &StepMeridian| [line.points[0], line.points[line.points.len() - 1]];
-    for line in [line.clone(), line.reversed()] {
-        for other in [other.clone(), other.reversed()] {
-            let ([_, last], [first, far]) = (ends(&line), ends(&other));
-            if (last - first).norm() < meet && line.nearest(&far)[1] > meet {
-                return StepMeridian::new(line.points.iter().chain(&other.points[1..]).copied().collect());
-            }
-        }
+fn no_meridian(faces: &[StepFace]) -> Diag {
+    let mut diag = Diag::error(codes::NOT_READ, "the faces have no meridian")
+        .help("pick faces of the hub that are surfaces of revolution with edges from inlet to outlet");
+    if let Some(face) = faces.first() {
+        diag = diag.label(face.span, format!("#{}", face.number));
     }
-    None
+    diag
 }

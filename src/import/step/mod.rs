@@ -1,15 +1,24 @@
 //! STEP files (ISO 10303-21 of AP203, AP214, AP242): their unit, the list of their faces, and the wheel of the faces that are
 //! picked.
 
+mod assembly;
+mod blade;
 mod copies;
 mod curve;
+mod edge;
+mod ends;
 mod face;
+mod fillet;
 mod fitted;
+mod inlet;
 mod lexer;
+mod looped;
 mod meridian;
+mod neighbours;
 mod picks;
 mod placement;
 mod read_geometry;
+mod revolved;
 mod sheet;
 mod spline;
 mod surface;
@@ -25,12 +34,10 @@ use crate::diag::codes::import as codes;
 use crate::diag::{Diag, printable};
 use crate::source::SourceId;
 use crate::units::trim;
+use nalgebra::IsometryMatrix3;
 use placement::StepGeometry;
 use table::EntityTable;
 use wheel::StepWheel;
-
-/// Most faces that are listed. A wheel of 40 blades with fillets has some 500.
-const MOST_FACES: usize = 20_000;
 
 /// Reads the wheel of the faces that the caller picks, or that have the names of our own export. Without any it lists the faces.
 pub(super) fn read(
@@ -44,7 +51,7 @@ pub(super) fn read(
     let (source, whole) = text.whole();
     let table = EntityTable::read(source, whole)?;
     let mm = units::length(&table, options, end, found)?;
-    let faces = picks::listed(&table, MOST_FACES)?;
+    let mut faces = picks::listed(&table)?;
     if faces.is_empty() {
         return Err(Diag::error(codes::NOT_READ, "the file has no faces")
             .label(end, "no ADVANCED_FACE stands before its end")
@@ -53,7 +60,8 @@ pub(super) fn read(
     let picked = picks::picked(&faces, &options.faces, end)?;
     if !picked.is_empty() {
         let radians = units::angle(&table)?;
-        let geometry = StepGeometry { table: &table, mm, radians };
+        let geometry = StepGeometry { table: &table, mm, radians, frame: IsometryMatrix3::identity() };
+        assembly::place(&geometry, &mut faces, &|k| picked.has(k))?;
         return StepWheel { geometry, faces: &faces, picked: &picked, options, end }.read(found);
     }
     let mut listing = vec![format!("unit of length: {} mm", trim(mm, 9)), "  number  surface  name".to_owned()];

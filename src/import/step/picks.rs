@@ -4,8 +4,12 @@
 use super::table::{Entity, EntityTable};
 use crate::diag::codes::import as codes;
 use crate::diag::{Diag, printable};
-use crate::import::{FaceChoice, FaceRole};
+use crate::import::{BladeFace, FaceChoice, FaceRole, limits};
 use crate::source::Span;
+use nalgebra::IsometryMatrix3;
+
+/// Most faces that are listed. A wheel of 40 blades with fillets has some 500.
+pub(super) const MOST_FACES: usize = 20_000;
 
 /// Most faces that are named in a message.
 const NAMED: usize = 12;
@@ -16,22 +20,31 @@ pub(super) struct ListedFace<'t> {
     pub(super) entity: Entity<'t>,
     pub(super) name: String,
     pub(super) surface: String,
+    /// Where it stands: ways from its own frame to that of the whole file. Parts of an assembly may stand at several places.
+    pub(super) places: Vec<IsometryMatrix3<f64>>,
 }
 
-/// Lists all faces of a file, at most `most`.
-pub(super) fn listed<'t>(table: &EntityTable<'t>, most: usize) -> Result<Vec<ListedFace<'t>>, Diag> {
+impl ListedFace<'_> {
+    /// The first of its places.
+    pub(super) fn place(&self) -> IsometryMatrix3<f64> {
+        self.places.first().copied().unwrap_or_else(IsometryMatrix3::identity)
+    }
+}
+
+/// Lists all faces of a file.
+pub(super) fn listed<'t>(table: &EntityTable<'t>) -> Result<Vec<ListedFace<'t>>, Diag> {
     let mut faces = Vec::new();
     for entity in table.of_kinds(&["ADVANCED_FACE", "FACE_SURFACE"]) {
         let entity = entity?;
-        if faces.len() >= most {
-            return Err(Diag::error(codes::TOO_MUCH, format!("more than {most} faces, the limit"))
+        if faces.len() >= MOST_FACES {
+            return Err(Diag::error(codes::TOO_MUCH, format!("more than {MOST_FACES} faces, the limit"))
                 .label(entity.span, "this one exceeds it")
                 .help("export one sector of the wheel alone"));
         }
         let arguments = entity.arguments("FACE_SURFACE")?;
         let surface = table.entity(arguments.reference(2)?, entity.span)?.name();
         let name = arguments.text(0);
-        faces.push(ListedFace { entity, name, surface });
+        faces.push(ListedFace { entity, name, surface, places: vec![IsometryMatrix3::identity()] });
     }
     Ok(faces)
 }
@@ -47,6 +60,20 @@ impl PickedFaces {
         self.roles.is_empty()
     }
 
+    /// Whether a face of the list has a role.
+    pub(super) fn has(&self, face: usize) -> bool {
+        self.roles.iter().any(|(_, k)| *k == face)
+    }
+
+    /// Number of blades of a sector that have a face.
+    pub(super) fn blades(&self) -> usize {
+        let blades = self.roles.iter().filter_map(|(role, _)| match role {
+            FaceRole::OfBlade(blade, _) => Some(blade + 1),
+            FaceRole::Hub | FaceRole::Shroud => None,
+        });
+        blades.max().unwrap_or(1)
+    }
+
     /// Faces of a role.
     pub(super) fn of(&self, role: FaceRole) -> Vec<usize> {
         self.roles.iter().filter(|(r, _)| *r == role).map(|(_, k)| *k).collect()
@@ -60,21 +87,32 @@ impl PickedFaces {
             [first, second, ..] => Err(Diag::error(codes::NOT_READ, format!("the role {role} has several faces"))
                 .label(faces[*second].entity.span, format!("#{}", faces[*second].entity.number))
                 .label(faces[*first].entity.span, format!("#{}", faces[*first].entity.number))
-                .help("pick one face; join the pieces of a face before the export. The hub alone may have several")),
+                .help("pick one face; join the pieces of a face before the export")),
         }
     }
 }
 
-/// The role that the name of a face of our own export tells: those of the first vane, and the hub.
+/// The role that the name of a face of our own export tells: those of the blades of the first sector, and the hub.
 fn by_name(name: &str) -> Option<FaceRole> {
-    match name {
-        "vane 1 pressure face" => Some(FaceRole::Pressure),
-        "vane 1 suction face" => Some(FaceRole::Suction),
-        "vane 1 inlet edge" => Some(FaceRole::Inlet),
-        "vane 1 outlet edge" => Some(FaceRole::Outlet),
-        _ if name.starts_with("hub of channel ") => Some(FaceRole::Hub),
-        _ => None,
+    if name.starts_with("hub of channel ") {
+        return Some(FaceRole::Hub);
     }
+    let (blade, face) = match name.strip_prefix("vane 1 ") {
+        Some(face) => (0, face),
+        None => {
+            let (number, face) = name.strip_prefix("splitter 1.")?.split_once(' ')?;
+            (number.parse().ok().filter(|number| (1..limits::BLADES).contains(number))?, face)
+        }
+    };
+    let face = match face {
+        "pressure face" => BladeFace::Pressure,
+        "suction face" => BladeFace::Suction,
+        "inlet edge" => BladeFace::Inlet,
+        "outlet edge" => BladeFace::Outlet,
+        "pressure fillet" | "suction fillet" => BladeFace::Fillet,
+        _ => return None,
+    };
+    Some(FaceRole::OfBlade(blade, face))
 }
 
 /// The faces of all roles. What the caller picks for a role replaces what names tell of it.
@@ -96,7 +134,7 @@ pub(super) fn picked(faces: &[ListedFace<'_>], choices: &[FaceChoice], end: Span
                     choice.role,
                 ));
             }
-            [_, second, ..] if choice.role != FaceRole::Hub => {
+            [_, second, ..] if !choice.role.has_several() => {
                 return Err(Diag::error(
                     codes::NOT_STATED,
                     format!("{} faces have the name `{}`", found.len(), printable(&choice.face)),

@@ -5,7 +5,7 @@ use crate::diag::Diag;
 use crate::diag::codes::import as codes;
 use crate::import::limits;
 use crate::source::Span;
-use nalgebra::{Point3, Vector3};
+use nalgebra::{IsometryMatrix3, Point3, Vector3};
 
 /// A right-handed frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,9 +24,21 @@ pub(super) struct StepGeometry<'a, 't> {
     pub(super) mm: f64,
     /// Radians of the unit of angles.
     pub(super) radians: f64,
+    /// The way from the frame of the entities to the one in which geometry is read, mm.
+    pub(super) frame: IsometryMatrix3<f64>,
 }
 
 impl<'t> StepGeometry<'_, 't> {
+    /// The same reader, with the frame in which it reads moved.
+    pub(super) fn moved(self, by: &IsometryMatrix3<f64>) -> Self {
+        Self { frame: by * self.frame, ..self }
+    }
+
+    /// The reader of a part that stands at a place of the whole.
+    pub(super) fn of_part(self, place: &IsometryMatrix3<f64>) -> Self {
+        Self { frame: self.frame * place, ..self }
+    }
+
     pub(super) fn entity(&self, number: u64, named_at: Span) -> Result<Entity<'t>, Diag> {
         self.table.entity(number, named_at)
     }
@@ -62,13 +74,16 @@ impl<'t> StepGeometry<'_, 't> {
             .label(entity.span, "this point")
             .help("check the unit of the file, and this number"));
         }
-        Ok(Point3::from(at))
+        Ok(self.frame * Point3::from(at))
     }
 
     /// A unit vector.
     fn direction(&self, number: u64, named_at: Span) -> Result<Vector3<f64>, Diag> {
         let (entity, along) = self.three(number, named_at, "DIRECTION")?;
-        along.try_normalize(1e-100).ok_or_else(|| entity.fault(format!("the direction #{number} has no length")))
+        let along = along.try_normalize(1e-100);
+        along
+            .map(|along| self.frame * along)
+            .ok_or_else(|| entity.fault(format!("the direction #{number} has no length")))
     }
 
     /// The way of a vector, mm.
@@ -95,8 +110,9 @@ impl<'t> StepGeometry<'_, 't> {
             true => self.direction(arguments.reference(k)?, entity.span).map(Some),
             false => Ok(None),
         };
-        let z = given(2)?.unwrap_or_else(Vector3::z);
-        let other = if z.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
+        let z = given(2)?.unwrap_or_else(|| self.frame * Vector3::z());
+        let [first, second] = [Vector3::x(), Vector3::y()].map(|axis| self.frame * axis);
+        let other = if z.dot(&first).abs() < 0.9 { first } else { second };
         let across = given(3)?.unwrap_or(other);
         let x = (across - z * across.dot(&z))
             .try_normalize(1e-9)

@@ -3,7 +3,7 @@
 //! The parameters of the sides are blended (a Coons patch in the parameters of the surface), so that each place lies on the
 //! surface, and the sides are those of the face also where it is trimmed.
 
-use super::face::{APART, StepFace, four_sides};
+use super::face::{APART, StepChain, StepFace, four_sides};
 use super::surface::{StepSurface, SurfaceJet};
 use crate::diag::Diag;
 use crate::diag::codes::import as codes;
@@ -12,6 +12,8 @@ use nalgebra::{Point3, Vector2};
 /// A side: parameters of the surface, by the share of its length.
 #[derive(Clone, Debug)]
 struct SheetSide {
+    /// Numbers of its edges.
+    edges: Vec<u64>,
     shares: Vec<f64>,
     places: Vec<Vector2<f64>>,
 }
@@ -59,24 +61,25 @@ impl StepSheet {
             return Err(fault(format!("the face #{} has no border with four corners", face.number)));
         };
         // The root is the side whose farthest point is nearest to the hub.
-        let farthest = |side: &Vec<Point3<f64>>| side.iter().map(&from_root).fold(0.0, f64::max);
+        let farthest = |side: &StepChain| side.points.iter().map(&from_root).fold(0.0, f64::max);
         let root = (0..4).min_by(|a, b| farthest(&sides[*a]).total_cmp(&farthest(&sides[*b]))).unwrap_or(0);
         let (mut apart, mut near) = (0.0_f64, None);
         let mut placed = Vec::with_capacity(4);
         for side in &sides {
-            let mut places = Vec::with_capacity(side.len());
-            for p in side {
+            let mut places = Vec::with_capacity(side.points.len());
+            for p in &side.points {
                 let (place, far) = face.surface.nearest(p, near);
                 near = Some(place);
                 apart = apart.max(far);
                 places.push(Vector2::from(place));
             }
             let mut lengths = vec![0.0];
-            for pair in side.windows(2) {
+            for pair in side.points.windows(2) {
                 lengths.push(lengths[lengths.len() - 1] + nalgebra::distance(&pair[0], &pair[1]));
             }
             let whole = lengths[lengths.len() - 1].max(f64::MIN_POSITIVE);
-            placed.push(SheetSide { shares: lengths.into_iter().map(|l| l / whole).collect(), places });
+            let shares = lengths.into_iter().map(|l| l / whole).collect();
+            placed.push(SheetSide { edges: side.edges.clone(), shares, places });
         }
         if apart.is_nan() || apart > APART {
             return Err(fault(format!(
@@ -95,7 +98,8 @@ impl StepSheet {
             return Err(fault(format!("the border of the face #{} goes round its surface", face.number)));
         }
         placed.rotate_left(root);
-        let starts = sides[root].first().zip(sides[root].last()).is_some_and(|(a, b)| from_start(a) < from_start(b));
+        let along_root = &sides[root].points;
+        let starts = along_root.first().zip(along_root.last()).is_some_and(|(a, b)| from_start(a) < from_start(b));
         let [root, second, tip, fourth] = <[SheetSide; 4]>::try_from(placed).map_err(|_| fault(String::new()))?;
         let sides = if starts {
             [root, tip.reversed(), fourth.reversed(), second]
@@ -114,6 +118,16 @@ impl StepSheet {
         let corners = (corner(0.0, 0.0) * (1.0 - s) + corner(0.0, 1.0) * s) * (1.0 - t)
             + (corner(1.0, 0.0) * (1.0 - s) + corner(1.0, 1.0) * s) * t;
         self.surface.at((along + across - corners).into())
+    }
+
+    /// Numbers of the edges of the first (0) or last (1) side along t.
+    pub(super) fn edges(&self, end: usize) -> &[u64] {
+        &self.sides[2 + end].edges
+    }
+
+    /// Numbers of the edges of the root.
+    pub(super) fn root_edges(&self) -> &[u64] {
+        &self.sides[0].edges
     }
 
     /// Points of a row, at equal shares between shares of s.

@@ -11,6 +11,8 @@ mod mutations;
 mod rtzt;
 mod sections;
 mod step;
+mod step_assembly;
+mod step_faces;
 mod step_wheel;
 mod table;
 mod turbogrid;

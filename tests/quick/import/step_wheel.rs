@@ -1,30 +1,20 @@
 //! Wheels from the faces of STEP files: our own export read back, a wheel of planes and cylinders, and what is refused.
 
 use super::{faults, good, line, noted, read};
-use crate::support::{bounded, jobs};
-use impellerc::driver::{self, Options as RunOptions, Outcome, Stages};
-use impellerc::export::step::{StepFile, StepProtocol};
-use impellerc::geom::proximity::Patch;
-use impellerc::import::faced_part;
-use impellerc::import::job_frame::Zero;
-use impellerc::import::outlines::outlines;
-use impellerc::import::part_text::PartSource;
-use impellerc::import::{Axis, BladeSurfaces, FaceChoice, Imported, LengthUnit, Options};
-use impellerc::ir::Program;
-use impellerc::part::shell::shell;
-use impellerc::part::{Surface, solid};
+use crate::support::bounded;
+use crate::support::round_trip::{differences, round_trip};
+use impellerc::import::{Axis, BladeSurfaces, FaceChoice, LengthUnit, Options};
 use impellerc::sections::SectionForm;
-use nalgebra::Vector2;
 
 /// A blade of two planes, 2 mm thick, between cylinders of 20 mm and 30 mm: the faces have the names of our own export.
-const WHEEL: &str = include_str!("../../../fuzz/corpus/step/wheel");
+pub const WHEEL: &str = include_str!("../../../fuzz/corpus/step/wheel");
 
 /// The same for the changes of files.
 pub fn example() -> Vec<(String, String)> {
     vec![("wheel.step".to_owned(), WHEEL.to_owned())]
 }
 
-fn five() -> Options {
+pub fn five() -> Options {
     Options { blades: Some(5), ..Options::default() }
 }
 
@@ -32,77 +22,20 @@ fn choices(texts: &[&str]) -> Vec<FaceChoice> {
     texts.iter().map(|text| FaceChoice::parsed(text).expect("a choice")).collect()
 }
 
-/// What a part lacks to be a job like `small`.
-const REST: &str = "stock turned { over shroud 0 mm  bore 4 mm  back -16 mm }
-tool t1 = flat { diameter 2 mm  flutes 4  flute 12 mm  reach 25 mm  max-depth 4 mm  holder \"er16-mini\" }
-operation groove { tool t1  speed 12000 rpm  feed 150 mm/min  depth 3 mm  allowance vane 0.2 mm, hub 0.4 mm
-  lead-in 5 mm  lead-out 5 mm  sectors 1 }
-post siemens-840d
-";
-
-/// The job of an imported wheel, compiled.
-fn compiled(imported: &Imported, options: &Options) -> Program {
-    let row = &imported.rows[0];
-    let divided = outlines(row, imported.hub.as_deref(), options).unwrap();
-    let source =
-        PartSource { imported, row, divided: &divided, read: &["a.step".to_owned()], name: "again", zero: Zero::File };
-    let made = faced_part::write(&source);
-    let folder = tempfile::tempdir().unwrap();
-    let head = "edition 2026\nuse machine \"5mc850-c\"\nuse tools \"carbide\"\n";
-    let job = folder.path().join("again.imp");
-    std::fs::write(&job, made.job.replace("edition 2026\n", head) + REST).unwrap();
-    std::fs::write(folder.path().join("again.curves.csv"), &made.curves).unwrap();
-    let mut outcome = Outcome::default();
-    let run = driver::front(&RunOptions { job, ..RunOptions::default() }, &mut Stages::default(), &mut outcome);
-    run.ok().flatten().unwrap_or_else(|| panic!("{:?}", outcome.sink))
-}
-
-/// Largest distance of places of the faces of a part from those of another one.
-fn apart(from: &Program, to: &Program) -> f64 {
-    let mut most = 0.0_f64;
-    for id in from.part.faces() {
-        let [here, there] = [from, to].map(|program| &program.part.face(id).surface);
-        for i in 0..=16 {
-            for j in 0..=8 {
-                // Both parts trim the faces at hub and shroud; their ends are not at the same parameters.
-                let p = here.point(0.03 + 0.94 * f64::from(i) / 16.0, 0.03 + 0.94 * f64::from(j) / 8.0);
-                most = most.max(there.closest(&p, Patch { u: [-0.05, 1.05], v: [-0.05, 1.05] }).distance);
-            }
-        }
-    }
-    most
-}
-
-/// The export of our own jobs is read back to the same part: faces, hub and shroud within 1 um, and the volume with them.
+/// The export of our own jobs is read back to the same part: faces, edges, hub and shroud within 1 um, and the volume with them.
 #[test]
 fn our_own_export_is_read_back_to_the_same_part() {
-    for name in ["small", "curved"] {
-        let program = jobs::program(name, None);
-        let sharp = program.part.with_fillet(None);
-        let made = shell(&sharp, &program.stock).unwrap();
-        let file = StepFile { name, description: &[], shell: &made, protocol: StepProtocol::Ap242 }.text();
-        let imported = good(&[("a.step", &file)], 1, &Options::default());
-        assert_eq!(imported.rows[0].count, 8);
-        assert!(noted(&imported, "the axis of rotation is z") && noted(&imported, "the blades are counted"));
-        let again = compiled(&imported, &Options::default());
-        assert_eq!(again.part.vane_count, program.part.vane_count);
-        let faces = apart(&program, &again).max(apart(&again, &program));
-        let mut turned = 0.0_f64;
-        for (a, b) in [(&program.part.hub, &again.part.hub), (&program.part.shroud, &again.part.shroud)] {
-            for k in 0..=50 {
-                turned = turned.max(b.closest(a.meridian(f64::from(k) / 50.0).point).1.abs());
-                let back = b.meridian(f64::from(k) / 50.0).point;
-                turned = turned.max(a.closest(back).1.abs());
-            }
-            let ends = |r: &impellerc::geom::Revolution| [0.0, 1.0].map(|u| r.meridian(u).point);
-            let off = ends(a).iter().zip(ends(b)).map(|(p, q): (&Vector2<f64>, _)| (p - q).norm()).fold(0.0, f64::max);
-            turned = turned.max(off);
+    for (name, edges) in [("small", "turned"), ("curved", "turned"), ("blisk", "round")] {
+        let (program, read, again) = round_trip(name, false);
+        assert!(noted(&read, "the axis of rotation is z") && noted(&read, "the blades are counted"));
+        for end in ["inlet", "outlet"] {
+            assert!(noted(&read, &format!("the {end} edge is {edges}")), "{name}: {:?}", read.notes);
         }
-        let volumes = [&sharp, &again.part.with_fillet(None)]
-            .map(|part| solid::volume(part, &program.stock, 1e-6).unwrap().value);
-        println!("{name}: faces {faces:.2e} mm, hub and shroud {turned:.2e} mm, volumes {volumes:?} mm3");
-        assert!(faces < 1e-3 && turned < 1e-3, "{name}: {faces} {turned}");
-        assert!((volumes[0] - volumes[1]).abs() < 0.05, "{volumes:?}");
+        assert_eq!(again.part.vane_count, program.part.vane_count);
+        let off = differences(&program, &again);
+        println!("{name}: {off:?}");
+        assert!(off.blades.iter().all(|far| *far < 1e-3) && off.turned < 1e-3, "{name}: {off:?}");
+        assert!((off.volumes[0] / off.volumes[1] - 1.0).abs() < 5e-6, "{name}: {off:?}");
     }
 }
 

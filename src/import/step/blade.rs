@@ -1,0 +1,199 @@
+//! A blade of a wheel: its two faces, and the faces of its edges.
+
+use super::edge::{StepBladeEdge, meet};
+use super::face::StepFace;
+use super::meridian::{StepMeridian, flat};
+use super::neighbours::EdgeFaces;
+use super::picks::{ListedFace, PickedFaces, missing};
+use super::placement::StepGeometry;
+use super::sheet::StepSheet;
+use crate::diag::Diag;
+use crate::diag::codes::import as codes;
+use crate::geom::angle::nearest_turn;
+use crate::import::found::Found;
+use crate::import::{BladeFace, FaceRole};
+use crate::sections::outline::Side;
+use crate::source::Span;
+use crate::units::trim;
+use nalgebra::Point3;
+
+/// Most faces of an edge.
+const MOST_EDGE_FACES: usize = 12;
+
+/// Names of both ends.
+pub(super) const ENDS: [&str; 2] = ["inlet", "outlet"];
+
+/// A blade. Its sheets go from inlet to outlet and from root to tip.
+#[derive(Clone, Debug)]
+pub(super) struct StepBlade {
+    /// Pressure and suction face.
+    pub(super) faces: [StepFace; 2],
+    pub(super) sheets: [StepSheet; 2],
+    /// Edges at inlet and outlet.
+    pub(super) edges: [StepBladeEdge; 2],
+    /// A face below its root that is none of the hub, by its place in the list: a fillet, where the file has them.
+    pub(super) below: Option<usize>,
+}
+
+impl StepBlade {
+    /// Side of its pressure face by the angle about Z.
+    pub(super) fn pressure_side(&self) -> Side {
+        let [pressure, suction] = self.sheets.each_ref().map(|sheet| angle(&sheet.jet(0.5, 0.5).point));
+        if nearest_turn(pressure - suction, 0.0) > 0.0 { Side::Greater } else { Side::Smaller }
+    }
+
+    /// Angle about Z of the middle of the blade at its outlet, rad.
+    pub(super) fn angle(&self) -> f64 {
+        angle(&self.sheets[0].jet(1.0, 0.5).point)
+    }
+
+    /// A closed loop round the blade at a height, without the first point again: along the suction face from the outlet, round the
+    /// inlet, along the pressure face, round the outlet. It runs straight across an edge that is cut off.
+    pub(super) fn loop_at(&self, t: f64, steps: usize) -> Vec<Point3<f64>> {
+        let [mut inlet, outlet] = self.edges.each_ref().map(|edge| edge.rounded_across(t));
+        inlet.reverse();
+        let mut points = self.sheets[1].row(t, steps);
+        points.reverse();
+        points.extend(inlet);
+        points.extend(self.sheets[0].row(t, steps));
+        points.extend(outlet);
+        points
+    }
+
+    /// The meridian of its tips: along the pressure face, and on to the ends of the edges.
+    pub(super) fn tip(&self, steps: usize) -> Option<StepMeridian> {
+        let along: Vec<_> = self.sheets[0].row(1.0, steps).iter().map(flat).collect();
+        let (first, last) = (along.first()?, along.last()?);
+        let outward = [first - along.get(1)?, last - along.get(along.len().checked_sub(2)?)?];
+        let [before, behind] = [0, 1].map(|end| {
+            let mut reached = *[first, last][end];
+            let mut points = Vec::new();
+            for p in self.edges[end].across(1.0).iter().map(flat) {
+                if (p - reached).dot(&outward[end]) <= 0.0 {
+                    break;
+                }
+                points.push(p);
+                reached = p;
+            }
+            points
+        });
+        StepMeridian::new(before.into_iter().rev().chain(along.iter().copied()).chain(behind).collect())
+    }
+}
+
+/// Angle about Z, rad.
+fn angle(p: &Point3<f64>) -> f64 {
+    libm::atan2(p.y, p.x)
+}
+
+/// What blades are read from.
+pub(super) struct BladeReader<'a, 't> {
+    pub(super) geometry: StepGeometry<'a, 't>,
+    pub(super) faces: &'a [ListedFace<'t>],
+    pub(super) picked: &'a PickedFaces,
+    pub(super) meeting: &'a EdgeFaces,
+    /// The hub from inlet to outlet.
+    pub(super) hub: &'a StepMeridian,
+    /// Angle between neighbouring main blades, rad.
+    pub(super) pitch: f64,
+    pub(super) end: Span,
+}
+
+impl BladeReader<'_, '_> {
+    /// A blade of the sector: 0 is the main blade.
+    ///
+    /// # Errors
+    /// A face that is missing, has not four sides, or belongs to another blade.
+    pub(super) fn blade(&self, blade: usize, found: &mut Found) -> Result<StepBlade, Diag> {
+        let places = [BladeFace::Pressure, BladeFace::Suction].map(|face| {
+            let role = FaceRole::OfBlade(blade, face);
+            self.picked.only(role, self.faces)?.ok_or_else(|| missing(self.faces, role, self.end))
+        });
+        let [pressure, suction] = places;
+        let places = [pressure?, suction?];
+        let [pressure, suction] = places.map(|k| self.geometry.listed(&self.faces[k]));
+        let faces = [pressure?, suction?];
+        let along = |p: &Point3<f64>| self.hub.nearest(&flat(p))[0];
+        let sheets = [self.sheet(&faces[0], along)?, self.sheet(&faces[1], along)?];
+        for (sheet, face) in sheets.iter().zip(&faces) {
+            let gap = trim(1e3 * sheet.apart, 2);
+            found.note(
+                face.span,
+                format!("#{} `{}`: its edges lie within {gap} um of its surface", face.number, face.name),
+            );
+        }
+        self.of_one_blade(&faces, &sheets)?;
+        let [inlet, outlet] = [0, 1].map(|end| self.edge(blade, end, places, &sheets));
+        let edges = [(inlet?, 0), (outlet?, 1)].map(|(edge, end)| StepBladeEdge::new(edge, &sheets, end));
+        let hub = self.picked.of(FaceRole::Hub);
+        let below = sheets
+            .iter()
+            .zip(places)
+            .flat_map(|(sheet, own)| self.meeting.at(sheet.root_edges()).into_iter().filter(move |k| *k != own));
+        let below = below.filter(|k| !hub.contains(k)).min();
+        Ok(StepBlade { faces, sheets, edges, below })
+    }
+
+    fn sheet(&self, face: &StepFace, from_start: impl Fn(&Point3<f64>) -> f64) -> Result<StepSheet, Diag> {
+        StepSheet::new(face, |p| self.hub.nearest(&flat(p))[1], from_start)
+    }
+
+    /// Refuses faces that are farther from each other than half of the way to the next main blade.
+    fn of_one_blade(&self, faces: &[StepFace; 2], sheets: &[StepSheet; 2]) -> Result<(), Diag> {
+        let [pressure, suction] = sheets.each_ref().map(|sheet| angle(&sheet.jet(0.5, 0.5).point));
+        let between = nearest_turn(pressure - suction, 0.0).abs();
+        if between < 0.5 * self.pitch {
+            return Ok(());
+        }
+        let [between, pitch] = [between, self.pitch].map(|angle| trim(angle.to_degrees(), 2));
+        Err(Diag::error(codes::CONTRADICTS, "the pressure and the suction face belong to different blades")
+            .label(faces[1].span, format!("#{} is {between} deg away from the pressure face", faces[1].number))
+            .label(faces[0].span, format!("#{} is the pressure face", faces[0].number))
+            .note(format!("the main blades are {pitch} deg apart"))
+            .help("pick the suction face of the same blade"))
+    }
+
+    /// Faces of the edge at an end in order from the pressure to the suction face: those that are picked, and those that meet their
+    /// neighbours in one edge. None where such faces do not lead to the suction face.
+    fn edge(
+        &self,
+        blade: usize,
+        end: usize,
+        faces: [usize; 2],
+        sheets: &[StepSheet; 2],
+    ) -> Result<Vec<StepSheet>, Diag> {
+        let role = FaceRole::OfBlade(blade, [BladeFace::Inlet, BladeFace::Outlet][end]);
+        let mut used = faces.to_vec();
+        let mut chain: Vec<StepSheet> = Vec::new();
+        while chain.len() < MOST_EDGE_FACES {
+            let side = chain.last().map_or((&sheets[0], end), |sheet| (sheet, 1));
+            if meet(side, (&sheets[1], end)) {
+                return if chain.is_empty() { Err(self.sharp(faces, end)) } else { Ok(chain) };
+            }
+            let start = side.0.jet(side.1 as f64, 0.0).point;
+            let candidates = self.picked.of(role).into_iter().chain(self.meeting.at(side.0.edges(side.1)));
+            let next = candidates.filter(|k| !used.contains(k)).find_map(|k| {
+                let face = self.geometry.listed(&self.faces[k]).ok()?;
+                let sheet = self.sheet(&face, |p| nalgebra::distance(p, &start)).ok()?;
+                meet(side, (&sheet, 0)).then_some((k, sheet))
+            });
+            let Some((k, sheet)) = next else { break };
+            used.push(k);
+            chain.push(sheet);
+        }
+        Ok(Vec::new())
+    }
+
+    fn sharp(&self, [pressure, suction]: [usize; 2], end: usize) -> Diag {
+        let [pressure, suction] = [pressure, suction].map(|k| &self.faces[k].entity);
+        Diag::error(
+            codes::NOT_READ,
+            format!("the pressure and the suction face meet at the {} without an edge between them", ENDS[end]),
+        )
+        .label(suction.span, format!("#{}", suction.number))
+        .label(pressure.span, format!("#{}", pressure.number))
+        .help(
+            "divide the faces before the export where the edge begins: an edge needs a thickness and faces of its own",
+        )
+    }
+}

@@ -1,0 +1,60 @@
+//! STEP files of whole jobs read back: round edges, splitters, fillets.
+
+use crate::support::jobs;
+use crate::support::round_trip::{differences, foreign, imported, number, round_trip, step_file};
+use impellerc::import::{self, FaceChoice, Options};
+use impellerc::sections::SectionForm;
+use impellerc::source::{SourceFile, SourceMap};
+
+/// Jobs with edges that are surfaces of their own, and with splitters, are read back to the same part.
+#[test]
+fn jobs_are_read_back_to_the_same_part() {
+    for (name, splitters) in [("wei2021", 0), ("sections", 0), ("splitter", 1)] {
+        let (program, read, again) = round_trip(name, false);
+        assert_eq!(read.rows[0].blades.len(), 1 + splitters);
+        assert_eq!(again.part.blades.len(), 1 + splitters);
+        assert_eq!(again.part.vane_count, program.part.vane_count);
+        let off = differences(&program, &again);
+        println!("{name}: {off:?}");
+        assert!(off.blades.iter().all(|far| *far < 1e-3) && off.turned < 1e-3, "{name}: {off:?}");
+        assert!((off.volumes[0] / off.volumes[1] - 1.0).abs() < 5e-6, "{name}: {off:?}");
+    }
+}
+
+/// A splitter that is picked in another sector stands behind the first main blade, and its edges are found by the edges that they
+/// share. A splitter that the file has not as often as main blades is refused.
+#[test]
+fn splitters_are_found_by_their_angles() {
+    let program = jobs::program("splitter", None);
+    let file = step_file(&program.part.without_fillets(), &program);
+    let due = imported(&file, &Options::default());
+    let hub = file.lines().filter(|line| line.contains("ADVANCED_FACE('hub of channel"));
+    let hub = hub.map(|line| format!("hub={}", line.split('=').next().unwrap()));
+    let others = [
+        ("pressure", "vane 1 pressure face"),
+        ("suction", "vane 1 suction face"),
+        ("splitter1-pressure", "splitter 3.1 pressure face"),
+        ("splitter1-suction", "splitter 3.1 suction face"),
+    ];
+    let picks = hub.chain(others.map(|(role, name)| format!("{role}={}", number(&file, name))));
+    let faces = picks.map(|text| FaceChoice::parsed(&text).unwrap()).collect();
+    let made = imported(&foreign(&file), &Options { faces, ..Options::default() });
+    let turned = |note: &impellerc::import::Note| note.text.contains("splitter 1 is turned by 2 sectors");
+    assert!(made.notes.iter().any(turned), "{:?}", made.notes);
+    for (a, b) in due.rows[0].blades.iter().zip(&made.rows[0].blades) {
+        for (a, b) in a.sections.iter().zip(&b.sections) {
+            let (SectionForm::Loop(a), SectionForm::Loop(b)) = (&a.form, &b.form) else { panic!("no loops") };
+            assert_eq!(a.len(), b.len());
+            assert!(a.iter().zip(b).all(|(p, q)| nalgebra::distance(p, q) < 1e-6));
+        }
+    }
+    // One main blade is left: its number is stated, and that of the splitters is another one.
+    let one = (2..=5).fold(file.clone(), |text, k| {
+        let face = |kind: &str| format!("{kind}('vane {k} pressure face'");
+        text.replace(&face("ADVANCED_FACE"), &face("ORIENTED_FACE"))
+    });
+    let mut fetch = |name: &str| Ok(SourceFile::text(name, one.as_str()));
+    let ten = Options { blades: Some(10), ..Options::default() };
+    let fault = import::read(&["a.step".to_owned()], &mut fetch, &ten, &mut SourceMap::default()).unwrap_err();
+    assert_eq!(fault[0].code.id(), "IMP1005", "{fault:?}");
+}
