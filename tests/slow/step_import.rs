@@ -21,6 +21,19 @@ fn jobs_are_read_back_to_the_same_part() {
     }
 }
 
+/// Round edges that end at fillets go on to the hub with the faces, and the fillets are found.
+#[test]
+fn round_edges_with_fillets_are_read_back() {
+    let (program, read, again) = round_trip("blisk", true);
+    let due = program.part.main().fillet.unwrap().0;
+    let fillet = read.rows[0].blades[0].fillet.unwrap_or_else(|| panic!("{:?}", read.notes));
+    let off = differences(&program, &again);
+    println!("fillet {fillet} mm, {off:?}");
+    // Fillets of the file lie within 1 um of the ball; an error of their normals near the hub counts several times.
+    assert!((fillet - due).abs() < 5e-3, "{fillet}");
+    assert!(off.blades[1] < 1e-3 && off.blades[0] < 0.05 && off.turned < 1e-3, "{off:?}");
+}
+
 /// A splitter that is picked in another sector stands behind the first main blade, and its edges are found by the edges that they
 /// share. A splitter that the file has not as often as main blades is refused.
 #[test]
