@@ -29,7 +29,7 @@ fn round_edges_with_fillets_are_read_back() {
     let fillet = read.rows[0].blades[0].fillet.unwrap_or_else(|| panic!("{:?}", read.notes));
     let off = differences(&program, &again);
     println!("fillet {fillet} mm, {off:?}");
-    // Fillets of the file lie within 1 um of the ball; an error of their normals near the hub counts several times.
+    // It was found as 1.5028 mm; places only of the upper half of the fillets give 1.5030 mm. The file keeps its fillets within 1 um.
     assert!((fillet - due).abs() < 5e-3, "{fillet}");
     assert!(off.blades[1] < 1e-3 && off.blades[0] < 0.05 && off.turned < 1e-3, "{off:?}");
 }
