@@ -141,6 +141,10 @@ impl Crossing<'_> {
         self.u
     }
 
+    pub(crate) fn chart(&self) -> &ChannelChart<'_> {
+        &self.chart
+    }
+
     pub(crate) fn part(&self) -> &Part {
         self.chart.part
     }

@@ -77,12 +77,21 @@ pub(crate) enum Level {
 
 impl Level {
     /// Share of the height from hub to shroud at a place of the chart; over 1 above the shroud. On the leads it is that
-    /// of the inlet or the outlet.
+    /// of the inlet or the outlet, where the hub does not go on below the level.
     pub(crate) fn v(self, chart: &ChannelChart<'_>, u: f64, w: f64) -> f64 {
-        self.v_at(&chart.crossing(u.clamp(0.0, 1.0)), w)
+        let at = if self.goes_on(chart, u) { u } else { u.clamp(0.0, 1.0) };
+        self.v_at(&chart.crossing(at), w)
     }
 
-    /// The same at a u from inlet to outlet.
+    /// True on the lead of a level over the hub before or behind vanes that end inside of the part: the hub is there as well.
+    /// The walls go straight on, and would lead a level that kept its share of the height off the hub.
+    fn goes_on(self, chart: &ChannelChart<'_>, u: f64) -> bool {
+        let beyond = |end: usize| if end == 0 { u < 0.0 } else { u > 1.0 };
+        matches!(self, Self::OverHub(_))
+            && (0..2).any(|end| beyond(end) && chart.part().ends_inside(BladeId::MAIN, end))
+    }
+
+    /// The same at a crossing.
     fn v_at(self, crossing: &Crossing<'_>, w: f64) -> f64 {
         match self {
             Self::Share(v) => v,
@@ -132,7 +141,8 @@ impl<'a> StationPlace<'a> {
     pub(super) fn v(&self, level: Level, w: f64) -> f64 {
         let known = self.known.borrow().iter().find(|k| (k.0, k.1) == (level, w)).map(|k| k.2);
         known.unwrap_or_else(|| {
-            let v = level.v_at(self.inside(), w);
+            let goes_on = level.goes_on(self.at.chart(), self.at.u());
+            let v = level.v_at(if goes_on { &self.at } else { self.inside() }, w);
             self.known.borrow_mut().push((level, w, v));
             v
         })
