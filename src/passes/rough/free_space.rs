@@ -6,17 +6,17 @@
 
 use super::layers::{BISECTIONS, Level, Roughing, StationPlace};
 
-/// An interval of w.
-pub(super) type Interval = [f64; 2];
+/// A free interval of w.
+pub(super) type Room = [f64; 2];
 
 impl Roughing<'_> {
     /// The free interval between the walls at u of a level that is nearest to the middle.
-    pub(super) fn room(&self, u: f64, level: Level) -> Option<Interval> {
+    pub(super) fn room(&self, u: f64, level: Level) -> Option<Room> {
         self.room_at(&StationPlace::new(&self.chart, u), level)
     }
 
     /// The same at a place that is known.
-    pub(super) fn room_at(&self, place: &StationPlace<'_>, level: Level) -> Option<Interval> {
+    pub(super) fn room_at(&self, place: &StationPlace<'_>, level: Level) -> Option<Room> {
         // The middle first, then outward: the widest place of a twisted channel is near its middle.
         const SEEDS: [f64; 9] = [0.5, 0.45, 0.55, 0.4, 0.6, 0.35, 0.65, 0.3, 0.7];
         let seed = SEEDS.into_iter().find(|w| self.clear(place, level, *w))?;
@@ -24,7 +24,7 @@ impl Roughing<'_> {
     }
 
     /// All free intervals at u of a level, in ascending order; `several` is false where there is one at most.
-    pub(super) fn rooms(&self, u: f64, level: Level, several: bool) -> Vec<Interval> {
+    pub(super) fn rooms(&self, u: f64, level: Level, several: bool) -> Vec<Room> {
         let place = StationPlace::new(&self.chart, u);
         let nearest = self.room_at(&place, level);
         if !several {
@@ -38,10 +38,10 @@ impl Roughing<'_> {
     }
 
     /// Free intervals inside of an interval whose ends are not free.
-    fn rooms_between(&self, place: &StationPlace<'_>, level: Level, [from, to]: Interval) -> Vec<Interval> {
+    fn rooms_between(&self, place: &StationPlace<'_>, level: Level, [from, to]: Room) -> Vec<Room> {
         let count = ((to - from) * place.width(place.v(level, from)) / self.step_across(place)).floor();
         let at = |k: f64| from + (to - from) * k / count;
-        let mut rooms: Vec<Interval> = Vec::new();
+        let mut rooms: Vec<Room> = Vec::new();
         let mut blocked = from;
         for w in (1..count as usize).map(|k| at(k as f64)) {
             if w <= blocked {
@@ -90,7 +90,7 @@ impl Roughing<'_> {
 pub(super) struct Strip {
     /// Number of the first station.
     pub(super) first: usize,
-    pub(super) rooms: Vec<Interval>,
+    pub(super) rooms: Vec<Room>,
 }
 
 impl Strip {
@@ -100,9 +100,9 @@ impl Strip {
     }
 
     /// Goes on over the stations before and behind where their free intervals overlap the ends of the strip, no wider than these.
-    fn extended(mut self, stations: &[Vec<Interval>]) -> Self {
-        let on = |from: Interval, stations: &mut dyn Iterator<Item = &Vec<Interval>>| -> Vec<Interval> {
-            let next = |room: &mut Interval, at: &Vec<Interval>| {
+    fn extended(mut self, stations: &[Vec<Room>]) -> Self {
+        let on = |from: Room, stations: &mut dyn Iterator<Item = &Vec<Room>>| -> Vec<Room> {
+            let next = |room: &mut Room, at: &Vec<Room>| {
                 let widest =
                     at.iter().map(|other| common(*room, *other)).max_by(|a, b| width(*a).total_cmp(&width(*b)));
                 *room = widest.filter(|room| width(*room) > 0.0)?;
@@ -120,17 +120,17 @@ impl Strip {
     }
 }
 
-fn common(a: Interval, b: Interval) -> Interval {
+fn common(a: Room, b: Room) -> Room {
     [a[0].max(b[0]), a[1].min(b[1])]
 }
 
-fn width([low, high]: Interval) -> f64 {
+fn width([low, high]: Room) -> f64 {
     high - low
 }
 
 /// The strips of all free intervals of successive stations. Where an interval divides or two of them join, the wider one goes on.
 /// A strip that neither begins nor ends outside of the stock goes on along its neighbour, so that the tool can come in.
-pub(super) fn strips(stations: &[Vec<Interval>], inside: &[bool]) -> Vec<Strip> {
+pub(super) fn strips(stations: &[Vec<Room>], inside: &[bool]) -> Vec<Strip> {
     let mut strips: Vec<Strip> = Vec::new();
     for (k, rooms) in stations.iter().enumerate() {
         let mut pairs: Vec<(f64, usize, usize)> = Vec::new();

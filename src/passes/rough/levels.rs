@@ -3,7 +3,7 @@
 //! A level is a surface through the channel. A run is a part of a level along the channel in which the tool fits
 //! everywhere, with its ends: open where the tool comes in from outside of the stock, closed where it no longer fits.
 
-use super::free_space::{Interval, Strip, strips};
+use super::free_space::{Room, Strip, strips};
 use super::layers::{LayerStation, Level, Roughing, length_of, limit_leads};
 use crate::method::Levels;
 use crate::passes::context::maximal_ranges;
@@ -208,7 +208,7 @@ impl Roughing<'_> {
         let free_ends = self.free_ends();
         let several = |u: f64| (u < 0.0 && free_ends[0]) || (u > 1.0 && free_ends[1]);
         let rooms = |i: usize| if wanted[i] { self.rooms(grid[i], level, several(grid[i])) } else { Vec::new() };
-        let rooms: Vec<Vec<Interval>> = (0..=count).into_par_iter().map(rooms).collect();
+        let rooms: Vec<Vec<Room>> = (0..=count).into_par_iter().map(rooms).collect();
         let mut runs = Vec::new();
         // Steps from station to station in the stock, and whether the tool cuts there.
         let in_stock: Vec<usize> = (0..count).filter(|i| inside[*i] && inside[i + 1]).collect();
