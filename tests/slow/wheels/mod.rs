@@ -2,8 +2,8 @@
 //! several sizes and kinds in the language.
 //!
 //! A wheel of a data set takes ten minutes on two cores, one in the language about a minute. Jobs of this folder without a test: the
-//! turbine wheel takes four minutes; `compressor40` and `compressor72` find no axes at the leading edge of their splitters, links of
-//! `pump209` and `pump260` cut stock that roughing leaves before their inlet; `fan430` and `compressor520` take 5 GB and more.
+//! turbine wheel and `pump209`, which holds, take four minutes and more; `compressor40` and `compressor72` find no axes at the leading
+//! edge of their splitters; `pump260` was not run with this version; `fan430` and `compressor520` take 5 GB and more.
 
 mod faces_alone;
 
