@@ -238,6 +238,10 @@ impl DriveSurface for VaneSurface<'_> {
         let centre = at.position + at.normal * self.cutter.tip_radius();
         let hub = self.axes.hub();
         let (u, distance) = hub.closest(Vector2::new(libm::hypot(centre.x, centre.y), centre.z));
+        // Ahead of the inlet and behind the outlet of the part is no hub.
+        if !(0.0..=1.0).contains(&u) {
+            return at;
+        }
         let missing = (self.cutter.tip_radius() - distance).max(0.0);
         CcPoint { position: at.position + hub.normal(u, libm::atan2(centre.y, centre.x)) * missing, ..at }
     }
