@@ -5,7 +5,7 @@
 use criterion::{BenchmarkId, Criterion, SamplingMode, criterion_group, criterion_main};
 use impellerc::collide::{Cutter, ToolSolid};
 use impellerc::driver::{self, Options, Outcome, Stages};
-use impellerc::geom::range::Thickness;
+use impellerc::geom::range::CellThickness;
 use impellerc::kin::{Chain, RotaryPose};
 use impellerc::part::{
     PassageId, SurfaceId, SurfaceKind,
@@ -50,8 +50,8 @@ impl Shape for Floor {
         Place { position: Point3::new(x * SIDE, y * SIDE, 0.0), normal: Vector3::z(), parameters: [x, y] }
     }
 
-    fn thickness(&self, _: [[f64; 2]; 2]) -> Thickness {
-        Thickness::of_rate(0.0, 1.0)
+    fn thickness(&self, _: [[f64; 2]; 2]) -> CellThickness {
+        CellThickness::of_rate(0.0, 1.0)
     }
 }
 

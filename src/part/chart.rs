@@ -14,7 +14,7 @@ use super::chart_table::{ChartForm, ChartTable};
 use super::charting::tables;
 use super::{BladeId, Extent, Part, Surface, SurfaceKind};
 use crate::geom::angle::great_arc;
-use crate::geom::range::{self, Jet, Thickness};
+use crate::geom::range::{self, CellThickness, Jet};
 use nalgebra::{Point3, Vector3};
 use std::array::from_fn;
 
@@ -56,10 +56,10 @@ impl Along {
 }
 
 /// Thickness over a rectangle of a surface, of its coordinates along x and along y.
-pub(super) fn thickness(rectangle: [[f64; 2]; 2], coordinates: impl Fn(Along) -> [Jet; 3]) -> Thickness {
+pub(super) fn thickness(rectangle: [[f64; 2]; 2], coordinates: impl Fn(Along) -> [Jet; 3]) -> CellThickness {
     let [x, y] = [(Along::X, rectangle[0]), (Along::Y, rectangle[1])]
-        .map(|(along, [from, to])| Thickness::of(&coordinates(along), 0.5 * (to - from)));
-    Thickness::of_surface([x, y])
+        .map(|(along, [from, to])| CellThickness::of(&coordinates(along), 0.5 * (to - from)));
+    CellThickness::of_surface([x, y])
 }
 
 /// A surface as the image of the unit square.
@@ -74,7 +74,7 @@ pub trait Shape: Sync {
 
     /// How far the surface lies from the biquadratic through nine points of a rectangle: its corners, the middles of its sides and
     /// its middle. Proved by the ranges of the derivatives.
-    fn thickness(&self, rectangle: [[f64; 2]; 2]) -> Thickness;
+    fn thickness(&self, rectangle: [[f64; 2]; 2]) -> CellThickness;
 
     /// Patches that cover the square once, with cells of at most `spacing` on the surface, mm.
     fn patches(&self, spacing: f64) -> Vec<Patch> {
@@ -150,7 +150,7 @@ impl<'a> Chart<'a> {
 
     /// As [`Shape::thickness`], for the surface that lies at a distance from this one along its normal, mm. Known for faces and
     /// fillets, and for other surfaces at no distance.
-    pub fn moved_thickness(&self, rectangle: [[f64; 2]; 2], distance: f64) -> Thickness {
+    pub fn moved_thickness(&self, rectangle: [[f64; 2]; 2], distance: f64) -> CellThickness {
         thickness(rectangle, |along| self.jets(along, rectangle, distance))
     }
 
@@ -230,7 +230,7 @@ impl Shape for Chart<'_> {
         }
     }
 
-    fn thickness(&self, rectangle: [[f64; 2]; 2]) -> Thickness {
+    fn thickness(&self, rectangle: [[f64; 2]; 2]) -> CellThickness {
         self.moved_thickness(rectangle, 0.0)
     }
 

@@ -15,7 +15,7 @@ use super::sheet::Sheet;
 use super::turned_patch::TurnedPatch;
 use super::{BladeId, Part, Stock, Surface, SurfaceKind};
 use crate::geom::angle::nearest_turn;
-use crate::geom::range::{Interval, Jet, Thickness, turned};
+use crate::geom::range::{CellThickness, Interval, Jet, turned};
 use nalgebra::{Point3, Vector2, Vector3};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -215,7 +215,7 @@ impl Shape for Kept<'_> {
         }
     }
 
-    fn thickness(&self, rectangle: [[f64; 2]; 2]) -> Thickness {
+    fn thickness(&self, rectangle: [[f64; 2]; 2]) -> CellThickness {
         chart::thickness(rectangle, |along| self.jets(along, rectangle))
     }
 

@@ -6,7 +6,7 @@
 //! [`SLACK`] of the worst value measured on the surface, or within the limit of a contract where the limit is closer. A
 //! cell whose bounds are not sufficient is divided. When a worse value is measured, the goal moves with it.
 //!
-//! A cell counts as the biquadratic through nine of its points with a thickness ([`crate::geom::range::Thickness`]), which
+//! A cell counts as the biquadratic through nine of its points with a thickness ([`crate::geom::range::CellThickness`]), which
 //! follows from the ranges of the derivatives of the surface over the cell.
 
 pub use super::proof::cells::{CORNER_SLACK, FAR, LEAST_SLACK, PatchCorners, SLACK};

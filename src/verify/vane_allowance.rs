@@ -13,7 +13,7 @@ use super::proof::sweep::Sweep;
 use super::surface::{self, Worst};
 use super::{SPACING, proof::cells::Extreme};
 use crate::diag::{Diag, Sink, codes::verification};
-use crate::geom::range::{Interval, Thickness};
+use crate::geom::range::{CellThickness, Interval};
 use crate::ir::{Motion, Program};
 use crate::operation::VaneAllowance;
 use crate::part::chart::{Along, Chart, Place, Shape, charts};
@@ -67,7 +67,7 @@ impl Shape for Moved<'_> {
     }
 
     /// That of the surface at the allowance of the middle, and that of the rest of a growing allowance along the normal.
-    fn thickness(&self, rectangle: [[f64; 2]; 2]) -> Thickness {
+    fn thickness(&self, rectangle: [[f64; 2]; 2]) -> CellThickness {
         let [x, y] = rectangle.map(|[from, to]| 0.5 * (from + to));
         let middle = self.chart.place(x, y).position;
         let even = self.chart.moved_thickness(rectangle, self.vane.at(self.part.height(&middle)));
@@ -81,7 +81,7 @@ impl Shape for Moved<'_> {
 
 impl Moved<'_> {
     /// The share of the height changes by at most one over the sum of both distances in it per mm of way.
-    fn growth_thickness(&self, rectangle: [[f64; 2]; 2], middle: &Point3<f64>) -> Thickness {
+    fn growth_thickness(&self, rectangle: [[f64; 2]; 2], middle: &Point3<f64>) -> CellThickness {
         let half = rectangle.map(|[from, to]| 0.5 * (to - from));
         let most = |derivative: [Interval; 3]| derivative.map(|d| d.most() * d.most()).iter().sum::<f64>().sqrt();
         // Lengths of the derivatives of the surface and of its normal, along x and along y.
@@ -95,9 +95,9 @@ impl Moved<'_> {
         let height = over_hub.max(0.0) + under_shroud.max(0.0) - 2.0 * radius;
         let slope = if height > 0.0 { self.vane.growth() / height } else { f64::INFINITY };
         let rest = slope * radius;
-        Thickness::of_surface([
-            Thickness::of_rate(slope * along + rest * turn_along, half[0]),
-            Thickness::of_rate(slope * across + rest * turn_across, half[1]),
+        CellThickness::of_surface([
+            CellThickness::of_rate(slope * along + rest * turn_along, half[0]),
+            CellThickness::of_rate(slope * across + rest * turn_across, half[1]),
         ])
     }
 }

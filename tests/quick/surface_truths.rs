@@ -2,7 +2,7 @@
 //! hold.
 
 use impellerc::collide::{Cutter, Section, ToolSolid};
-use impellerc::geom::range::{Interval, Jet, Thickness};
+use impellerc::geom::range::{CellThickness, Interval, Jet};
 use impellerc::kin::{AxisLine, Carries, Chain, RotaryPose};
 use impellerc::part::{
     PassageId, SurfaceId, SurfaceKind,
@@ -30,12 +30,12 @@ impl<F: Fn(f64, f64) -> (Point3<f64>, Vector3<f64>) + Sync> Shape for By<F> {
         Place { position, normal: normal.normalize(), parameters: [x, y] }
     }
 
-    fn thickness(&self, rectangle: [[f64; 2]; 2]) -> Thickness {
-        Thickness::of_surface([0, 1].map(|k| {
+    fn thickness(&self, rectangle: [[f64; 2]; 2]) -> CellThickness {
+        CellThickness::of_surface([0, 1].map(|k| {
             let mut along = [Jet::constant(Interval::ZERO); 3];
             along[0].orders[3] = Interval::new([-self.1[k], self.1[k]]);
             along[0].orders[1..3].fill(Interval::ALL);
-            Thickness::of(&along, 0.5 * (rectangle[k][1] - rectangle[k][0]))
+            CellThickness::of(&along, 0.5 * (rectangle[k][1] - rectangle[k][0]))
         }))
     }
 }

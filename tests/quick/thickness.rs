@@ -2,7 +2,7 @@
 //! bound is not far above what dense samples find.
 
 use crate::support::jobs;
-use impellerc::geom::range::{Interval, Jet, Thickness};
+use impellerc::geom::range::{CellThickness, Interval, Jet};
 
 use impellerc::operation::VaneAllowance;
 use impellerc::part::chart::{self, Chart, Shape};
@@ -117,7 +117,7 @@ fn constants_of_the_bound_are_sharp() {
     let bound = |order: usize, smooth: i32| {
         let orders = std::array::from_fn(|k| if k == order { Interval::new([-1.0, 1.0]) } else { Interval::ALL });
         let flat = Jet::constant(Interval::ZERO);
-        Thickness::of(&[Jet { orders, smooth }, flat, flat], 1.0).most
+        CellThickness::of(&[Jet { orders, smooth }, flat, flat], 1.0).most
     };
     let mut most = [0.0_f64; 3];
     for a in (0..=100).map(|k| f64::from(k) / 50.0 - 1.0) {

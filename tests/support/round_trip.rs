@@ -165,3 +165,14 @@ pub fn round_trip(name: &str, fillets: bool) -> (Program, Imported, Program) {
     let again = compiled(&with_fillets, &job);
     (program, read, again)
 }
+
+/// Asserts that a part that was read back is that of the job: its number of vanes, faces, edges, hub and shroud within 1 um, and its
+/// volume.
+#[track_caller]
+pub fn assert_same_part(name: &str, program: &Program, again: &Program) {
+    assert_eq!(again.part.vane_count, program.part.vane_count);
+    let off = differences(program, again);
+    println!("{name}: {off:?}");
+    assert!(off.blades.iter().all(|far| *far < 1e-3) && off.turned < 1e-3, "{name}: {off:?}");
+    assert!((off.volumes[0] / off.volumes[1] - 1.0).abs() < 5e-6, "{name}: {off:?}");
+}

@@ -1,6 +1,6 @@
 //! Jets of NURBS curves and of meridians.
 
-use super::segment::{MOST, Segment, smoothness};
+use super::segment::{MOST, SpanPart, smoothness};
 use super::{Interval, Jet};
 use crate::geom::{NurbsCurve, Revolution};
 use nalgebra::Vector4;
@@ -11,7 +11,7 @@ impl NurbsCurve {
     pub fn jets(&self, range: [f64; 2]) -> [Jet; 3] {
         let smooth = smoothness(self.knots(), self.degree(), range);
         let mut orders = [[None; 4]; 4];
-        for segment in Segment::all(self.knots(), self.degree(), range) {
+        for segment in SpanPart::all(self.knots(), self.degree(), range) {
             let net: [Vector4<f64>; MOST] = from_fn(|j| self.control()[segment.first() + j.min(self.degree())]);
             for order in 0..4 {
                 let mut points = net;

@@ -23,4 +23,4 @@ mod thickness;
 pub use interval::Interval;
 pub use jet::{Jet, great_arc, turned};
 pub use partials::Partials;
-pub use thickness::Thickness;
+pub use thickness::CellThickness;

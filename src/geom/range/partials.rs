@@ -1,7 +1,7 @@
 //! Partial derivatives of faces over rectangles of (u, v), and jets along lines of a face.
 
 use super::jet::{cross, unit};
-use super::segment::{MOST, Segment, smoothness};
+use super::segment::{MOST, SpanPart, smoothness};
 use super::{Interval, Jet};
 use crate::geom::{LoftedSurface, RuledSurface};
 use nalgebra::Vector3;
@@ -127,8 +127,8 @@ impl LoftedSurface {
         let ([ku, kv], [pu, pv]) = (self.knots(), self.degree());
         let smooth = [smoothness(ku, pu, u), smoothness(kv, pv, v)];
         let mut all: Option<Partials> = None;
-        for along in Segment::all(ku, pu, u) {
-            for across in Segment::all(kv, pv, v) {
+        for along in SpanPart::all(ku, pu, u) {
+            for across in SpanPart::all(kv, pv, v) {
                 let own = Partials { orders: self.of_segments(&along, &across), smooth };
                 match &mut all {
                     Some(all) => all.join(&own),
@@ -139,7 +139,7 @@ impl LoftedSurface {
         all.unwrap_or(Partials { orders: [[[Interval::ALL; 3]; 4]; 4], smooth: [-1; 2] })
     }
 
-    fn of_segments(&self, along: &Segment<'_>, across: &Segment<'_>) -> Orders {
+    fn of_segments(&self, along: &SpanPart<'_>, across: &SpanPart<'_>) -> Orders {
         let degree = self.degree();
         let net: [[Vector3<f64>; MOST]; MOST] = from_fn(|a| {
             from_fn(|b| self.control_point(along.first() + a.min(degree[0]), across.first() + b.min(degree[1])))

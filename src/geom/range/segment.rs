@@ -9,7 +9,7 @@ pub(super) const MOST: usize = MAX_DEGREE + 1;
 
 /// A part of a knot span.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Segment<'k> {
+pub(super) struct SpanPart<'k> {
     knots: &'k [f64],
     degree: usize,
     /// Index of the span.
@@ -18,7 +18,7 @@ pub(super) struct Segment<'k> {
     range: [f64; 2],
 }
 
-impl<'k> Segment<'k> {
+impl<'k> SpanPart<'k> {
     /// The parts of the spans of clamped knots that a range within [0, 1] covers, also where it is a single place.
     pub(super) fn all(knots: &'k [f64], degree: usize, [from, to]: [f64; 2]) -> impl Iterator<Item = Self> + use<'k> {
         let spans = span(knots, degree, from)..=span(knots, degree, to);

@@ -23,14 +23,14 @@ const UNKNOWN: f64 = 1e6;
 
 /// A bound of how far a function, or a surface, lies from the parabola, or the biquadratic, through its points.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Thickness {
+pub struct CellThickness {
     /// The bound, mm.
     pub most: f64,
     /// True where the bound is that of the third derivative: then it is at most an eighth over half of the range.
     pub cubic: bool,
 }
 
-impl Thickness {
+impl CellThickness {
     /// Of a vector function over a range of the parameter with this half width.
     ///
     /// A constant part of a derivative belongs to the parabola. Therefore half the width of its interval counts where the next

@@ -43,7 +43,7 @@ const BODIES: [&str; 6] = [
 
 /// How a representation stands in another one.
 #[derive(Clone, Copy, Debug)]
-struct Standing {
+struct PartStanding {
     parent: u64,
     /// Placements that coincide: of the representation, and of its parent.
     frames: [u64; 2],
@@ -59,7 +59,7 @@ struct Assembly {
     seen: BTreeSet<u64>,
     /// Representations with the frame of another one.
     same: BTreeMap<u64, u64>,
-    standing: BTreeMap<u64, Vec<Standing>>,
+    standing: BTreeMap<u64, Vec<PartStanding>>,
 }
 
 /// A place at which a representation stands in the whole.
@@ -153,7 +153,7 @@ impl Assembly {
         group
     }
 
-    fn stands(&mut self, child: u64, standing: Standing) {
+    fn stands(&mut self, child: u64, standing: PartStanding) {
         self.standing.entry(child).or_default().push(standing);
     }
 
@@ -175,7 +175,7 @@ impl Assembly {
         }
         let arguments = by.arguments("ITEM_DEFINED_TRANSFORMATION")?;
         let frames = [arguments.reference(2)?, arguments.reference(3)?];
-        self.stands(child, Standing { parent, frames, span: by.span });
+        self.stands(child, PartStanding { parent, frames, span: by.span });
         Ok(())
     }
 
@@ -192,7 +192,7 @@ impl Assembly {
             let map = table.entity(arguments.reference(1)?, entity.span)?;
             let of_map = map.arguments("REPRESENTATION_MAP")?;
             let frames = [of_map.reference(0)?, arguments.reference(2)?];
-            self.stands(of_map.reference(1)?, Standing { parent: within.number, frames, span: entity.span });
+            self.stands(of_map.reference(1)?, PartStanding { parent: within.number, frames, span: entity.span });
         } else if depth < ABOVE_FACE && BODIES.iter().any(|kind| entity.part(kind).is_some()) {
             let arguments = entity.arguments("CONNECTED_FACE_SET")?;
             let below = arguments.references(1).or_else(|_| arguments.reference(1).map(|one| vec![one]))?;

@@ -87,13 +87,13 @@ impl Roughing<'_> {
 
 /// Free intervals of successive stations, each of which overlaps the next.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Strip {
+pub(super) struct RoomStrip {
     /// Number of the first station.
     pub(super) first: usize,
     pub(super) rooms: Vec<Room>,
 }
 
-impl Strip {
+impl RoomStrip {
     /// Number of the station behind the last.
     fn end(&self) -> usize {
         self.first + self.rooms.len()
@@ -130,8 +130,8 @@ fn width([low, high]: Room) -> f64 {
 
 /// The strips of all free intervals of successive stations. Where an interval divides or two of them join, the wider one goes on.
 /// A strip that neither begins nor ends outside of the stock goes on along its neighbour, so that the tool can come in.
-pub(super) fn strips(stations: &[Vec<Room>], inside: &[bool]) -> Vec<Strip> {
-    let mut strips: Vec<Strip> = Vec::new();
+pub(super) fn strips(stations: &[Vec<Room>], inside: &[bool]) -> Vec<RoomStrip> {
+    let mut strips: Vec<RoomStrip> = Vec::new();
     for (k, rooms) in stations.iter().enumerate() {
         let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
         for (i, strip) in strips.iter().enumerate().filter(|(_, strip)| strip.end() == k) {
@@ -148,34 +148,34 @@ pub(super) fn strips(stations: &[Vec<Room>], inside: &[bool]) -> Vec<Strip> {
             }
         }
         let begin = rooms.iter().zip(open).filter(|(_, open)| *open).map(|(room, _)| *room);
-        strips.extend(begin.map(|room| Strip { first: k, rooms: vec![room] }));
+        strips.extend(begin.map(|room| RoomStrip { first: k, rooms: vec![room] }));
     }
-    let closed = |strip: &Strip| inside[strip.first] && inside[strip.end() - 1];
+    let closed = |strip: &RoomStrip| inside[strip.first] && inside[strip.end() - 1];
     strips.into_iter().map(|strip| if closed(&strip) { strip.extended(stations) } else { strip }).collect()
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Strip, strips};
+    use super::{RoomStrip, strips};
 
     #[test]
     fn a_vane_between_two_intervals_divides_the_strip() {
         let whole = vec![[0.0, 1.0]];
         let divided = vec![[0.0, 0.6], [0.8, 1.0]];
         let stations = [whole.clone(), divided.clone(), divided, vec![[0.0, 0.6]]];
-        let main = Strip { first: 0, rooms: vec![[0.0, 1.0], [0.0, 0.6], [0.0, 0.6], [0.0, 0.6]] };
+        let main = RoomStrip { first: 0, rooms: vec![[0.0, 1.0], [0.0, 0.6], [0.0, 0.6], [0.0, 0.6]] };
         // Outside of the stock from the first station on: the second strip is open there.
-        let behind = Strip { first: 1, rooms: vec![[0.8, 1.0]; 2] };
+        let behind = RoomStrip { first: 1, rooms: vec![[0.8, 1.0]; 2] };
         assert_eq!(strips(&stations, &[false, false, true, true]), [main.clone(), behind]);
         // Inside of the stock the second strip comes in beside the first one.
-        let behind = Strip { first: 0, rooms: vec![[0.8, 1.0]; 3] };
+        let behind = RoomStrip { first: 0, rooms: vec![[0.8, 1.0]; 3] };
         assert_eq!(strips(&stations, &[false, true, true, true]), [main, behind]);
     }
 
     #[test]
     fn intervals_that_do_not_overlap_are_two_strips() {
         let stations = [vec![[0.0, 0.3]], vec![[0.4, 0.6]], vec![], vec![[0.4, 0.6]]];
-        let of = |first: usize, room: [f64; 2]| Strip { first, rooms: vec![room] };
+        let of = |first: usize, room: [f64; 2]| RoomStrip { first, rooms: vec![room] };
         assert_eq!(strips(&stations, &[true; 4]), [of(0, [0.0, 0.3]), of(1, [0.4, 0.6]), of(3, [0.4, 0.6])]);
     }
 }

@@ -3,7 +3,7 @@
 //! A level is a surface through the channel. A run is a part of a level along the channel in which the tool fits
 //! everywhere, with its ends: open where the tool comes in from outside of the stock, closed where it no longer fits.
 
-use super::free_space::{Room, Strip, strips};
+use super::free_space::{Room, RoomStrip, strips};
 use super::layers::{LayerStation, Level, Roughing, length_of, limit_leads};
 use crate::method::Levels;
 use crate::passes::context::maximal_ranges;
@@ -213,7 +213,7 @@ impl Roughing<'_> {
         // Steps from station to station in the stock, and whether the tool cuts there.
         let in_stock: Vec<usize> = (0..count).filter(|i| inside[*i] && inside[i + 1]).collect();
         let mut cuts = vec![false; count];
-        for Strip { first, rooms } in strips(&rooms, &inside) {
+        for RoomStrip { first, rooms } in strips(&rooms, &inside) {
             let mut stations: Vec<LayerStation> =
                 rooms.into_iter().zip(&grid[first..]).map(|(room, u)| LayerStation { u: *u, room }).collect();
             if limit_leads(&mut stations, free_ends, |k, _| inside[first + k]).is_ok()

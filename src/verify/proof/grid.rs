@@ -1,7 +1,7 @@
 //! A surface in one sector, the points of a patch of it, and the cells between them.
 
 use super::hull::Hull;
-use crate::geom::range::Thickness;
+use crate::geom::range::CellThickness;
 use crate::part::{
     SurfaceId,
     chart::{Patch, Shape},
@@ -37,12 +37,12 @@ pub(crate) struct Grid {
     /// The patch.
     pub(crate) patch: Patch,
     points: Vec<Point3<f64>>,
-    /// Thickness of the whole patch from the biquadratic through nine of its points.
-    whole: Thickness,
+    /// Thickness of the whole patch about the biquadratic through nine of its points.
+    whole: CellThickness,
     /// Of its blocks, x by x.
-    blocks: Vec<Thickness>,
+    blocks: Vec<CellThickness>,
     /// Of its cells, x by x.
-    cells: Vec<Thickness>,
+    cells: Vec<CellThickness>,
 }
 
 impl Grid {
@@ -80,7 +80,7 @@ impl Grid {
     }
 
     /// How far a cell, a block of [`CellBlock::runs`] or the whole patch lies from the biquadratic through its nine points.
-    fn thickness(&self, block: &CellBlock) -> Thickness {
+    fn thickness(&self, block: &CellBlock) -> CellThickness {
         match block.longest() {
             1 => self.cells[block.x[0] * self.patch.rows + block.y[0]],
             longest if longest <= BLOCK => {
@@ -152,7 +152,7 @@ pub(crate) struct Cell {
     /// Number of times that the cell was halved.
     pub(crate) depth: i32,
     /// How far the surface lies from the biquadratic through nine points of the cell.
-    pub(crate) thickness: Thickness,
+    pub(crate) thickness: CellThickness,
 }
 
 impl Cell {
