@@ -153,7 +153,8 @@ impl<'a> StationPlace<'a> {
 const HEIGHT_ERROR: f64 = 1e-3;
 
 /// Share at which the distance from a surface has a given value, by the secant method from two shares. The distance
-/// grows along a ruling almost in proportion to the share.
+/// grows along a ruling almost in proportion to the share. On a lead far beyond the end of the part the walls, which go straight
+/// on, may have no place at that distance: the share is then that of the nearest distance.
 fn at_height(height: f64, [mut a, mut b]: [f64; 2], distance: impl Fn(f64) -> f64) -> f64 {
     const STEPS: usize = 8;
     let (mut at_a, mut at_b) = (distance(a) - height, distance(b) - height);
@@ -165,7 +166,26 @@ fn at_height(height: f64, [mut a, mut b]: [f64; 2], distance: impl Fn(f64) -> f6
         (a, at_a) = (b, at_b);
         (b, at_b) = (next, distance(next) - height);
     }
-    b
+    let found = at_b.abs() <= HEIGHT_ERROR && (SHARES[0]..=SHARES[1]).contains(&b);
+    if found { b } else { nearest_to_height(height, distance) }
+}
+
+/// Shares between which a level is sought.
+const SHARES: [f64; 2] = [-1.0, 2.0];
+
+/// Share at which the distance from a surface is nearest to a given value.
+fn nearest_to_height(height: f64, distance: impl Fn(f64) -> f64) -> f64 {
+    const PLACES: usize = 24;
+    let step = (SHARES[1] - SHARES[0]) / PLACES as f64;
+    let off = |v: f64| (distance(v) - height).abs();
+    let places = (0..=PLACES).map(|k| SHARES[0] + k as f64 * step);
+    let best = places.map(|v| (v, off(v))).fold((0.0, f64::INFINITY), |a, b| if b.1 < a.1 { b } else { a }).0;
+    let (mut low, mut high) = (best - step, best + step);
+    for _ in 0..BISECTIONS {
+        let [a, b] = [(2.0 * low + high) / 3.0, (low + 2.0 * high) / 3.0];
+        if off(a) <= off(b) { high = b } else { low = a }
+    }
+    0.5 * (low + high)
 }
 
 /// Free space for the tool at one u of a layer.
@@ -319,7 +339,7 @@ impl<'a> Roughing<'a> {
 
     /// Measures a layer; an error is the u at which the tool does not fit.
     fn layer(&self, number: usize, level: f64) -> Result<Layer, f64> {
-        let ends = self.ends(level);
+        let ends = self.ends(Level::Share(level));
         let from = ends[0] - self.chart.lead(0.0, level, self.lead_in);
         let to = ends[1] + self.chart.lead(1.0, level, self.lead_out);
         let length = length_of(|u| self.chart.point(u, level, 0.5), from, to);
@@ -376,9 +396,9 @@ impl<'a> Roughing<'a> {
         [0, 1].map(|end| self.chart.part().ends_inside(BladeId::MAIN, end))
     }
 
-    /// u at which the middle of the channel comes into the blank and leaves it, at a share of the height: 0 and 1, but before
-    /// and behind vanes that end inside of the part.
-    pub(super) fn ends(&self, v: f64) -> [f64; 2] {
+    /// u at which the middle of a level comes into the blank and leaves it: 0 and 1, but before and behind vanes that end
+    /// inside of the part.
+    pub(super) fn ends(&self, level: Level) -> [f64; 2] {
         /// Most steps to the outside of the blank.
         const MOST: u32 = 200;
         let free = self.free_ends();
@@ -387,9 +407,10 @@ impl<'a> Roughing<'a> {
             if !free[end] {
                 return u;
             }
-            let step = outward * self.chart.lead(u, v, self.spacing);
+            let height = |u: f64| level.v(&self.chart, u, 0.5);
+            let step = outward * self.chart.lead(u, height(u), self.spacing);
             let at = |k: u32| u + step * f64::from(k);
-            let inside = |k: &u32| self.blank.distance(&self.chart.point(at(*k), v, 0.5)) < 0.0;
+            let inside = |k: &u32| self.blank.distance(&self.chart.point(at(*k), height(at(*k)), 0.5)) < 0.0;
             at((0..MOST).take_while(inside).count() as u32)
         })
     }

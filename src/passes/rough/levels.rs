@@ -184,7 +184,7 @@ impl Roughing<'_> {
         let at = |u: f64| level.v(&self.chart, u, 0.5);
         // A tool outside of the stock has its whole end there, also where the channel ends at a slant of 60 deg.
         let lead = [self.lead_in, self.lead_out].map(|lead| 2.0 * self.radius() + lead);
-        let ends = self.ends(at(0.5));
+        let ends = self.ends(level);
         let from = ends[0] - self.chart.lead(0.0, at(0.0), lead[0]);
         let to = ends[1] + self.chart.lead(1.0, at(1.0), lead[1]);
         let middle = |u: f64| self.chart.point(u, at(u), 0.5);

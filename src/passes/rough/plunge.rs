@@ -62,7 +62,7 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
         let strokes = ChannelStrokes {
             program: &program,
             roughing: &roughing,
-            ends: roughing.ends(0.0),
+            ends: roughing.ends(Level::Share(0.0)),
             step: stepover.get(),
             lead: operation.lead_in.get(),
         };
