@@ -14,7 +14,7 @@ pub const BETWEEN: char = '\u{1}';
 pub fn blades(names: &[&str], given: usize, text: &str) {
     let files: Vec<(&str, &str)> = names.iter().copied().zip(text.split(BETWEEN)).collect();
     let mut sources = SourceMap::default();
-    let mut fetch = |name: &str| {
+    let mut fetch = |name: &str, _: usize| {
         let found = files.iter().find(|(n, _)| *n == name);
         found.map(|(n, text)| SourceFile::text(*n, *text)).ok_or_else(|| import::NoFile::from("there is no such file".to_owned()))
     };

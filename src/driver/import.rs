@@ -203,13 +203,13 @@ fn names(given: &[PathBuf]) -> Result<Vec<String>, Diag> {
 }
 
 /// Reads a file.
-fn fetch(name: &str) -> Result<SourceFile, NoFile> {
+fn fetch(name: &str, most: usize) -> Result<SourceFile, NoFile> {
     let path = Path::new(name);
     let regular = std::fs::metadata(path).map_err(|e| reading::reason(&e))?.is_file();
     if !regular {
         return Err("it is not a regular file".to_owned().into());
     }
-    let most = u64::try_from(limits::BYTES).unwrap_or(u64::MAX);
+    let most = u64::try_from(most).unwrap_or(u64::MAX);
     let bytes = reading::read(path, most).map_err(|e| reading::reason(&e))?;
     let bytes = bytes.ok_or(NoFile::TooLarge)?;
     let text = String::from_utf8(bytes)

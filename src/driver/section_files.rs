@@ -36,7 +36,7 @@ pub(super) fn read_back(files: &TurboGridFiles, names: &TurboGridNames) -> Resul
         (&names.shroud, &files.shroud),
         (&names.profile, &files.profile),
     ];
-    let mut fetch = |name: &str| {
+    let mut fetch = |name: &str, _: usize| {
         let found = texts.iter().find(|(own, _)| *own == name);
         found
             .map(|(_, text)| SourceFile::text(name, text.as_str()))

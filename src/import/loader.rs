@@ -1,6 +1,5 @@
 //! Files of a reader: the caller gives them, the reader sees their texts.
 
-use super::limits;
 use super::lines::Text;
 use crate::diag::codes::{files, import as codes};
 use crate::diag::{Diag, printable};
@@ -11,7 +10,7 @@ use crate::source::{SourceFile, SourceId, SourceMap, Span};
 pub enum NoFile {
     /// It cannot be read, for this reason.
     Unreadable(String),
-    /// It has more than [`limits::BYTES`]. It was not read.
+    /// It has more bytes than the limit. It was not read.
     TooLarge,
 }
 
@@ -21,19 +20,21 @@ impl From<String> for NoFile {
     }
 }
 
-/// Gives the file of a path, or the reason why there is none.
-pub type Fetch<'a> = dyn FnMut(&str) -> Result<SourceFile, NoFile> + 'a;
+/// Gives the file of a path with at most so many bytes, or the reason why there is none.
+pub type Fetch<'a> = dyn FnMut(&str, usize) -> Result<SourceFile, NoFile> + 'a;
 
 /// Loads files and keeps their texts.
 pub(super) struct Loader<'a> {
     fetch: &'a mut Fetch<'a>,
     sources: &'a mut SourceMap,
     bytes: usize,
+    /// Most bytes of all files together.
+    most: usize,
 }
 
 impl<'a> Loader<'a> {
-    pub(super) fn new(fetch: &'a mut Fetch<'_>, sources: &'a mut SourceMap) -> Self {
-        Self { fetch, sources, bytes: 0 }
+    pub(super) fn new(fetch: &'a mut Fetch<'_>, most: usize, sources: &'a mut SourceMap) -> Self {
+        Self { fetch, sources, bytes: 0, most }
     }
 
     /// Loads a file that the caller gives, or that a line names.
@@ -46,20 +47,20 @@ impl<'a> Loader<'a> {
             at(Diag::error(codes::TOO_MUCH, message), what)
                 .help("export fewer points or sections; sections of smooth blades need some hundred points")
         };
-        let file = (self.fetch)(name).map_err(|fault| match fault {
+        let file = (self.fetch)(name, self.most).map_err(|fault| match fault {
             NoFile::Unreadable(reason) => {
                 at(Diag::error(files::CANNOT_READ, format!("the file `{}` cannot be read", printable(name))), &reason)
                     .help("give the path of the file; a file that another one names lies beside it")
             }
             NoFile::TooLarge => {
                 let message =
-                    format!("the file `{}` has more than {} MB, the limit", printable(name), limits::BYTES >> 20);
+                    format!("the file `{}` has more than {} MB, the limit", printable(name), self.most >> 20);
                 too_large(message, "it was not read")
             }
         })?;
         self.bytes = self.bytes.saturating_add(file.text.len());
-        if self.bytes > limits::BYTES {
-            let message = format!("the blade files have more than {} MB together, the limit", limits::BYTES >> 20);
+        if self.bytes > self.most {
+            let message = format!("the blade files have more than {} MB together, the limit", self.most >> 20);
             return Err(too_large(message, "with this file"));
         }
         Ok(self.sources.add_file(file))

@@ -174,6 +174,8 @@ struct Reader {
     endings: &'static [&'static str],
     /// Whether several files are read together. Otherwise one is given, and it names the others.
     several: bool,
+    /// Most text of all files together, bytes.
+    bytes: usize,
     read: fn(&[SourceId], &mut Loader<'_>, &Options, &mut Found) -> Result<Imported, Diag>,
 }
 
@@ -182,13 +184,13 @@ pub const SIDE_OPTION: &str = "pressure";
 
 /// All formats.
 const READERS: &[Reader] = &[
-    Reader { name: "turbogrid", endings: &["inf"], several: false, read: turbogrid::read },
-    Reader { name: "geomturbo", endings: &["geomturbo"], several: false, read: geomturbo::read },
-    Reader { name: "ibl", endings: &["ibl"], several: false, read: ibl::read },
-    Reader { name: "rtzt", endings: &["rtzt"], several: false, read: rtzt::read },
-    Reader { name: "bgi", endings: &["bgi"], several: false, read: bladegen::read },
-    Reader { name: "step", endings: &["step", "stp", "p21"], several: false, read: step::read },
-    Reader { name: "table", endings: &["csv", "txt", "dat"], several: true, read: table::read },
+    Reader { name: "turbogrid", endings: &["inf"], several: false, bytes: limits::BYTES, read: turbogrid::read },
+    Reader { name: "geomturbo", endings: &["geomturbo"], several: false, bytes: limits::BYTES, read: geomturbo::read },
+    Reader { name: "ibl", endings: &["ibl"], several: false, bytes: limits::BYTES, read: ibl::read },
+    Reader { name: "rtzt", endings: &["rtzt"], several: false, bytes: limits::BYTES, read: rtzt::read },
+    Reader { name: "bgi", endings: &["bgi"], several: false, bytes: limits::BYTES, read: bladegen::read },
+    Reader { name: "step", endings: &["step", "stp", "p21"], several: false, bytes: limits::STEP_BYTES, read: step::read },
+    Reader { name: "table", endings: &["csv", "txt", "dat"], several: true, bytes: limits::BYTES, read: table::read },
 ];
 
 /// Names of the formats with the endings of their files.
@@ -209,7 +211,7 @@ pub fn read(
     sources: &mut SourceMap,
 ) -> Result<Imported, Vec<Diag>> {
     let reader = reader(names, options).map_err(|diag| vec![diag])?;
-    let mut loader = Loader::new(fetch, sources);
+    let mut loader = Loader::new(fetch, reader.bytes, sources);
     let mut found = Found::default();
     let loaded: Result<Vec<SourceId>, Diag> = names.iter().map(|name| loader.load(name, None)).collect();
     let made = loaded.and_then(|ids| {

@@ -20,7 +20,7 @@ fn written(job: &str, sections: usize) -> (Imported, String) {
         ..Options::default()
     };
     let said = driver::compile(&options, &mut Stages::default()).emitted.unwrap();
-    let mut fetch = |name: &str| {
+    let mut fetch = |name: &str, _: usize| {
         let text =
             std::fs::read_to_string(folder.path().join(name)).map_err(|e| import::NoFile::from(e.to_string()))?;
         Ok(SourceFile::text(name, text))

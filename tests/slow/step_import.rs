@@ -62,7 +62,7 @@ fn splitters_are_found_by_their_angles() {
         let face = |kind: &str| format!("{kind}('vane {k} pressure face'");
         text.replace(&face("ADVANCED_FACE"), &face("ORIENTED_FACE"))
     });
-    let mut fetch = |name: &str| Ok(SourceFile::text(name, one.as_str()));
+    let mut fetch = |name: &str, _: usize| Ok(SourceFile::text(name, one.as_str()));
     let ten = Options { blades: Some(10), ..Options::default() };
     let fault = import::read(&["a.step".to_owned()], &mut fetch, &ten, &mut SourceMap::default()).unwrap_err();
     assert_eq!(fault[0].code.id(), "IMP1005", "{fault:?}");

@@ -24,7 +24,7 @@ pub fn step_file(part: &Part, program: &Program) -> String {
 
 /// What a STEP file holds.
 pub fn imported(file: &str, options: &Options) -> Imported {
-    let mut fetch = |name: &str| Ok(SourceFile::text(name, file));
+    let mut fetch = |name: &str, _: usize| Ok(SourceFile::text(name, file));
     import::read(&["a.step".to_owned()], &mut fetch, options, &mut SourceMap::default())
         .unwrap_or_else(|diags| panic!("{diags:?}"))
 }

@@ -7,7 +7,7 @@ use super::surface::StepSurface;
 use super::table::Entity;
 use crate::diag::{Diag, printable};
 use crate::source::Span;
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector2};
 
 /// Points of an edge less one.
 pub(super) const EDGE_STEPS: usize = 512;
@@ -47,6 +47,26 @@ pub(super) struct StepChain {
     /// Numbers of its edges.
     pub(super) edges: Vec<u64>,
     pub(super) points: Vec<Point3<f64>>,
+}
+
+impl StepFace {
+    /// Places inside of the face: one in `every` points of its borders, moved towards their middle. Normals at the very border are less
+    /// exact, where a surface has a sharp corner by far.
+    pub(super) fn inside(&self, every: usize) -> Vec<[f64; 2]> {
+        /// Share of the way from the middle to the border.
+        const OUT: f64 = 0.75;
+        let mut near = None;
+        let points = self.borders.iter().flatten().flat_map(|edge| edge.points.iter().step_by(every));
+        let border: Vec<Vector2<f64>> = points
+            .map(|p| {
+                let (place, far) = self.surface.nearest(p, near);
+                near = if far < APART { Some(place) } else { None };
+                place.into()
+            })
+            .collect();
+        let middle = border.iter().sum::<Vector2<f64>>() / border.len().max(1) as f64;
+        border.iter().map(|place| (middle + (place - middle) * OUT).into()).collect()
+    }
 }
 
 impl StepGeometry<'_, '_> {

@@ -6,7 +6,7 @@
 use super::face::{APART, StepFace};
 use super::meridian::{StepMeridian, flat};
 use super::surface::SurfaceJet;
-use nalgebra::{Point3, Vector2, Vector3};
+use nalgebra::{Point3, Vector3};
 
 /// A fillet that was measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,30 +53,13 @@ pub(super) fn measured(faces: &[StepFace], hub: &StepMeridian) -> Option<Measure
     MeasuredFillet::of(all)
 }
 
-/// Places inside of a face: those of its border, moved towards their middle. Normals at the very border are less exact.
-fn inside(face: &StepFace) -> Vec<[f64; 2]> {
-    /// Of the points of borders, one in so many counts.
-    const COUNTED: usize = 16;
-    /// Share of the way from the middle to the border.
-    const OUT: f64 = 0.75;
-    let mut near = None;
-    let points = face.borders.iter().flatten().flat_map(|edge| edge.points.iter().step_by(COUNTED));
-    let border: Vec<Vector2<f64>> = points
-        .map(|p| {
-            let (place, _) = face.surface.nearest(p, near);
-            near = Some(place);
-            place.into()
-        })
-        .collect();
-    let middle = border.iter().sum::<Vector2<f64>>() / border.len().max(1) as f64;
-    border.iter().map(|place| (middle + (place - middle) * OUT).into()).collect()
-}
-
 /// Radii of balls on one side of a face, mm, at places that are away from the hub.
 fn radii(face: &StepFace, hub: &StepMeridian, side: f64) -> Vec<f64> {
     /// Where the ball touches the hub any radius fits. Places count from this share of the largest height over the hub.
     const AWAY: f64 = 0.3;
-    let places = inside(face).into_iter().map(|place| face.surface.at(place));
+    /// Of the points of borders, one in so many counts.
+    const COUNTED: usize = 16;
+    let places = face.inside(COUNTED).into_iter().map(|place| face.surface.at(place));
     let heights: Vec<(SurfaceJet, f64)> = places.map(|jet| (jet, hub.nearest(&flat(&jet.point))[1])).collect();
     let highest = heights.iter().map(|(_, height)| *height).fold(0.0, f64::max);
     let away = heights.into_iter().filter(|(_, height)| *height > APART.max(AWAY * highest));

@@ -91,7 +91,7 @@ mod tests {
         let text = format!("ISO-10303-21;\nHEADER;\nENDSEC;\nDATA;\n{data}{face}ENDSEC;\nEND-ISO-10303-21;\n");
         let mut sources = SourceMap::default();
         let options = Options { unit, ..Options::default() };
-        let mut fetch = |name: &str| Ok(SourceFile::text(name, text.as_str()));
+        let mut fetch = |name: &str, _: usize| Ok(SourceFile::text(name, text.as_str()));
         let read = read(&["a.stp".to_owned()], &mut fetch, &options, &mut sources);
         read.map_err(|diags| (diags[0].code.id(), sources.line_column(diags[0].labels[0].span).0))
     }

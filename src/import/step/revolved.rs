@@ -94,12 +94,10 @@ pub(super) fn check(faces: &[StepFace], spread: f64, what: &str, at: Span, found
     const CHECKED: usize = 64;
     let mut most = 0.0_f64;
     for face in faces {
-        let mut near = None;
-        for p in face.borders.iter().flatten().flat_map(|edge| edge.points.iter().step_by(CHECKED)) {
-            let (place, far) = face.surface.nearest(p, near);
-            near = if far < REVOLVED { Some(place) } else { None };
+        for place in face.inside(CHECKED) {
+            let jet = face.surface.at(place);
+            let (p, normal) = (jet.point, jet.normal());
             let radius = libm::hypot(p.x, p.y);
-            let normal = face.surface.at(place).normal();
             let sine = normal.map_or(0.0, |n| (n.y * p.x - n.x * p.y) / radius.max(f64::MIN_POSITIVE));
             most = most.max(sine.abs());
             if sine.abs() > ACROSS {

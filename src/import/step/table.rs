@@ -7,7 +7,7 @@ use crate::import::lines::malformed;
 use crate::source::{SourceId, Span};
 
 /// Most entities. A wheel of splines has some 100 000.
-const MOST_ENTITIES: usize = 2_000_000;
+const MOST_ENTITIES: usize = 8_000_000;
 
 /// Deepest nesting of lists. The schemas have three.
 const DEEPEST: usize = 16;

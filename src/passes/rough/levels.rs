@@ -55,6 +55,9 @@ const WHOLE: f64 = 1e-9;
 /// distance along the channel.
 const STEEPEST: f64 = 2.0;
 
+/// Most times that borders move inward beside an edge, by the tolerance of the path each time.
+const SETTLING: usize = 10;
+
 impl Roughing<'_> {
     /// The levels from the shroud down to the hub.
     pub(crate) fn levels(&self, form: Levels, name: &str, progress: &Progress) -> Vec<RoughLevel> {
@@ -162,6 +165,34 @@ impl Roughing<'_> {
         (ends[0]..=ends[1]).contains(&u) && below_top && (last || v > 0.0)
     }
 
+    /// Moves borders of the free space inward where the tool would not keep its distances on the straight way from one station
+    /// to the next: beside an edge, where the borders turn.
+    fn settle(&self, level: Level, stations: &mut [LayerStation]) {
+        for _ in 0..SETTLING {
+            let joined = |k: usize| [0, 1].map(|side| self.joined(level, [&stations[k - 1], &stations[k]], side));
+            let joined: Vec<[bool; 2]> = (1..stations.len()).into_par_iter().map(joined).collect();
+            let mut moved = stations.to_vec();
+            for (k, sides) in joined.iter().enumerate() {
+                for (side, sign) in [1.0, -1.0].into_iter().enumerate().filter(|(side, _)| !sides[*side]) {
+                    for i in [k, k + 1] {
+                        let s = &stations[i];
+                        let width = self.chart.width(s.u, level.v(&self.chart, s.u, 0.5));
+                        moved[i].room[side] = s.room[side] + sign * self.tolerance / width;
+                    }
+                }
+            }
+            let mut settled = false;
+            for (s, moved) in stations.iter_mut().zip(moved) {
+                if moved.room != s.room && moved.room[0] < moved.room[1] {
+                    (*s, settled) = (moved, true);
+                }
+            }
+            if !settled {
+                break;
+            }
+        }
+    }
+
     /// Ranges of stations in which the free space goes on from each to the next: its borders move gradually, and the
     /// tool keeps its distances along them. A tool that hardly fits has spaces here and there, which no path joins.
     fn continuous(&self, level: Level, stations: &[LayerStation]) -> Vec<Range<usize>> {
@@ -219,6 +250,7 @@ impl Roughing<'_> {
             if limit_leads(&mut stations, free_ends, |k, _| inside[first + k]).is_ok()
                 && self.ease(level, &mut stations).is_ok()
             {
+                self.settle(level, &mut stations);
                 for part in self.continuous(level, &stations) {
                     let stations: Vec<LayerStation> = stations[part.clone()].to_vec();
                     let inside = |k: usize| inside[first + k];

@@ -12,7 +12,7 @@ use std::path::Path;
 
 pub fn read(folder: &Path, names: &[String], options: &Options) -> (Imported, SourceMap) {
     let mut sources = SourceMap::default();
-    let mut fetch = |name: &str| {
+    let mut fetch = |name: &str, _: usize| {
         let text = std::fs::read_to_string(folder.join(name)).map_err(|e| e.to_string())?;
         Ok(SourceFile::text(name, text))
     };

@@ -60,7 +60,7 @@ fn examples() -> Vec<Example> {
 /// All that is said of an example.
 fn said((_, files, options): &Example) -> String {
     let mut sources = SourceMap::default();
-    let mut fetch = |name: &str| {
+    let mut fetch = |name: &str, _: usize| {
         let found = files.iter().find(|(n, _)| *n == name);
         found
             .map(|(n, text)| SourceFile::text(*n, text))

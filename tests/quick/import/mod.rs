@@ -30,7 +30,7 @@ pub type FileTexts<'a> = &'a [(&'a str, &'a str)];
 pub fn read(files: FileTexts<'_>, given: usize, options: &Options) -> (Result<Imported, Vec<Diag>>, SourceMap) {
     let mut sources = SourceMap::default();
     let names: Vec<String> = files.iter().take(given).map(|(name, _)| (*name).to_owned()).collect();
-    let mut fetch = |name: &str| {
+    let mut fetch = |name: &str, _: usize| {
         let found = files.iter().find(|(n, _)| *n == name);
         found
             .map(|(_, text)| SourceFile::text(name, *text))
