@@ -116,7 +116,7 @@ fn fits(imported: &Imported, row: &ImportedRow) -> Result<(), Diag> {
         }
         for (k, section) in blade.sections.iter().enumerate() {
             let count = match &section.form {
-                SectionForm::Loop(points) => points.len(),
+                SectionForm::Loop(points) | SectionForm::DividedLoop { points, .. } => points.len(),
                 SectionForm::Faces(faces) => faces.iter().map(Vec::len).max().unwrap_or(0),
                 SectionForm::MeanLine { points, .. } => points.len(),
             };

@@ -32,7 +32,7 @@ fn from_shroud(blade: &ImportedBlade, [first, last]: [f64; 2], at: Span) -> Diag
 /// Points of a section.
 fn points(section: &Section) -> Box<dyn Iterator<Item = &Point3<f64>> + '_> {
     match &section.form {
-        SectionForm::Loop(points) => Box::new(points.iter()),
+        SectionForm::Loop(points) | SectionForm::DividedLoop { points, .. } => Box::new(points.iter()),
         SectionForm::Faces(faces) => Box::new(faces.iter().flatten()),
         SectionForm::MeanLine { points, .. } => Box::new(points.iter().map(|p| &p.position)),
     }

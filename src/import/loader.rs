@@ -53,8 +53,7 @@ impl<'a> Loader<'a> {
                     .help("give the path of the file; a file that another one names lies beside it")
             }
             NoFile::TooLarge => {
-                let message =
-                    format!("the file `{}` has more than {} MB, the limit", printable(name), self.most >> 20);
+                let message = format!("the file `{}` has more than {} MB, the limit", printable(name), self.most >> 20);
                 too_large(message, "it was not read")
             }
         })?;

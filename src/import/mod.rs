@@ -189,7 +189,13 @@ const READERS: &[Reader] = &[
     Reader { name: "ibl", endings: &["ibl"], several: false, bytes: limits::BYTES, read: ibl::read },
     Reader { name: "rtzt", endings: &["rtzt"], several: false, bytes: limits::BYTES, read: rtzt::read },
     Reader { name: "bgi", endings: &["bgi"], several: false, bytes: limits::BYTES, read: bladegen::read },
-    Reader { name: "step", endings: &["step", "stp", "p21"], several: false, bytes: limits::STEP_BYTES, read: step::read },
+    Reader {
+        name: "step",
+        endings: &["step", "stp", "p21"],
+        several: false,
+        bytes: limits::STEP_BYTES,
+        read: step::read,
+    },
     Reader { name: "table", endings: &["csv", "txt", "dat"], several: true, bytes: limits::BYTES, read: table::read },
 ];
 

@@ -3,10 +3,9 @@
 use super::job_frame::{JobFrame, Zero};
 use super::wheel_ends::{CutMeridian, WheelEdges, cut};
 use super::{Imported, ImportedBlade, ImportedRow};
-use crate::sections::SectionForm;
 use crate::sections::angles::EdgeShape;
 use crate::sections::outline::{DividedSection, Side};
-use crate::sections::{EdgeForm, Outline};
+use crate::sections::{EdgeForm, LOOP_EDGES, Outline, SectionForm};
 use crate::units::trim;
 use nalgebra::Point3;
 use std::fmt::Write as _;
@@ -92,7 +91,10 @@ pub fn write(source: &PartSource<'_>) -> PartFiles {
 /// Hub and shroud of the wheel, where all blades have closed sections.
 pub(super) fn wheel(source: &PartSource<'_>) -> Option<[CutMeridian; 2]> {
     let blades = &source.row.blades;
-    let closed = blades.iter().flat_map(|b| &b.sections).all(|s| matches!(s.form, SectionForm::Loop(_)));
+    let closed = blades
+        .iter()
+        .flat_map(|b| &b.sections)
+        .all(|s| matches!(s.form, SectionForm::Loop(_) | SectionForm::DividedLoop { .. }));
     // Blades by angles that are cut off go on to the ends of the wheel, where the lathe cuts them.
     let lathe = blades
         .first()
@@ -190,6 +192,11 @@ fn ruled_faces(text: &mut String, divided: &[DividedSection], blade: &str, file:
     }
 }
 
+/// True for an index from a first to a last one, which may lie over the end of the list.
+fn is_between(k: usize, [first, last]: [usize; 2]) -> bool {
+    if first <= last { (first..=last).contains(&k) } else { k >= first || k <= last }
+}
+
 /// Closed sections of each blade.
 pub(super) fn loops(source: &PartSource<'_>, frame: JobFrame) -> Vec<(String, String)> {
     let of = |(k, blade): (usize, &ImportedBlade)| {
@@ -199,9 +206,15 @@ pub(super) fn loops(source: &PartSource<'_>, frame: JobFrame) -> Vec<(String, St
             source.name
         );
         for (section, given) in blade.sections.iter().enumerate() {
-            let SectionForm::Loop(points) = &given.form else { continue };
+            let (points, edges) = match &given.form {
+                SectionForm::Loop(points) => (points, None),
+                SectionForm::DividedLoop { points, edges } => (points, Some(edges)),
+                _ => continue,
+            };
             for (number, p) in points.iter().enumerate() {
-                _ = writeln!(text, "section_{:02},{},{}", section + 1, number + 1, coordinates(p, frame));
+                let edge = edges.and_then(|edges| (0..2).find(|edge| is_between(number, edges[*edge])));
+                let edge = edge.map_or_else(String::new, |edge| format!(",{}", LOOP_EDGES[edge]));
+                _ = writeln!(text, "section_{:02},{},{}{edge}", section + 1, number + 1, coordinates(p, frame));
             }
         }
         (blade_name(k), text)
@@ -263,7 +276,9 @@ pub(super) fn sections(source: &PartSource<'_>, frame: JobFrame) -> String {
                 _ = writeln!(text, "{head},{face},{}{thickness}", coordinates(p, frame));
             };
             match &section.form {
-                SectionForm::Loop(points) => points.iter().for_each(|p| line("", p, None)),
+                SectionForm::Loop(points) | SectionForm::DividedLoop { points, .. } => {
+                    points.iter().for_each(|p| line("", p, None))
+                }
                 SectionForm::Faces(faces) => {
                     for (name, face) in FACES.iter().zip(faces) {
                         face.iter().for_each(|p| line(name, p, None));

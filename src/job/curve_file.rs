@@ -1,9 +1,11 @@
-//! Points of curves from a file of comma separated values: `curve,number,x,y,z`; `#` begins a comment.
+//! Points of curves from a file of comma separated values: `curve,number,x,y,z`; `#` begins a comment. In closed sections of a blade
+//! a point of an edge may have `leading-edge` or `trailing-edge` as a sixth value; without them the edges are found.
 
 use super::eval::unknown;
 use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
 use crate::import::limits;
+use crate::sections::{LOOP_EDGES, LoopEdges};
 use crate::source::{SourceId, SourceMap, Span};
 use crate::syntax::ast::{Name, Text};
 use std::collections::BTreeSet;
@@ -22,6 +24,37 @@ pub(super) struct FileCurve {
     pub(super) points: Vec<[f64; 3]>,
     /// Places of their lines.
     pub(super) spans: Vec<Span>,
+    /// Which edge each point belongs to: 0 the leading, 1 the trailing one.
+    on_edge: Vec<Option<usize>>,
+}
+
+impl FileCurve {
+    /// The edges of a closed curve, where its points state them; the sink holds the fault of edges that are no edges.
+    pub(super) fn edges(&self, file: &Text, sink: &mut Sink) -> Option<Option<LoopEdges>> {
+        if self.on_edge.iter().all(Option::is_none) {
+            return Some(None);
+        }
+        let count = self.on_edge.len();
+        let ends = |edge: usize| {
+            let on = |k: usize| self.on_edge[k % count] == Some(edge);
+            let firsts: Vec<usize> = (0..count).filter(|k| on(*k) && !on(k + count - 1)).collect();
+            let [first] = firsts[..] else { return Err(firsts.get(1).copied().unwrap_or(0)) };
+            let points = (first..first + count).take_while(|k| on(*k)).count();
+            if points < 2 { Err(first) } else { Ok([first, (first + points - 1) % count]) }
+        };
+        match [ends(0), ends(1)] {
+            [Ok(leading), Ok(trailing)] => Some(Some([leading, trailing])),
+            [leading, trailing] => {
+                let (edge, at) = leading.map_or_else(|at| (0, at), |_| (1, trailing.err().unwrap_or(0)));
+                let what = format!("`{}` of {} is not one row of two points or more", LOOP_EDGES[edge], self.name);
+                sink.push(
+                    fault(self.spans[at], file, what)
+                        .help("state both edges of a section, each for the points from face to face, or neither"),
+                );
+                None
+            }
+        }
+    }
 }
 
 /// A curve of a file; the numbers of its points count from 1 without a gap.
@@ -40,6 +73,12 @@ pub(super) fn read(
         name == curve.text
     };
     let found = curves(source, sources, file, wanted, sink)?.pop();
+    let marked =
+        found.as_ref().and_then(|curve| curve.on_edge.iter().position(Option::is_some).map(|k| curve.spans[k]));
+    if let Some(span) = marked {
+        sink.push(fault(span, file, "only closed sections of a blade have points of edges".to_owned()));
+        return None;
+    }
     if found.is_none() {
         sink.push(unknown(&curve.text, curve.span, "curve", names.iter().map(String::as_str)));
     }
@@ -83,8 +122,14 @@ fn curves(
         let span = Span::new(source, range);
         let fields: Vec<&str> = line.split(',').map(str::trim).collect();
         let name = fields.first().copied().unwrap_or_default();
-        if fields.len() != 5 {
+        let edge = fields.get(5).map(|word| LOOP_EDGES.iter().position(|edge| edge == word));
+        if !(5..=6).contains(&fields.len()) {
             sink.push(fault(span, file, format!("the line has {} fields, not 5", fields.len())));
+            return None;
+        }
+        if edge == Some(None) {
+            let due = format!("the sixth value is `{}` or `{}`", LOOP_EDGES[0], LOOP_EDGES[1]);
+            sink.push(fault(span, file, due));
             return None;
         }
         if !wanted(name) {
@@ -92,7 +137,7 @@ fn curves(
         }
         // Points of a curve mostly follow each other.
         let at = found.iter().rposition(|curve| curve.name == name).unwrap_or_else(|| {
-            found.push(FileCurve { name: name.to_owned(), points: Vec::new(), spans: Vec::new() });
+            found.push(FileCurve { name: name.to_owned(), points: Vec::new(), spans: Vec::new(), on_edge: Vec::new() });
             found.len() - 1
         });
         let curve = &mut found[at];
@@ -109,6 +154,7 @@ fn curves(
         };
         curve.points.push([x, y, z]);
         curve.spans.push(span);
+        curve.on_edge.push(edge.flatten());
         if curve.points.len() > MAX_POINTS || found.len() > MAX_LOOPS {
             break;
         }
@@ -119,7 +165,8 @@ fn curves(
 /// Whether a line has the required form: a plain name, a whole number, three coordinates.
 fn is_point(line: &str) -> bool {
     let fields: Vec<&str> = line.split(',').map(str::trim).collect();
-    let [name, number, coordinates @ ..] = fields.as_slice() else { return false };
+    let fields = if fields.len() == 6 { &fields[..5] } else { &fields[..] };
+    let [name, number, coordinates @ ..] = fields else { return false };
     let plain = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-' | '.' | ' ');
     !name.is_empty()
         && name.chars().all(plain)

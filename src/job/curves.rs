@@ -33,7 +33,7 @@ pub(super) fn curve(spline: &Spline, cx: &mut Context<'_>) -> Option<CurveSpec> 
 /// A closed curve of the job; `name` is its name in messages.
 pub(super) fn closed(spline: &Spline, name: String, cx: &mut Context<'_>) -> Option<LoopSpec> {
     let CurveSpec { points, spans, span } = curve(spline, cx)?;
-    Some(LoopSpec { name, points, spans, span })
+    Some(LoopSpec { name, points, spans, edges: None, span })
 }
 
 /// All curves of a file, each of them closed.
@@ -50,8 +50,9 @@ pub(super) fn closed_from(file: &Text, unit: Option<&Name>, span: Span, cx: &mut
         return None;
     }
     let closed = |curve: curve_file::FileCurve| {
+        let edges = curve.edges(file, cx.sink)?;
         let points = scaled(curve.points, scale, span, cx)?;
-        Some(LoopSpec { name: curve.name, points, spans: curve.spans, span })
+        Some(LoopSpec { name: curve.name, points, spans: curve.spans, edges, span })
     };
     found.into_iter().map(closed).collect()
 }

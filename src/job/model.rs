@@ -10,7 +10,7 @@ use crate::method::{LengthTo, ModuloWay, Planning};
 pub use crate::operation::OperationKind;
 use crate::part::{FaceId, RulingEnd};
 use crate::post_file::PostFile;
-use crate::sections::EdgeForm;
+use crate::sections::{EdgeForm, LoopEdges};
 use crate::source::Span;
 use crate::stock::Mesh;
 use crate::units::{Mm, Mm3PerMin, MmPerMin, Rad, Rpm};
@@ -300,6 +300,8 @@ pub struct LoopSpec {
     pub points: Vec<[f64; 3]>,
     /// Place of each point.
     pub spans: Vec<Span>,
+    /// The points of its edges, where they are stated.
+    pub edges: Option<LoopEdges>,
     /// Whole curve.
     pub span: Span,
 }

@@ -10,8 +10,8 @@ use crate::method::{LengthTo, Planning};
 use crate::operation::{Allowances, distinct, word};
 use crate::part::{BladeId, FaceId};
 use crate::post_file::{PostFile, Sectors};
-use crate::sections::EdgeForm;
 use crate::sections::angles::EdgeShape;
+use crate::sections::{EdgeForm, LOOP_EDGES};
 use crate::units::{Mm, Rad, trim};
 use std::fmt::Write;
 
@@ -153,6 +153,9 @@ fn blade_form(out: &mut String, form: &BladeForm) {
     let _ = writeln!(out, "  pressure {}", sections.pressure.map_or("as found", Looks::name));
     for section in &sections.loops {
         let _ = writeln!(out, "  loop {}", section.name);
+        for (word, [first, last]) in LOOP_EDGES.iter().zip(section.edges.into_iter().flatten()) {
+            let _ = writeln!(out, "    {word} points {} to {}", first + 1, last + 1);
+        }
         points(out, &section.points);
     }
 }

@@ -103,7 +103,11 @@ fn divided(given: &SectionBlade<'_>, name: &str, sink: &mut Sink) -> Option<Vec<
     let known = Known { inlet: Inlet::Meridian(&hub), pressure: Side::Greater };
     let sections = given.sections.loops.iter().map(|section| {
         let points = section.points.iter().map(|p| Point3::from(*p)).collect();
-        let found = outline(&Section { span: None, form: SectionForm::Loop(points) }, &known);
+        let form = match section.edges {
+            Some(edges) => SectionForm::DividedLoop { points, edges },
+            None => SectionForm::Loop(points),
+        };
+        let found = outline(&Section { span: None, form }, &known);
         found
             .map_err(|fault| fault.to_string())
             .and_then(|found| with_forms(found, given.sections))

@@ -33,7 +33,7 @@ pub enum SectionFact {
 /// Lines of points of a section: one that is closed, or two faces, or a mean line.
 fn lines(section: &Section) -> (Vec<Vec<Point3<f64>>>, bool) {
     match &section.form {
-        SectionForm::Loop(points) => (vec![points.clone()], true),
+        SectionForm::Loop(points) | SectionForm::DividedLoop { points, .. } => (vec![points.clone()], true),
         SectionForm::Faces(faces) => (faces.to_vec(), false),
         SectionForm::MeanLine { points, .. } => (vec![points.iter().map(|p| p.position).collect()], false),
     }

@@ -34,6 +34,13 @@ pub struct Section {
 pub enum SectionForm {
     /// Points once round the blade, from any start. The first point is not repeated at the end.
     Loop(Vec<Point3<f64>>),
+    /// Such points, and which of them are edges.
+    DividedLoop {
+        /// Points once round the blade.
+        points: Vec<Point3<f64>>,
+        /// Leading and trailing edge.
+        edges: LoopEdges,
+    },
     /// Points of the pressure and of the suction face, each from the leading to the trailing edge.
     Faces([Vec<Point3<f64>>; 2]),
     /// Points of the mean line from the leading to the trailing edge.
@@ -44,6 +51,13 @@ pub enum SectionForm {
         thickness: ThicknessDirection,
     },
 }
+
+/// Indices of the first and of the last point of the leading and of the trailing edge, in the order of a loop. These points end the
+/// faces as well. An edge may go over the end of the list.
+pub type LoopEdges = [[usize; 2]; 2];
+
+/// Words for the points of the leading and of the trailing edge of a loop in a file of points.
+pub const LOOP_EDGES: [&str; 2] = ["leading-edge", "trailing-edge"];
 
 /// A point of a mean line.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -11,7 +11,7 @@ use super::edges::{self, FoundEdge};
 use super::fold::{Fold, fold};
 use super::ring::{Ring, from_chords};
 use super::stream::{self, Camber};
-use super::{MeanPoint, Outline, Section, SectionForm, ThicknessDirection, mean_line};
+use super::{LoopEdges, MeanPoint, Outline, Section, SectionForm, ThicknessDirection, mean_line};
 use nalgebra::Point3;
 use std::fmt;
 
@@ -129,6 +129,7 @@ pub fn side_by_turns(wrap: f64, turn: f64) -> Option<Side> {
 pub fn outline(section: &Section, known: &Known<'_>) -> Result<DividedSection, OutlineFault> {
     match &section.form {
         SectionForm::Loop(points) => of_loop(points, section.span, known),
+        SectionForm::DividedLoop { points, edges } => of_divided_loop(points, *edges, section.span, known.pressure),
         SectionForm::Faces([pressure, suction]) => of_faces([pressure, suction], section.span),
         SectionForm::MeanLine { points, thickness } => of_mean_line(points, *thickness, section.span, known),
     }
@@ -152,6 +153,20 @@ fn of_loop(points: &[Point3<f64>], span: Option<f64>, known: &Known<'_>) -> Resu
     let of_faces = edges::of_faces(&ring);
     let ends = noses.map(|nose| edges::ends(&ring, nose, thickness, of_faces));
     divided(&ring, ends, span, Sides::By(known.pressure))
+}
+
+/// A loop whose edges are stated.
+fn of_divided_loop(
+    points: &[Point3<f64>],
+    edges: LoopEdges,
+    span: Option<f64>,
+    pressure: Side,
+) -> Result<DividedSection, OutlineFault> {
+    let ring = checked(points, FEWEST)?;
+    if ring.len() != points.len() || edges.iter().flatten().any(|k| *k >= points.len()) {
+        return Err(OutlineFault::NoFaces);
+    }
+    divided(&ring, edges, span, Sides::By(pressure))
 }
 
 /// Largest distance from one face to the other, mm. Where an end of the other face is nearest, what is measured is its edge,

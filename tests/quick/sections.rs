@@ -1,13 +1,14 @@
 //! A blade from closed sections: its surfaces against its points, and the closed surface of its part.
 
 use crate::parts::enclosed;
+use crate::support::bounded;
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::geom::proximity::Patch;
 use impellerc::ir::Program;
 use impellerc::part::chart::{self, Shape};
 use impellerc::part::{BladeId, Surface, SurfaceKind, sample};
 use nalgebra::Point3;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 /// A vane of our own: five sections with an elliptic leading edge and a trailing edge that is cut off at the outlet.
@@ -100,5 +101,48 @@ fn the_edge_is_sampled() {
         [SurfaceKind::InletEdge(BladeId::MAIN), SurfaceKind::Fillet(edge), SurfaceKind::OutletEdge(BladeId::MAIN)]
     {
         assert!(samples.iter().filter(|s| s.surface.kind == kind && s.surface.sector == 0).count() > 10, "{kind:?}");
+    }
+}
+
+/// The job of [`FREE`] whose points have words for edges, printed with all defaults.
+fn with_edges(word: impl Fn(usize, usize) -> &'static str) -> (bool, String) {
+    let folder = tempfile::tempdir().unwrap();
+    for file in ["sections.imp", "flow.csv"] {
+        std::fs::copy(Path::new("jobs/sections").join(file), folder.path().join(file)).unwrap();
+    }
+    let text = std::fs::read_to_string("jobs/sections/sections.csv").unwrap();
+    let lines: Vec<&str> = text.lines().filter(|line| !line.starts_with('#')).collect();
+    let name = |line: &str| line.split(',').next().unwrap().to_owned();
+    let numbered = |line: &&str| {
+        let count = lines.iter().filter(|other| name(other) == name(line)).count();
+        let number: usize = line.split(',').nth(1).unwrap().parse().unwrap();
+        format!("{line}{}\n", word(number, count))
+    };
+    std::fs::write(folder.path().join("sections.csv"), lines.iter().map(numbered).collect::<String>()).unwrap();
+    let library = Path::new("jobs/_lib").canonicalize().unwrap();
+    let mut command = bounded::program();
+    command.current_dir(folder.path()).args(["sections.imp", "--emit", "job", "--library"]).arg(library);
+    let run = command.output().unwrap();
+    (run.status.success(), String::from_utf8(if run.status.success() { run.stdout } else { run.stderr }).unwrap())
+}
+
+/// A file of sections may tell the points of the edges; edges that are no edges are refused with their line.
+#[test]
+fn a_file_may_state_the_edges() {
+    let (good, job) = with_edges(|number, count| match number {
+        1..=3 => ",leading-edge",
+        k if k == count => ",leading-edge",
+        k if (count / 2..count / 2 + 2).contains(&k) => ",trailing-edge",
+        _ => "",
+    });
+    assert!(good && job.contains("trailing-edge points ") && job.contains("    leading-edge points "), "{job}");
+    let refused = [
+        (with_edges(|number, _| if number < 4 { ",leading-edge" } else { "" }), "`trailing-edge` of"),
+        (with_edges(|number, _| if number % 9 < 3 { ",leading-edge" } else { ",trailing-edge" }), "`leading-edge` of"),
+        (with_edges(|number, _| if number < 4 { ",nose" } else { "" }), "the sixth value is `leading-edge`"),
+        (with_edges(|_, _| ",leading-edge,1"), "have another form"),
+    ];
+    for ((good, said), due) in refused {
+        assert!(!good && said.contains("IMP0220") && said.contains(due), "{said}");
     }
 }

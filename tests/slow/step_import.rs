@@ -52,7 +52,11 @@ fn splitters_are_found_by_their_angles() {
     assert!(made.notes.iter().any(turned), "{:?}", made.notes);
     for (a, b) in due.rows[0].blades.iter().zip(&made.rows[0].blades) {
         for (a, b) in a.sections.iter().zip(&b.sections) {
-            let (SectionForm::Loop(a), SectionForm::Loop(b)) = (&a.form, &b.form) else { panic!("no loops") };
+            let (SectionForm::DividedLoop { points: a, .. }, SectionForm::DividedLoop { points: b, .. }) =
+                (&a.form, &b.form)
+            else {
+                panic!("no loops")
+            };
             assert_eq!(a.len(), b.len());
             assert!(a.iter().zip(b).all(|(p, q)| nalgebra::distance(p, q) < 1e-6));
         }

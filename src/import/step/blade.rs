@@ -12,6 +12,7 @@ use crate::diag::codes::import as codes;
 use crate::geom::angle::nearest_turn;
 use crate::import::found::Found;
 use crate::import::{BladeFace, FaceRole};
+use crate::sections::LoopEdges;
 use crate::sections::outline::Side;
 use crate::source::Span;
 use crate::units::trim;
@@ -48,16 +49,33 @@ impl StepBlade {
     }
 
     /// A closed loop round the blade at a height, without the first point again: along the suction face from the outlet, round the
-    /// inlet, along the pressure face, round the outlet. It runs straight across an edge that is cut off.
-    pub(super) fn loop_at(&self, t: f64, steps: usize) -> Vec<Point3<f64>> {
+    /// inlet, along the pressure face, round the outlet. It runs straight across an edge that is cut off. With it the leading and the
+    /// trailing edge.
+    pub(super) fn loop_at(&self, t: f64, steps: usize) -> (Vec<Point3<f64>>, LoopEdges) {
         let [mut inlet, outlet] = self.edges.each_ref().map(|edge| edge.rounded_across(t));
+        // Along a face from its ends, at which the edges have these points.
+        let face = |face: usize| {
+            let sheet = &self.sheets[face];
+            let near = |edge: &[Point3<f64>]| if face == 0 { edge.first().copied() } else { edge.last().copied() };
+            let places = graded(
+                [(0.0, near(&inlet)), (1.0, near(&outlet))].map(|(end, next)| {
+                    let step = next.map_or(f64::INFINITY, |next| nalgebra::distance(&sheet.jet(end, t).point, &next));
+                    step / sheet.length(t)
+                }),
+                steps,
+            );
+            places.into_iter().map(|s| sheet.jet(s, t).point).collect::<Vec<_>>()
+        };
+        let [pressure, mut points] = [face(0), face(1)];
         inlet.reverse();
-        let mut points = self.sheets[1].row(t, steps);
         points.reverse();
+        let inlet_from = points.len() - 1;
         points.extend(inlet);
-        points.extend(self.sheets[0].row(t, steps));
+        let inlet_to = points.len();
+        points.extend(pressure);
+        let outlet_from = points.len() - 1;
         points.extend(outlet);
-        points
+        (points, [[inlet_from, inlet_to], [outlet_from, 0]])
     }
 
     /// The meridian of its tips: along the pressure face, and on to the ends of the edges.
@@ -79,6 +97,32 @@ impl StepBlade {
         });
         StepMeridian::new(before.into_iter().rev().chain(along.iter().copied()).chain(behind).collect())
     }
+}
+
+/// Shares from 0 to 1 in steps of at most one in `most`. Their first and last steps are those that are given, and no step is longer
+/// than its neighbour towards an end by more than a third: a spline through points whose distance jumps makes waves.
+fn graded(ends: [f64; 2], most: usize) -> Vec<f64> {
+    const GROWTH: f64 = 4.0 / 3.0;
+    /// Shortest step: points of an edge may be nearer to each other.
+    const LEAST: f64 = 1e-4;
+    let longest = 1.0 / most.max(1) as f64;
+    let half = |first: f64| {
+        let (mut step, mut at) = (first.clamp(LEAST, longest), 0.0);
+        let mut places = vec![0.0];
+        while at + step < 0.5 {
+            at += step;
+            places.push(at);
+            step = (step * GROWTH).min(longest);
+        }
+        places
+    };
+    let [mut first, last] = ends.map(half);
+    // Both halves may meet in a step that is much shorter than its neighbours.
+    let gap = 1.0 - last.last().copied().unwrap_or(0.0) - first.last().copied().unwrap_or(0.0);
+    if gap < 0.5 * longest && first.len() > 1 {
+        first.pop();
+    }
+    first.into_iter().chain(last.into_iter().rev().map(|s| 1.0 - s)).collect()
 }
 
 /// Angle about Z, rad.

@@ -34,7 +34,7 @@ impl StepBladeEdge {
     /// Points across the edge at a height, from the pressure to the suction face, without those where it meets them.
     pub(super) fn across(&self, t: f64) -> Vec<Point3<f64>> {
         /// Steps across the whole edge.
-        const STEPS: usize = 36;
+        const STEPS: usize = 108;
         let steps = STEPS.div_ceil(self.sheets.len().max(1));
         let mut points: Vec<Point3<f64>> =
             self.sheets.iter().flat_map(|sheet| sheet.row(t, steps).into_iter().skip(1)).collect();

@@ -7,7 +7,7 @@ use super::sheet::StepSheet;
 use crate::geom::LoftedSurface;
 use crate::sections::loft::{LoftedBlade, loft};
 use crate::sections::outline::{DividedSection, Inlet, Known, outline};
-use crate::sections::{EdgeForm, Outline, Section, SectionForm};
+use crate::sections::{EdgeForm, LoopEdges, Outline, Section, SectionForm};
 use nalgebra::Point3;
 
 /// Distance that is good enough, mm.
@@ -25,8 +25,8 @@ pub(super) const FIT: f64 = 5e-4;
 /// Closed sections of a blade.
 #[derive(Clone, Debug)]
 pub(super) struct LoopedSections {
-    /// Points of each section from the root to the tip; the first one is not repeated.
-    pub(super) loops: Vec<Vec<Point3<f64>>>,
+    /// Points of each section from the root to the tip, with its edges; the first one is not repeated.
+    pub(super) loops: Vec<(Vec<Point3<f64>>, LoopEdges)>,
     /// Largest distance of points of the faces of the file from the blade through the sections, mm.
     pub(super) distance: f64,
 }
@@ -36,9 +36,10 @@ pub(super) struct LoopedSections {
 pub(super) fn sections(blade: &StepBlade, hub: &[[f64; 2]]) -> Result<LoopedSections, String> {
     let mut best: Option<LoopedSections> = None;
     for rows in ROWS {
-        let loops: Vec<Vec<Point3<f64>>> = (0..=rows).map(|j| blade.loop_at(j as f64 / rows as f64, STEPS)).collect();
+        let loops: Vec<(Vec<Point3<f64>>, LoopEdges)> =
+            (0..=rows).map(|j| blade.loop_at(j as f64 / rows as f64, STEPS)).collect();
         let outlines: Result<Vec<Outline>, String> =
-            loops.iter().enumerate().map(|(k, points)| divided(blade, hub, k, points)).collect();
+            loops.iter().enumerate().map(|(k, section)| divided(blade, hub, k, section)).collect();
         let made = loft(&outlines?, FIT).map_err(|_| "no surface goes through its sections".to_owned())?;
         let distance = off(blade, &made);
         if best.as_ref().is_none_or(|best| distance < best.distance) {
@@ -52,9 +53,14 @@ pub(super) fn sections(blade: &StepBlade, hub: &[[f64; 2]]) -> Result<LoopedSect
 }
 
 /// Faces and edges of a section as a job divides it.
-fn divided(blade: &StepBlade, hub: &[[f64; 2]], section: usize, points: &[Point3<f64>]) -> Result<Outline, String> {
+fn divided(
+    blade: &StepBlade,
+    hub: &[[f64; 2]],
+    section: usize,
+    (points, edges): &(Vec<Point3<f64>>, LoopEdges),
+) -> Result<Outline, String> {
     let known = Known { inlet: Inlet::Meridian(hub), pressure: blade.pressure_side() };
-    let given = Section { span: None, form: SectionForm::Loop(points.to_vec()) };
+    let given = Section { span: None, form: SectionForm::DividedLoop { points: points.clone(), edges: *edges } };
     let fault = |why: &str| format!("section {} from the root: {why}", section + 1);
     let DividedSection { mut outline, edges, .. } =
         outline(&given, &known).map_err(|found| fault(&found.to_string()))?;

@@ -135,6 +135,12 @@ impl StepSheet {
         (0..=steps).map(|k| self.jet(k as f64 / steps as f64, t).point).collect()
     }
 
+    /// Length of a row, mm.
+    pub(super) fn length(&self, t: f64) -> f64 {
+        const STEPS: usize = 64;
+        self.row(t, STEPS).windows(2).map(|w| nalgebra::distance(&w[0], &w[1])).sum()
+    }
+
     /// Points of the first (0) or last (1) side along t.
     pub(super) fn end(&self, end: f64, steps: usize) -> Vec<Point3<f64>> {
         (0..=steps).map(|k| self.jet(end, k as f64 / steps as f64).point).collect()

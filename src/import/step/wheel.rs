@@ -262,7 +262,8 @@ fn of_loops(
                 .help("export sections of the blade as points, such as a table of closed loops")
         })?;
         told(distance, span, found);
-        let sections = loops.into_iter().map(SectionForm::Loop).collect();
+        let divided = |(points, edges)| SectionForm::DividedLoop { points, edges };
+        let sections = loops.into_iter().map(divided).collect();
         let edges = blade.edges.each_ref().map(|edge| Some(edge.form));
         read.push(ImportedBlade { edges, pressure: Some(blade.pressure_side()), ..imported(k, blade, sections) });
     }

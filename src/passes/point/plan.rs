@@ -188,6 +188,8 @@ fn no_fillet(cx: &mut PassContext<'_>, operation: &Operation) -> Aborted {
 ///
 /// Half of the chord tolerance is allowed. The interpolation takes the other part of what a contract on gouge leaves.
 fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, surface: &VaneSurface<'_>) -> Result<(), Aborted> {
+    /// Share of the largest sphere that is advised: a smaller cutter is looked at in other places.
+    const ADVISED: f64 = 0.9;
     let allowed = 0.5 * cx.program.tolerances.chord.get();
     let CutBeside { depth, sphere, at: [x, y] } = surface.deepest_beside(allowed);
     if depth <= allowed {
@@ -208,10 +210,10 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, surface: &VaneS
         format!("{} at u = {:.3}, v = {:.3}", surface.name(), place.parameters[0], place.parameters[1]),
         place.position,
     )
-    .help(less_than_radius(sphere));
+    .help(less_than_radius(ADVISED * sphere));
     if matches!(cx.program.part.face(surface.side).surface, FaceSurface::Lofted(_)) && surface.hollow.is_none() {
         diag =
-            diag.note("a curve that is fitted to the points of a section has waves; a smaller `fit` makes them lower");
+            diag.note("a curve through points of a section that are rounded or few has waves; a larger or a smaller `fit` makes them lower");
     }
     cx.sink.push(diag);
     Err(Aborted)

@@ -225,6 +225,24 @@ fn what_is_no_blade_is_refused() {
     assert_eq!(outline(&section(&[[f64::NAN, 0.0, 0.0]; 20]), &KNOWN).unwrap_err(), OutlineFault::NoLength);
 }
 
+/// A loop whose edges are stated is divided there, also over the end of its list.
+#[test]
+fn stated_edges_are_kept() {
+    let points: Vec<Point3<f64>> = axial_loop(50.0, 200, 0).iter().map(|p| Point3::from(*p)).collect();
+    let at = |edges: [[usize; 2]; 2]| {
+        let form = SectionForm::DividedLoop { points: points.clone(), edges };
+        outline(&Section { span: None, form }, &KNOWN)
+    };
+    // The loop begins in the middle of its leading edge.
+    let made = at([[195, 4], [97, 103]]).unwrap();
+    assert_eq!(made.outline.edges.each_ref().map(Vec::len), [10, 7]);
+    assert_eq!(made.outline.faces.each_ref().map(Vec::len), [94, 93]);
+    assert_eq!(made.outline.faces.each_ref().map(|face| face[0]), [points[4], points[195]]);
+    for faces in [[[4, 195], [97, 103]], [[97, 103], [97, 103]], [[195, 4], [97, 200]]] {
+        assert_eq!(at(faces).unwrap_err(), OutlineFault::NoFaces, "{faces:?}");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 

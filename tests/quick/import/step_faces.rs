@@ -15,7 +15,7 @@ fn picks(texts: &[String]) -> Options {
 /// Points of all sections of a wheel.
 fn points(imported: &Imported) -> Vec<Point3<f64>> {
     let of = |form: &SectionForm| match form {
-        SectionForm::Loop(points) => points.clone(),
+        SectionForm::Loop(points) | SectionForm::DividedLoop { points, .. } => points.clone(),
         SectionForm::Faces(faces) => faces.concat(),
         SectionForm::MeanLine { .. } => panic!("a mean line"),
     };
