@@ -30,8 +30,12 @@ const INSIDE: f64 = 0.98;
 /// Change of all angles below which the iteration stops, radians.
 const SETTLED: f64 = 1e-5;
 
-/// Length that weighs differences of higher order against those of lower, mm.
-const LENGTH: f64 = 6.0;
+/// Length that weighs differences of higher order against those of lower, as a multiple of the distance of stations: all weights of a
+/// wheel are those of a smaller one.
+const LENGTH: f64 = 4.0;
+
+/// Cost of an axis out of its cone, which exceeds all others, times the distance of the stations, mm.
+const OUTSIDE: f64 = 150_000.0;
 
 /// Weights of the minimised terms.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,8 +130,8 @@ impl Corridor {
         let h = self.spacing;
         let orders: [(&[f64], f64); 3] = [
             (&[-1.0, 1.0], weights.first / h),
-            (&[1.0, -2.0, 1.0], weights.second * LENGTH.powi(2) / h.powi(3)),
-            (&[-1.0, 3.0, -3.0, 1.0], weights.third * LENGTH.powi(4) / h.powi(5)),
+            (&[1.0, -2.0, 1.0], weights.second * LENGTH.powi(2) / h),
+            (&[-1.0, 3.0, -3.0, 1.0], weights.third * LENGTH.powi(4) / h),
         ];
         for axis in 0..2 {
             for (stencil, weight) in orders {
@@ -158,11 +162,11 @@ impl Corridor {
                 }
             }
         }
-        // An axis may leave its cone only where it must: the cost of this exceeds all others.
+        // An axis may leave its cone only where it must.
         let out = 2 * n + 2;
         rows.at_most(&[(out, -1.0)], 0.0);
         let mut linear = vec![0.0; count];
-        linear[out] = 1e3;
+        linear[out] = OUTSIDE / h;
         let solution = solve_quadratic(&square, &linear, &rows, count)?;
         Some((0..n).map(|k| [solution[k], solution[n + k]]).collect())
     }

@@ -148,8 +148,8 @@ fn no_sequence(clear: &ClearAxes<'_>, (operation, tool): (&str, &str), blocked: 
             format!("are less than {least:.1} deg from Z, where the second rotary axis would turn through")
         }
         Gap::Apart => {
-            let [turn, step] = [sequence::MOST_TURN.to_degrees(), sequence::STEP];
-            format!("are more than {turn:.0} deg away from those {step} mm before")
+            let [turn, step] = [sequence::MOST_TURN.to_degrees(), clear.scaled(sequence::STEP)];
+            format!("are more than {turn:.0} deg away from those {step:.1} mm before")
         }
     };
     Diag::error(orientation::NO_AXIS, format!("`{operation}`: the axes here that keep {tool} clear of the part {reason}"))
@@ -218,7 +218,7 @@ fn corridor_is_clear(
         let point = oriented.passes.get(*pass).and_then(|pass| pass.points.get(miss.station));
         point.is_some_and(|p| {
             let ball = StandingBall::at(p, clear.radius());
-            clear.candidates(&ball, &p.axis, clear.margin(sequence::MARGIN)).iter().any(is_steep)
+            clear.candidates(&ball, &p.axis, clear.scaled(sequence::MARGIN)).iter().any(is_steep)
         })
     })
 }

@@ -124,8 +124,8 @@ impl<'a> ClearAxes<'a> {
         self.solid.cutter.tip_radius()
     }
 
-    /// A distance that leaves free space about axes: the whole distance for usual tools, less for thin ones.
-    pub(crate) fn margin(&self, whole: f64) -> f64 {
+    /// A length that suits usual tools, less in proportion for thin ones: such tools finish small wheels.
+    pub(crate) fn scaled(&self, whole: f64) -> f64 {
         whole * share_of_size(self.solid)
     }
 

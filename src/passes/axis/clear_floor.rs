@@ -104,7 +104,7 @@ fn with_room<'a>(cx: &PassContext<'a>, operation: &Operation, (mut middle, allow
                 return is_clear(cx, operation, (&p, allowance));
             }
             if turns {
-                return clear.has_candidate(&StandingBall::at(&p, radius), &p.axis, clear.margin(MARGIN));
+                return clear.has_candidate(&StandingBall::at(&p, radius), &p.axis, clear.scaled(MARGIN));
             }
             obstacles.body_lack(solid, &p.tip, &p.axis, program.clearance.get(), Some(SIDE_CLEARANCE)).is_none()
         })

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 /// Distance at which two places of the chart count as one, mm.
 const SAME: f64 = 1e-6;
 
-/// Distance of the stations of the shortest path, mm.
+/// Distance of the stations of the shortest path, mm, for usual tools.
 pub(super) const STEP: f64 = 4.0;
 
 /// Most candidates of a station, the nearest to the direction of the channel first. The search compares pairs of pairs.
@@ -157,14 +157,14 @@ impl WayStations {
     /// Finds clear axes about the axes of a pass, which give the direction of the channel.
     fn new(clear: &ClearAxes<'_>, machine: &Machine, pass: &ClPass) -> Self {
         let radius = clear.radius();
-        let way = PassWay::new(pass, radius, STEP);
+        let way = PassWay::new(pass, radius, clear.scaled(STEP));
         let middles: Vec<Vector3<f64>> =
             way.stops.iter().map(|length| pass.points[stretch(&way.table, *length).0].axis).collect();
         let stops = way.stops.iter().zip(&middles);
         let candidates = stops
             .map(|(length, middle)| {
                 let ball = way.ball(*length);
-                let mut axes = clear.candidates(&ball, middle, clear.margin(MARGIN));
+                let mut axes = clear.candidates(&ball, middle, clear.scaled(MARGIN));
                 if axes.is_empty() {
                     axes = clear.candidates(&ball, middle, 0.0);
                 }
@@ -194,7 +194,7 @@ impl WayStations {
             let far = |x: &(Point3<f64>, Vector3<f64>)| (x.0 - here).norm_squared();
             let Some((_, beside)) = chosen.iter().min_by(|p, q| far(p).total_cmp(&far(q))) else { continue };
             if on_floor {
-                let axes = clear.beside(&ball, (beside, 1), clear.margin(MARGIN));
+                let axes = clear.beside(&ball, (beside, 1), clear.scaled(MARGIN));
                 candidates.truncate(2 * (MOST_CANDIDATES - axes.len()));
                 let poses = |axis| candidates_of(machine, (&here, middle), axis, clear.radius());
                 candidates.extend(axes.iter().filter(|axis| is_steep(axis)).flat_map(poses));

@@ -5,7 +5,7 @@
 //! sequence is found. Inside these cones, rotary angles with the least turn per mm and the least second and third
 //! differences are found. A cubic curve through these angles gives the axis of every station of the pass. Last, the
 //! clearance over the continuous motion between stations is proved. Where the proof fails, the cones take a larger
-//! distance and all steps are repeated, at most three times. Then the pass is an error with the last residuals. At the
+//! distance, there are more of them, and all steps are repeated, at most three times. Then the pass is an error with the last residuals. At the
 //! end each pass of the floor is turned towards the pass before it, as far as the proof allows, so that links between
 //! them turn little.
 
@@ -21,7 +21,7 @@ use crate::passes::context::PassContext;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
-/// Distance of the stations of the corridor, mm.
+/// Distance of the stations of the corridor, mm, for usual tools.
 const SPACING: f64 = 1.5;
 
 /// Fewest stations of a corridor.
@@ -152,32 +152,25 @@ fn smooth(clear: &ClearAxes<'_>, chain: &Chain, pass: &ClPass) -> Result<Vec<ClP
     if centres.len() < 2 || whole <= 0.0 {
         return Ok(pass.points.clone());
     }
-    let count = ((whole / SPACING).ceil() as usize).max(FEWEST);
-    let spacing = whole / count as f64;
     let angles = rotary(chain, pass.points.iter().map(|p| p.axis));
     let at = |s: f64| {
         let (i, t) = stretch(&table, s);
         let angle = between(angles[i], angles[i + 1], t);
         (balls[i].towards(&balls[i + 1], t), angle)
     };
-    let (places, start): (Vec<StandingBall>, Vec<Angles>) = (0..=count).map(|k| at(k as f64 * spacing)).unzip();
     let mut fault = Fault::NotProved(centres[0]);
     for round in 1..=ROUNDS {
-        let margin = clear.margin(MARGIN) * round as f64;
-        let mut run = start.clone();
-        for _ in 0..LAYINGS {
-            let mut cones = Vec::with_capacity(run.len());
-            for (place, angles) in places.iter().zip(&run) {
-                let wanted = chain.tool_axis(*angles);
-                // Where the clear axes are few, no cone of them keeps a larger distance: the proof decides.
-                let kept = |margin: f64| clear.narrow_cone(place, &wanted, Proof::Rays, margin);
-                let cone = kept(margin).or_else(|| kept(0.0));
-                cones.push(cone.ok_or(Fault::NoAxis(place.centre, wanted))?);
-            }
-            let corridor = Corridor { cones, spacing };
-            match corridor.smooth(&run, &WEIGHTS, &|angles| chain.tool_axis(angles)) {
+        let count = round * ((whole / clear.scaled(SPACING)).ceil() as usize).max(FEWEST);
+        let spacing = whole / count as f64;
+        let (places, start): (Vec<StandingBall>, Vec<Angles>) = (0..=count).map(|k| at(k as f64 * spacing)).unzip();
+        let margin = clear.scaled(MARGIN) * round as f64;
+        let mut run = start;
+        for laying in 0..LAYINGS {
+            match laid_about(clear, chain, &places, (&run, spacing), margin) {
                 Ok(next) => run = next,
-                Err(residual) => return Err(Fault::NoRun(places[residual.station].centre, residual)),
+                Err(found) if laying == 0 && round == 1 => return Err(found),
+                // Later cones widen the range of a run; where they hold none, the run before is kept.
+                Err(_) => break,
             }
         }
         let points = on_curve(chain, &pass.points, &centres, &table, &run, spacing, radius);
@@ -192,6 +185,26 @@ fn smooth(clear: &ClearAxes<'_>, chain: &Chain, pass: &ClPass) -> Result<Vec<ClP
         }
     }
     Err(fault)
+}
+
+/// Smooth angles within cones of clear axes about a run of angles at equal lengths.
+fn laid_about(
+    clear: &ClearAxes<'_>,
+    chain: &Chain,
+    places: &[StandingBall],
+    (run, spacing): (&[Angles], f64),
+    margin: f64,
+) -> Result<Vec<Angles>, Fault> {
+    let mut cones = Vec::with_capacity(run.len());
+    for (place, angles) in places.iter().zip(run) {
+        let wanted = chain.tool_axis(*angles);
+        // Where the clear axes are few, no cone of them keeps a larger distance: the proof decides.
+        let kept = |margin: f64| clear.narrow_cone(place, &wanted, Proof::Rays, margin);
+        let cone = kept(margin).or_else(|| kept(0.0));
+        cones.push(cone.ok_or(Fault::NoAxis(place.centre, wanted))?);
+    }
+    let found = Corridor { cones, spacing }.smooth(run, &WEIGHTS, &|angles| chain.tool_axis(angles));
+    found.map_err(|residual| Fault::NoRun(places[residual.station].centre, residual))
 }
 
 /// The stations of a pass with axes on the cubic curve through the rotary angles at equal lengths.
