@@ -30,12 +30,8 @@ const INSIDE: f64 = 0.98;
 /// Change of all angles below which the iteration stops, radians.
 const SETTLED: f64 = 1e-5;
 
-/// Length that weighs differences of higher order against those of lower, as a multiple of the distance of stations: all weights of a
-/// wheel are those of a smaller one.
-const LENGTH: f64 = 4.0;
-
-/// Cost of an axis out of its cone, which exceeds all others, times the distance of the stations, mm.
-const OUTSIDE: f64 = 150_000.0;
+/// Cost of an axis out of its cone, as a multiple of the weight of third differences: it exceeds all others.
+const OUTSIDE: f64 = 60.0;
 
 /// Weights of the minimised terms.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,6 +55,8 @@ pub struct Corridor {
     pub cones: Vec<EllipticCone>,
     /// Length of the path between neighbouring stations, mm.
     pub spacing: f64,
+    /// Length that weighs differences of higher order against those of lower, mm.
+    pub length: f64,
 }
 
 /// Why no smooth angles were found.
@@ -95,7 +93,12 @@ impl Corridor {
             let trust = TRUST * SHORTER.powi(round - 1);
             let Some(next) = self.solve(&run, weights, trust, tool_axis) else {
                 let (station, level) = self.worst(&run, tool_axis);
-                return Err(Residual { station, level, change, infeasible: true });
+                // What the solver found in the round before may do.
+                return if round > 1 && level <= 1.0 {
+                    Ok(run)
+                } else {
+                    Err(Residual { station, level, change, infeasible: true })
+                };
             };
             change =
                 next.iter().zip(&run).map(|(p, q)| (p[0] - q[0]).abs().max((p[1] - q[1]).abs())).fold(0.0, f64::max);
@@ -127,11 +130,12 @@ impl Corridor {
         // the cones.
         let count = 2 * n + 3;
         let mut square = Triplets::default();
-        let h = self.spacing;
+        let (h, length) = (self.spacing, self.length);
+        let third = weights.third * length.powi(4) / h.powi(5);
         let orders: [(&[f64], f64); 3] = [
             (&[-1.0, 1.0], weights.first / h),
-            (&[1.0, -2.0, 1.0], weights.second * LENGTH.powi(2) / h),
-            (&[-1.0, 3.0, -3.0, 1.0], weights.third * LENGTH.powi(4) / h),
+            (&[1.0, -2.0, 1.0], weights.second * length.powi(2) / h.powi(3)),
+            (&[-1.0, 3.0, -3.0, 1.0], third),
         ];
         for axis in 0..2 {
             for (stencil, weight) in orders {
@@ -166,7 +170,7 @@ impl Corridor {
         let out = 2 * n + 2;
         rows.at_most(&[(out, -1.0)], 0.0);
         let mut linear = vec![0.0; count];
-        linear[out] = OUTSIDE / h;
+        linear[out] = OUTSIDE * third;
         let solution = solve_quadratic(&square, &linear, &rows, count)?;
         Some((0..n).map(|k| [solution[k], solution[n + k]]).collect())
     }

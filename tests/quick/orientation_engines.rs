@@ -370,7 +370,7 @@ fn tube(directions: &[Vector3<f64>], half: f64) -> Corridor {
         half_axes: [half.tan(); 2],
         roll: 0.0,
     });
-    Corridor { cones: cones.collect(), spacing: 1.0 }
+    Corridor { cones: cones.collect(), spacing: 1.0, length: 6.0 }
 }
 
 const WEIGHTS: Weights = Weights { first: 0.05, second: 1.0, third: 1.0, peak: 1.0, least_tilt: 0.05 };
@@ -413,7 +413,7 @@ fn a_corridor_without_a_way_is_told() {
     let failed = residual.is_err();
     let reached = residual.is_ok_and(|run| corridor.worst(&run, &axis_at).1 <= 1.0);
     assert!(failed || reached);
-    let nearer = Corridor { cones: corridor.cones[..3].to_vec(), spacing: 1.0 };
+    let nearer = Corridor { cones: corridor.cones[..3].to_vec(), spacing: 1.0, length: 6.0 };
     assert!(nearer.smooth(&start[..3], &WEIGHTS, &axis_at).is_err(), "three stations have no third difference");
 }
 

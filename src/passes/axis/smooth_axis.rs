@@ -24,6 +24,9 @@ use rayon::prelude::*;
 /// Distance of the stations of the corridor, mm, for usual tools.
 const SPACING: f64 = 1.5;
 
+/// Length over which angles are smooth, mm, for usual tools.
+const LENGTH: f64 = 6.0;
+
 /// Fewest stations of a corridor.
 const FEWEST: usize = 8;
 
@@ -203,7 +206,8 @@ fn laid_about(
         let cone = kept(margin).or_else(|| kept(0.0));
         cones.push(cone.ok_or(Fault::NoAxis(place.centre, wanted))?);
     }
-    let found = Corridor { cones, spacing }.smooth(run, &WEIGHTS, &|angles| chain.tool_axis(angles));
+    let found = Corridor { cones, spacing, length: clear.scaled(LENGTH) }
+        .smooth(run, &WEIGHTS, &|angles| chain.tool_axis(angles));
     found.map_err(|residual| Fault::NoRun(places[residual.station].centre, residual))
 }
 
