@@ -120,7 +120,10 @@ pub(super) fn contacts(part: &Part, passage: &Passage, rolling: Rolling, turn_of
         let [first, second] = passage.walls.map(|side| contact(part, side, rolling));
         return Some([first?, second?]);
     }
-    let places: Vec<f64> = (0..=FINE).map(|i| i as f64 / FINE as f64).collect();
+    let length: f64 = (0..STATIONS).map(|i| part.hub.meridian(i as f64 / STATIONS as f64).first.norm()).sum::<f64>()
+        / STATIONS as f64;
+    let count = ((length / APART).ceil() as usize).clamp(FEWEST, MOST);
+    let places: Vec<f64> = (0..=count).map(|i| i as f64 / count as f64).collect();
     let borders = part.floor_borders(passage, rolling, &places)?;
     let lengths = places.iter().scan((0.0, None), |(sum, last), u| {
         let at = part.hub.meridian(*u).point;
@@ -138,8 +141,13 @@ pub(super) fn contacts(part: &Part, passage: &Passage, rolling: Rolling, turn_of
     Some([line(0), line(1)])
 }
 
-/// Places along the hub at which borders round an edge are known, minus one: a few hundredths of a millimetre apart.
-const FINE: usize = 4000;
+/// Distance of the places along the hub at which borders round an edge are known, mm. A disc that rolls on them sinks between two by
+/// less than a tenth of a micrometre.
+const APART: f64 = 0.02;
+
+/// Fewest and most of these places, minus one.
+const FEWEST: usize = 4000;
+const MOST: usize = 40_000;
 
 /// Largest radius with which a line turns off before an edge, as a share of the distance from the wall.
 const ROUNDING: f64 = 0.4;
