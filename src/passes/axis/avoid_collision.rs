@@ -6,10 +6,11 @@
 //! `ruling` changes nothing. Layers have already made roughing lines clear. A pass without a clear axis is an error
 //! that names the place.
 
-use super::clear_axes::{ClearAxes, LEAST_TILT, StandingBall, is_steep};
+use super::clear_axes::{ClearAxes, LEAST_TILT, StandingBall, is_steep, share_of_size};
 use super::orient_tool::tilted_points;
 use super::run::lengths;
 use super::sequence::{self, Blocked, Gap};
+use super::sideways::{TurnSide, turned};
 use super::varied_tilt::ClearTilts;
 use crate::analysis::flank::SIDE_CLEARANCE;
 use crate::collide::ToolSolid;
@@ -25,6 +26,9 @@ use rayon::prelude::*;
 /// Tilt angles that are tried, degrees. A line keeps one tilt angle, so that its axes remain as smooth as the rulings.
 pub(super) const TILTS: [f64; 14] = [0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0, 14.0, 16.0, 18.0, 20.0, 24.0, 28.0, 32.0];
 
+/// Angles to one side that are tried where no tilt is clear, degrees; a pass keeps one of them.
+const SIDES: [f64; 10] = [6.0, -6.0, 12.0, -12.0, 18.0, -18.0, 24.0, -24.0, 32.0, -32.0];
+
 /// Station at which a pass is not clear with its least bad tilt, by how much the tool is too near there, mm, and the tool.
 struct Miss {
     station: usize,
@@ -35,10 +39,11 @@ struct Miss {
 /// A place without a tool.
 const NOWHERE: ClPoint = ClPoint { tip: Point3::new(0.0, 0.0, 0.0), axis: Vector3::new(0.0, 0.0, 1.0), contact: None };
 
-/// Stations of a pass that are clear, and the largest of their tilts, degrees.
+/// Stations of a pass that are clear, the largest of their tilts, and their angle to one side, degrees.
 struct ClearedPass {
     points: Vec<ClPoint>,
     steepest: f64,
+    side: f64,
 }
 
 /// Tells why the tool of an operation is too near to the part, where the operation itself knows.
@@ -61,15 +66,17 @@ pub(crate) fn run(cx: &mut PassContext<'_>, reason: TooNear, cc: &CcPlan, cl: &m
         let work = cx.progress.begin(format!("{}, clearance", operation.name), planned.passes.len());
         let pairs = || planned.passes.par_iter().zip(&oriented.passes);
         let clear = |(cc, cl): (&CcPass, &ClPass)| {
-            work.step(TiltedPass { program, obstacles, operation, cc }.cleared(&cl.points))
+            work.step(TiltedPass::new(program, obstacles, operation, cc).cleared(&cl.points))
         };
         let found: Vec<Result<ClearedPass, Miss>> = pairs().map(clear).collect();
-        let mut steepest = 0.0_f64;
+        let (mut steepest, mut side, mut aside) = (0.0_f64, 0.0_f64, 0_usize);
         let mut blocked = Vec::new();
         for (index, found) in found.into_iter().enumerate() {
             match found {
                 Ok(cleared) => {
                     steepest = steepest.max(cleared.steepest);
+                    side = side.max(cleared.side.abs());
+                    aside += usize::from(cleared.side != 0.0);
                     oriented.passes[index].points = cleared.points;
                 }
                 Err(miss) => blocked.push((index, miss)),
@@ -85,6 +92,9 @@ pub(crate) fn run(cx: &mut PassContext<'_>, reason: TooNear, cc: &CcPlan, cl: &m
                 "tool axes tilt away from the nearer wall by up to {} deg at the wall",
                 trim(steepest, 1)
             ));
+        }
+        if aside > 0 {
+            oriented.notes.push(format!("on {aside} passes they turn to one side by up to {} deg", trim(side, 1)));
         }
     }
     if failed { Err(Aborted) } else { Ok(()) }
@@ -166,7 +176,7 @@ fn too_near(
 ) -> Diag {
     let (program, obstacles) = (cx.program, cx.obstacles);
     let tool = &program.tools[operation.tool];
-    let pass = |k: usize| TiltedPass { program, obstacles, operation, cc: &planned.passes[k] };
+    let pass = |k: usize| TiltedPass::new(program, obstacles, operation, &planned.passes[k]);
     let worst = blocked.iter().reduce(|a, b| if b.1.violation > a.1.violation { b } else { a });
     let place = worst.and_then(|(k, miss)| Some((oriented.passes.get(*k)?, miss)));
     let (label, at) = place.map_or((String::new(), Point3::origin()), |(pass, miss)| {
@@ -178,8 +188,8 @@ fn too_near(
     let help = remedy(&tool.solid, cutter_free, |solid| {
         let program = &program.with_solid(operation.tool, solid);
         let clear = |k: usize| {
-            let pass = TiltedPass { program, obstacles, operation, cc: &planned.passes[k] };
-            pass.cleared(&oriented.passes[k].points).is_ok()
+            let pass = TiltedPass::new(program, obstacles, operation, &planned.passes[k]);
+            pass.cleared_by_tilts(&oriented.passes[k].points).is_ok()
         };
         blocked.par_iter().all(|(k, _)| clear(*k))
     });
@@ -229,9 +239,17 @@ struct TiltedPass<'a> {
     obstacles: &'a Obstacles,
     operation: &'a Operation,
     cc: &'a CcPass,
+    /// Distance that the side of the cutter keeps from the part, mm.
+    beside: f64,
 }
 
-impl TiltedPass<'_> {
+impl<'a> TiltedPass<'a> {
+    /// With the least distance of the side of the cutter.
+    fn new(program: &'a Program, obstacles: &'a Obstacles, operation: &'a Operation, cc: &'a CcPass) -> Self {
+        let beside = SIDE_CLEARANCE * share_of_size(&program.tools[operation.tool].solid);
+        Self { program, obstacles, operation, cc, beside }
+    }
+
     fn solid(&self) -> &ToolSolid {
         &self.program.tools[self.operation.tool].solid
     }
@@ -240,14 +258,16 @@ impl TiltedPass<'_> {
         matches!(self.cc.drive, Drive::Contact(_) | Drive::Round(_))
     }
 
-    /// Stations with the tilts of the stations, degrees.
-    fn tilted(&self, tilt: impl Fn(usize) -> f64) -> Vec<ClPoint> {
-        tilted_points(self.program, self.operation, self.cc, |i| AxisTilt::Away(tilt(i).to_radians()))
+    /// Stations with the tilts of the stations, turned to one side, degrees; `None` where they cannot turn.
+    fn tilted(&self, tilt: impl Fn(usize) -> f64, (to, side): (TurnSide, f64)) -> Option<Vec<ClPoint>> {
+        let points = tilted_points(self.program, self.operation, self.cc, |i| AxisTilt::Away(tilt(i).to_radians()));
+        let radius = self.solid().cutter.tip_radius();
+        if side == 0.0 { Some(points) } else { turned(&points, radius, (to, side.to_radians())) }
     }
 
     /// Required distance of the side of a ball, mm.
     fn side(&self) -> Option<f64> {
-        (tilts_away(self.operation, self.cc) && self.solid().cutter.ends_in_ball()).then_some(SIDE_CLEARANCE)
+        (tilts_away(self.operation, self.cc) && self.solid().cutter.ends_in_ball()).then_some(self.beside)
     }
 
     /// Worst violation at a station, negative.
@@ -278,23 +298,52 @@ impl TiltedPass<'_> {
         Some(Miss { station, violation: -least, at })
     }
 
-    /// Clear stations: with the least tilt that clears all of them, else with tilts that change along the pass.
+    /// Clear stations: by tilts alone, else turned to one side as well; with the usual distance beside the cutter, else with that of
+    /// a thin one.
     fn cleared(&self, points: &[ClPoint]) -> Result<ClearedPass, Miss> {
-        let violations = |points: &[ClPoint]| points.iter().map(|p| self.violation(p)).collect::<Vec<_>>();
-        if !tilts_away(self.operation, self.cc) {
-            let miss = self.miss(points, &violations(points));
-            return miss.map_or_else(|| Ok(ClearedPass { points: points.to_vec(), steepest: 0.0 }), Err);
+        if self.beside < SIDE_CLEARANCE {
+            let usual = Self { beside: SIDE_CLEARANCE, ..*self };
+            if let Ok(cleared) = usual.cleared_at(points) {
+                return Ok(cleared);
+            }
         }
+        self.cleared_at(points)
+    }
+
+    /// The same with this distance beside the cutter.
+    fn cleared_at(&self, points: &[ClPoint]) -> Result<ClearedPass, Miss> {
+        let by_tilts = self.cleared_by_tilts(points);
+        if by_tilts.is_ok() || !tilts_away(self.operation, self.cc) || !self.solid().cutter.ends_in_ball() {
+            return by_tilts;
+        }
+        let mut sides = [TurnSide::Along, TurnSide::Across].into_iter().flat_map(|to| SIDES.map(|side| (to, side)));
+        sides.find_map(|side| self.with_side(side).ok()).map_or(by_tilts, Ok)
+    }
+
+    /// Clear stations by tilts alone.
+    fn cleared_by_tilts(&self, points: &[ClPoint]) -> Result<ClearedPass, Miss> {
+        if tilts_away(self.operation, self.cc) {
+            return self.with_side((TurnSide::Along, 0.0));
+        }
+        let found: Vec<Option<f64>> = points.iter().map(|p| self.violation(p)).collect();
+        let as_they_are = || ClearedPass { points: points.to_vec(), steepest: 0.0, side: 0.0 };
+        self.miss(points, &found).map_or_else(|| Ok(as_they_are()), Err)
+    }
+
+    /// Clear stations: with the least tilt that clears all of them, else with tilts that change along the pass.
+    fn with_side(&self, side: (TurnSide, f64)) -> Result<ClearedPass, Miss> {
+        let violations = |points: &[ClPoint]| points.iter().map(|p| self.violation(p)).collect::<Vec<_>>();
         // The contact is on the arc of a barrel and not on its tip.
         let end = if self.on_vane() { self.solid().cutter.barrel_angle() } else { None };
         let may = |tilt: &f64| end.is_none_or(|end| *tilt > 0.0 && tilt.to_radians() < end);
         let tilts: Vec<f64> = TILTS.into_iter().filter(may).collect();
         let (mut clear, mut least): (Vec<Vec<bool>>, Option<Miss>) = (Vec::new(), None);
         for tilt in &tilts {
-            let tilted = self.tilted(|_| *tilt);
+            let nowhere = Miss { station: 0, violation: f64::INFINITY, at: NOWHERE };
+            let Some(tilted) = self.tilted(|_| *tilt, side) else { return Err(nowhere) };
             let found = violations(&tilted);
             let Some(miss) = self.miss(&tilted, &found) else {
-                return Ok(ClearedPass { points: tilted, steepest: *tilt });
+                return Ok(ClearedPass { points: tilted, steepest: *tilt, side: side.1 });
             };
             if least.as_ref().is_none_or(|least| miss.violation < least.violation) {
                 least = Some(miss);
@@ -302,11 +351,11 @@ impl TiltedPass<'_> {
             clear.push(found.iter().map(Option::is_none).collect());
         }
         let nowhere = Miss { station: 0, violation: 0.0, at: NOWHERE };
-        self.varied(&tilts, &clear).ok_or_else(|| least.unwrap_or(nowhere))
+        self.varied((&tilts, &clear), side).ok_or_else(|| least.unwrap_or(nowhere))
     }
 
     /// Clear stations with tilts that change along the pass.
-    fn varied(&self, tilts: &[f64], clear: &[Vec<bool>]) -> Option<ClearedPass> {
+    fn varied(&self, (tilts, clear): (&[f64], &[Vec<bool>]), side: (TurnSide, f64)) -> Option<ClearedPass> {
         let stations = &self.cc.points;
         if stations.len() < 2 || clear.iter().any(|clear| clear.len() != stations.len()) {
             return None;
@@ -314,11 +363,11 @@ impl TiltedPass<'_> {
         let lengths = lengths(&stations.iter().map(|p| p.position).collect::<Vec<_>>());
         let clear = ClearTilts { lengths: &lengths, tilts, clear };
         let paths = clear.smooth_paths(2.0 * self.solid().cutter.tip_radius());
-        let all = paths.map(|path| ClearedPass {
-            points: self.tilted(|i| path[i]),
-            steepest: path.iter().copied().fold(0.0, f64::max),
+        let mut all = paths.filter_map(|path| {
+            let steepest = path.iter().copied().fold(0.0, f64::max);
+            Some(ClearedPass { points: self.tilted(|i| path[i], side)?, steepest, side: side.1 })
         });
-        all.into_iter().find(|cleared| cleared.points.iter().all(|p| self.violation(p).is_none()))
+        all.find(|cleared| cleared.points.iter().all(|p| self.violation(p).is_none()))
     }
 
     /// Which part of the tool is too near, and what it has to keep.

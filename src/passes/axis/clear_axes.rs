@@ -309,7 +309,7 @@ impl<'a> ClearAxes<'a> {
 }
 
 /// Share to which distances beside a tool shrink with its diameter.
-fn share_of_size(solid: &ToolSolid) -> f64 {
+pub(super) fn share_of_size(solid: &ToolSolid) -> f64 {
     (2.0 * solid.cutter.tip_radius() / WHOLE_SIDE).min(1.0)
 }
 

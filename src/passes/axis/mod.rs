@@ -6,5 +6,6 @@ pub(crate) mod clear_floor;
 pub(crate) mod orient_tool;
 pub(crate) mod run;
 mod sequence;
+mod sideways;
 pub(crate) mod smooth_axis;
 mod varied_tilt;
