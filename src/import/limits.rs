@@ -4,7 +4,7 @@
 pub const BYTES: usize = 64 << 20;
 
 /// Most text of a STEP file, bytes. Besides the faces that are picked it holds all others, curves on surfaces and names: our own
-/// of a wheel with 15 blades, 15 splitters and fillets has 256 MB.
+/// of a wheel with 15 blades and 15 splitters, without fillets, has 256 MB.
 pub const STEP_BYTES: usize = 512 << 20;
 
 /// Most points of all curves and sections together; they take 24 bytes each.

@@ -5,9 +5,9 @@
 //! sequence is found. Inside these cones, rotary angles with the least turn per mm and the least second and third
 //! differences are found. A cubic curve through these angles gives the axis of every station of the pass. Last, the
 //! clearance over the continuous motion between stations is proved. Where the proof fails, the cones take a larger
-//! distance, there are more of them, and all steps are repeated, at most three times. Then the pass is an error with the last residuals. At the
-//! end each pass of the floor is turned towards the pass before it, as far as the proof allows, so that links between
-//! them turn little.
+//! distance, there are more of them, and all steps are repeated, at most three times. Then the pass is an error with the
+//! last residuals. At the end each pass of the floor is turned towards the pass before it, as far as the proof allows, so
+//! that links between them turn little.
 
 use super::clear_axes::{ClearAxes, StandingBall};
 use super::run::{lengths, rotary, stretch};
@@ -172,7 +172,8 @@ fn smooth(clear: &ClearAxes<'_>, chain: &Chain, pass: &ClPass) -> Result<Vec<ClP
             match laid_about(clear, chain, &places, (&run, spacing), margin) {
                 Ok(next) => run = next,
                 Err(found) if laying == 0 && round == 1 => return Err(found),
-                // Later cones widen the range of a run; where they hold none, the run before is kept.
+                // Later cones widen the range of a run; where they hold none, the run before is kept: in a later round it may be
+                // the sequence itself.
                 Err(_) => break,
             }
         }

@@ -142,7 +142,7 @@ pub(super) fn contacts(part: &Part, passage: &Passage, rolling: Rolling, turn_of
 }
 
 /// Distance of the places along the hub at which borders round an edge are known, mm. A disc that rolls on them sinks between two by
-/// less than a tenth of a micrometre.
+/// about a tenth of a micrometre.
 const APART: f64 = 0.02;
 
 /// Fewest and most of these places, minus one.
