@@ -20,6 +20,7 @@
 //! | `charting` | makes these tables |
 //! | `chart_rows` | rows of such a table as splines |
 //! | `turned_patch` | turned surfaces between two borders |
+//! | `turned_profile` | the outside of a turned blank |
 //! | `kept` | surfaces that milling leaves as the lathe made them, over the unit square |
 //! | `sample` | points of all surfaces |
 //! | `sheet` | walls of channels with their fillets |
@@ -58,6 +59,7 @@ pub mod solid;
 mod stock;
 pub mod surface;
 mod turned_patch;
+mod turned_profile;
 mod unrolled;
 
 pub use blade::{Blade, BladeId, Face, FaceId, Guides, RulingEnd};
@@ -68,5 +70,6 @@ pub use passage::{Across, Passage};
 pub use rolling_ball::hub_normal;
 pub use row::{BladeRow, Part};
 pub use sample::{Sample, sample};
-pub use stock::{Clamping, Stock, profile_distance};
+pub use stock::{Clamping, Stock};
 pub use surface::{FaceLine, FaceSurface, Surface};
+pub use turned_profile::TurnedProfile;

@@ -1,6 +1,6 @@
 //! The turned blank, what is left of it at the start, and its clamping.
 
-use super::Part;
+use super::{Part, TurnedProfile};
 use crate::collide::{Section, ToolSolid};
 use crate::material::Material;
 use crate::stock::mesh::halves;
@@ -15,7 +15,7 @@ use std::sync::Arc;
 pub struct Stock {
     /// Outside, as a closed profile in the meridian plane of (r, z) points from the bore over front, inlet, shroud and
     /// outlet to the back; straight between the points.
-    pub profile: Vec<[f64; 2]>,
+    pub profile: TurnedProfile,
     /// Thickness of the stock over the vane tips, by which the shroud is offset outward.
     pub over_shroud: Mm,
     /// Radius of the bore.
@@ -70,31 +70,6 @@ impl Clamping {
 /// Pieces of the turned profile along the shroud: their chords deviate by less than 1 um from the meridian of a vane.
 const SHROUD_PIECES: usize = 200;
 
-/// Share by which squares of distances are off by rounding, at most.
-const ROUNDING: f64 = 1e-9;
-
-/// Distance of a point (r, z) of the meridian plane to a closed profile, mm; negative inside of it.
-pub fn profile_distance(profile: &[[f64; 2]], [r, z]: [f64; 2]) -> f64 {
-    let (mut nearest, mut least, mut inside) = (f64::INFINITY, f64::INFINITY, false);
-    for (i, a) in profile.iter().enumerate() {
-        let b = &profile[(i + 1) % profile.len()];
-        let (along, to) = ([b[0] - a[0], b[1] - a[1]], [r - a[0], z - a[1]]);
-        let square = along[0] * along[0] + along[1] * along[1];
-        let share = if square > 0.0 { ((to[0] * along[0] + to[1] * along[1]) / square).clamp(0.0, 1.0) } else { 0.0 };
-        let gap = [to[0] - share * along[0], to[1] - share * along[1]];
-        let square = gap[0] * gap[0] + gap[1] * gap[1];
-        // `hypot` takes longer than all else here, and most edges are farther than one before them by more than rounding.
-        if square <= least * (1.0 + ROUNDING) {
-            least = least.min(square);
-            nearest = nearest.min(libm::hypot(gap[0], gap[1]));
-        }
-        if (a[1] > z) != (b[1] > z) && r < a[0] + along[0] * (z - a[1]) / along[1] {
-            inside = !inside;
-        }
-    }
-    if inside { -nearest } else { nearest }
-}
-
 impl Stock {
     /// The blank that is turned to the shroud plus `over`, to the inlet line between hub and shroud and to the outlet
     /// radius, with a flat front face at the inlet of the hub. With an axial outlet it is turned to the outlet line, and has
@@ -112,6 +87,7 @@ impl Stock {
         profile.push([outlet, foot.y]);
         profile.push([outlet, back.get()]);
         let clamping = Clamping { below: back, radius: None, by_default: true };
+        let profile = TurnedProfile::new(profile);
         Self { profile, over_shroud: over, bore_radius, back, left: None, clamping, material: None }
     }
 
@@ -125,7 +101,7 @@ impl Stock {
 
     /// Distance of a point to the outside of the turned blank, mm; negative inside of it.
     pub fn distance(&self, p: &Point3<f64>) -> f64 {
-        profile_distance(&self.profile, [libm::hypot(p.x, p.y), p.z])
+        self.profile.distance([libm::hypot(p.x, p.y), p.z])
     }
 
     /// The sphere about the blank whose centre lies on Z at half of the height: height of the centre and radius, mm.
@@ -165,27 +141,5 @@ impl Stock {
             return None;
         }
         halves(corners).iter().find_map(|half| self.out_between(half, most, halvings - 1))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_profile_is_near_from_inside_and_outside() {
-        let square = [[5.0, 0.0], [5.0, 10.0], [15.0, 10.0], [15.0, 0.0]];
-        for (point, within, expected) in [
-            ([10.0, 5.0], 0.1, true),
-            ([15.5, 5.0], 0.4, false),
-            ([15.5, 5.0], 0.6, true),
-            ([3.0, 5.0], 1.0, false),
-            // Near the closing edge, from below.
-            ([10.0, -0.5], 0.6, true),
-            ([18.0, 14.0], 4.9, false),
-            ([18.0, 14.0], 5.1, true),
-        ] {
-            assert_eq!(profile_distance(&square, point) <= within, expected, "{point:?} {within}");
-        }
     }
 }

@@ -76,7 +76,7 @@ fn void(program: &Program, design: &Cloud, progress: &Progress) -> Vec<(Point3<f
     let profile = &program.stock.profile;
     let part = &program.part;
     let (mut r_max, mut low, mut high) = (0.0_f64, f64::INFINITY, f64::NEG_INFINITY);
-    for p in profile {
+    for p in profile.iter() {
         (r_max, low, high) = (r_max.max(p[0]), low.min(p[1]), high.max(p[1]));
     }
     let grid = GRID.max(libm::cbrt(4.0 * r_max * r_max * (high - low) / MOST_POINTS));

@@ -7,6 +7,7 @@ use impellerc::contract::{ContractKind, Cuts};
 use impellerc::diag::Sink;
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::{Contract, JointMove, Motion, MotionOperation, MoveKind, Operation, Program, Tool};
+use impellerc::part::TurnedProfile;
 use impellerc::passes::pipeline;
 use impellerc::progress::Progress;
 use impellerc::stock::{SLICES, Slices};
@@ -223,7 +224,7 @@ fn plate(radius: f64) -> Program {
         tools.push(Tool { solid: solid.clone(), ..tool.clone() });
     }
     let [r, height] = BLANK.map(|x| x * radius);
-    program.stock.profile = vec![[0.0, -height], [r, -height], [r, 0.0], [0.0, 0.0]];
+    program.stock.profile = TurnedProfile::new(vec![[0.0, -height], [r, -height], [r, 0.0], [0.0, 0.0]]);
     program.contracts.push(Contract::whole(ContractKind::Engagement(Cuts::All), 60.0));
     Program { tools, machine: support::machine(), ..program }
 }

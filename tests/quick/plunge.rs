@@ -10,7 +10,7 @@ use impellerc::ir::{JointMove, Motion, MotionOperation, MoveKind, Program, Tool}
 use impellerc::job::model::OperationSpec;
 use impellerc::job::{self, InMemory};
 use impellerc::operation::{OperationKind, VaneAllowance};
-use impellerc::part::{Surface, profile_distance};
+use impellerc::part::{Surface, TurnedProfile};
 use impellerc::passes::pipeline;
 use impellerc::progress::Progress;
 use impellerc::source::SourceMap;
@@ -132,7 +132,7 @@ pub(crate) fn block(radius: f64, plunge_width: f64) -> Program {
             ..tool.clone()
         });
     }
-    program.stock.profile = vec![[0.0, -8.0], [6.0, -8.0], [6.0, 0.0], [0.0, 0.0]];
+    program.stock.profile = TurnedProfile::new(vec![[0.0, -8.0], [6.0, -8.0], [6.0, 0.0], [0.0, 0.0]]);
     program.contracts.clear();
     let none = VaneAllowance::NONE;
     let kind = OperationKind::Plunge { stepover: Mm(1.0), allowance_vane: none, allowance_hub: Mm(0.0) };
@@ -232,7 +232,7 @@ impl Points {
         let mut n = 0;
         while n < points.material.len() {
             let p = points.at(n);
-            let distance = profile_distance(&program.stock.profile, [p.x.hypot(p.y), p.z]);
+            let distance = program.stock.profile.distance([p.x.hypot(p.y), p.z]);
             // The next points of the row that are nearer than the surface lie on the same side of it.
             let row_end = n - n % count[0] + count[0];
             let end = (n + 1 + (distance.abs() / step) as usize).min(row_end);
@@ -378,9 +378,7 @@ fn strokes_clear_the_channel_with_their_teeth() {
         let [root, tip] = [0.0, 1.0].map(|v| nalgebra::center(&walls[0].point(u, v), &(next * walls[1].point(u, v))));
         for n in 0..=20 {
             let p = root + (tip - root) * (0.99 * f64::from(n) / 20.0);
-            if part.hub.distance(&p) < 0.4 + 0.5
-                || profile_distance(&program.stock.profile, [p.x.hypot(p.y), p.z]) > 0.0
-            {
+            if part.hub.distance(&p) < 0.4 + 0.5 || program.stock.profile.distance([p.x.hypot(p.y), p.z]) > 0.0 {
                 continue;
             }
             let near = [0, 1, 2].map(|a: usize| ((p[a] - points.low[a]) / STEP).round() as usize);

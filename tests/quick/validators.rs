@@ -5,7 +5,7 @@ use impellerc::diag::Sink;
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::validate::{self, ClStage, Malformed};
 use impellerc::ir::{CcPlan, ClPlan, Drive, Motion, Operation, OperationKind, Program};
-use impellerc::part::{BladeId, SurfaceKind};
+use impellerc::part::{BladeId, SurfaceKind, TurnedProfile};
 use impellerc::passes::pipeline;
 use impellerc::units::Rpm;
 
@@ -36,7 +36,7 @@ fn programs() {
                 }
             });
         }),
-        ("a stock without an outside", |p| p.stock.profile.clear()),
+        ("a stock without an outside", |p| p.stock.profile = TurnedProfile::new(Vec::new())),
     ];
     each(&jobs::small("siemens-840d").program, &broken, validate::program);
 }

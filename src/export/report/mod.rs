@@ -214,7 +214,7 @@ pub fn report(input: &Input<'_>) -> String {
         },
         tools: program.tools.iter().map(|(_, t)| ToolData::new(t)).collect(),
         places: &places.list,
-        blank: program.stock.profile.clone(),
+        blank: program.stock.profile.to_vec(),
         cell: input.certificate.stock.as_ref().map(|s| s.cell),
         stock: &stock,
     };

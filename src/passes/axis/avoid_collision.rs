@@ -19,7 +19,7 @@ use crate::ir::{CcOperation, CcPass, CcPlan, ClOperation, ClPass, ClPlan, ClPoin
 use crate::method::AxisMethod;
 use crate::part::SurfaceKind;
 use crate::passes::context::{AxisTilt, Obstacles, PassContext, remedy};
-use crate::units::trim;
+use crate::units::{length, trim};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
@@ -200,7 +200,7 @@ fn too_near(
     };
     let diag = Diag::error(
         orientation::COLLISION,
-        format!("`{}`: {} is {violation:.2} mm too near to the part; {kept}", operation.name, tool.name,),
+        format!("`{}`: {} is {} too near to the part; {kept}", operation.name, tool.name, length(violation)),
     )
     .label(operation.span, "in this operation")
     .label(tool.span, "with this tool")

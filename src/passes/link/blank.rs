@@ -2,7 +2,7 @@
 
 use crate::collide::ToolSolid;
 use crate::ir::ClPoint;
-use crate::part::{Clamping, Stock, profile_distance};
+use crate::part::{Clamping, Stock, TurnedProfile};
 use nalgebra::{Point3, Vector3};
 
 /// Steps along the tool at which its distance to the blank is determined, mm.
@@ -11,7 +11,7 @@ const HEIGHT_STEP: f64 = 1.0;
 /// The turned blank, its clamping, and a tool.
 pub(crate) struct Blank<'a> {
     /// Meridian as (r, z), closed from its last point to its first.
-    profile: &'a [[f64; 2]],
+    profile: &'a TurnedProfile,
     clamping: &'a Clamping,
     /// Balls that hold the tool: heights of their centres over the tip, and radii, mm.
     balls: Vec<(f64, f64)>,
@@ -63,7 +63,7 @@ impl<'a> Blank<'a> {
             found.clamping = found.clamping.min(clamping - around);
             // The sphere decides for most of a long tool.
             if libm::hypot(r, p.z - centre) - radius - around < found.blank {
-                found.blank = found.blank.min(profile_distance(self.profile, [r, p.z]) - around);
+                found.blank = found.blank.min(self.profile.distance([r, p.z]) - around);
             }
         }
         found
@@ -73,7 +73,7 @@ impl<'a> Blank<'a> {
     fn highest_near(&self, at: &ClPoint, distance: f64) -> Option<f64> {
         let near = |&&(s, around): &&(f64, f64)| {
             let p = at.tip + at.axis * s;
-            profile_distance(self.profile, [libm::hypot(p.x, p.y), p.z]) <= around + distance
+            self.profile.distance([libm::hypot(p.x, p.y), p.z]) <= around + distance
         };
         self.balls.iter().rev().find(near).map(|ball| ball.0)
     }

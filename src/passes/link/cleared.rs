@@ -7,7 +7,6 @@
 use super::stock_steps::PathPoint;
 use crate::collide::ToolSolid;
 use crate::ir::{ClPoint, Program};
-use crate::part::profile_distance;
 use nalgebra::{Point3, Vector3};
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
@@ -53,7 +52,7 @@ impl Cleared {
     /// holds no material.
     pub(super) fn holds(&self, program: &Program, sector: u32, at: &ClPoint, [middle, long]: [f64; 2]) -> bool {
         let profile = &program.stock.profile;
-        let outside = |p: &Point3<f64>| profile_distance(profile, [libm::hypot(p.x, p.y), p.z]);
+        let outside = |p: &Point3<f64>| profile.distance([libm::hypot(p.x, p.y), p.z]);
         let step = HEIGHT_STEP * middle;
         let count = (long / step).ceil() as usize;
         let height = |k: usize| LAYER + k as f64 * step;

@@ -26,7 +26,6 @@ use super::groove::passes;
 use super::layers::{LayerStation, Level, Roughing, length_of, limit_leads};
 use crate::diag::Aborted;
 use crate::ir::{CcOperation, CcPoint, Operation, OperationId, OperationKind, Program};
-use crate::part::profile_distance;
 use crate::passes::context::{PassContext, limits::check_points, maximal_ranges};
 use crate::units::length;
 use nalgebra::Point3;
@@ -224,7 +223,7 @@ impl ChannelStrokes<'_> {
         let profile = &self.program.stock.profile;
         let over = |height: f64| {
             let p = bottom.position + bottom.normal * height;
-            profile_distance(profile, [libm::hypot(p.x, p.y), p.z])
+            profile.distance([libm::hypot(p.x, p.y), p.z])
         };
         let (mut height, mut top) = (0.0, UP);
         let free = self.roughing.radius() + self.lead + UP;
