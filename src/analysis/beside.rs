@@ -122,7 +122,7 @@ fn narrowest<'a>(part: &Part, spots: &[&'a Spot], radius: f64) -> Option<&'a Spo
 
 /// Largest radius of a ball that fits at every place at which the ball does not cut into the hub, by bisection.
 fn largest(part: &Part, spots: &[&Spot]) -> f64 {
-    let fillet = part.main().fillet.map_or(f64::INFINITY, |f| f.get());
+    let fillet = part.main().fillet.as_ref().map_or(f64::INFINITY, |f| f.least().get());
     let (mut low, mut high) = (0.0, spots.iter().map(|s| s.radius_limit).fold(0.0, f64::max).min(fillet));
     while high - low > 1e-4 {
         let middle = 0.5 * (low + high);

@@ -238,16 +238,19 @@ impl Sizes {
             OperationKind::Channel { scallop, method, allowance_vane, .. } => {
                 // The remaining width is finished by balls that roll in the fillets. What a larger ball leaves to the
                 // next one is known only while planning.
-                let beside = program.part.main().fillet.map_or(radius, Mm::get);
+                let beside = program.part.main().fillet.as_ref().map_or(radius, |f| f.most().get());
                 let beside = allowance_vane.map_or(beside, |vane| beside.max(radius) + vane.get());
                 let floor = self.width - 2.0 * beside;
                 of((floor.max(0.0) / step(scallop)).ceil() + 1.0, FINISHING_STATIONS, linked(method))
             }
             OperationKind::Point { surfaces, scallop, method, .. } => {
                 let across = |surface: &SurfaceKind| match surface {
-                    SurfaceKind::Fillet(_) => {
-                        program.part.main().fillet.map_or(0.0, |f| std::f64::consts::FRAC_PI_2 * f.get())
-                    }
+                    SurfaceKind::Fillet(_) => program
+                        .part
+                        .main()
+                        .fillet
+                        .as_ref()
+                        .map_or(0.0, |f| std::f64::consts::FRAC_PI_2 * f.most().get()),
                     SurfaceKind::InletEdge(_) | SurfaceKind::OutletEdge(_) => {
                         std::f64::consts::FRAC_PI_2 * self.thickness
                     }

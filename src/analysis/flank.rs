@@ -10,10 +10,11 @@ use crate::geom::DualCurve;
 use crate::ir::{OperationKind, Program};
 use crate::method::FlankMethod;
 use crate::part::{
-    FaceId, Part, Passage, Surface, SurfaceKind,
+    FaceId, Fillet, Part, Passage, Surface, SurfaceKind,
     chart::{self, Chart, Shape},
     hub_normal,
 };
+use crate::units::Mm;
 use crate::units::length;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
@@ -89,9 +90,9 @@ fn border(holds: impl Fn(f64) -> bool, mut from: f64, mut to: f64) -> f64 {
     to
 }
 
-/// Radius of the ball that rolls between face and hub: the fillet radius, at a sharp root the tip radius of the tool.
-fn rolling(part: &Part, cutter: &Cutter) -> f64 {
-    part.main().fillet.map_or(cutter.tip_radius(), |f| f.get())
+/// v at the lower end of a face at u: at the upper edge of the fillet, at a sharp root where the ball of the tool touches face and hub.
+fn foot(part: &Part, side: FaceId, cutter: &Cutter, u: f64) -> Option<f64> {
+    part.fillet_tangent(side, u, part.fillet_radius(side, u).unwrap_or_else(|| cutter.tip_radius()))
 }
 
 impl<'a> Strip<'a> {
@@ -107,8 +108,8 @@ impl<'a> Strip<'a> {
 
     /// True when this pass also makes the fillet: the ball of the cutter has the radius of the fillet.
     fn makes_fillet(&self) -> bool {
-        let same = |f: f64| (f - self.cutter.tip_radius()).abs() < SAME;
-        self.span[0] == 0.0 && self.around.part.main().fillet.is_some_and(|f| same(f.get()))
+        let same = |f: Mm| (f.get() - self.cutter.tip_radius()).abs() < SAME;
+        self.span[0] == 0.0 && self.around.part.fillet(self.side).and_then(Fillet::constant).is_some_and(same)
     }
 
     /// Requirements of the pass: it touches its strip, cuts nothing else and keeps clear of the neighbouring vane.
@@ -192,7 +193,7 @@ impl<'a> Strip<'a> {
         let place = chart.place(x, y);
         // At a sharp root the ball reaches down only to its contact with the hub.
         let reached = || {
-            let asked = part.main().fillet.is_none() && chart.kind == SurfaceKind::Face(self.side);
+            let asked = part.fillet(self.side).is_none() && chart.kind == SurfaceKind::Face(self.side);
             asked.then(|| part.fillet_tangent(self.side, x, self.cutter.tip_radius())).flatten()
         };
         let touched = |asked: bool| match asked {
@@ -300,7 +301,7 @@ impl<'a> Strip<'a> {
         let pairs: Option<Vec<[Point3<f64>; 2]>> = (0..=POINTS)
             .map(|i| {
                 let u = from + (to - from) * i as f64 / POINTS as f64;
-                let root = part.fillet_tangent(self.side, u, rolling(part, &self.cutter))?;
+                let root = foot(part, self.side, &self.cutter, u)?;
                 let at = |share: f64| root + (1.0 - root) * share;
                 let (tip, axis) = if let Cutter::Barrel { .. } = self.cutter {
                     self.on_its_arc(u, at(0.5 * (low + high)), root)?

@@ -109,7 +109,7 @@ impl Finder<'_> {
         let vane = vane.at((corner + hub) / heights.fold(f64::INFINITY, f64::min));
         let plain = self.channel.free_width(corner + vane, corner + hub)?;
         let radii = self.walls.iter().filter_map(|wall| self.part.fillet(*wall));
-        let Some(fillet) = radii.map(|radius| radius.get()).reduce(f64::max) else { return Some(plain) };
+        let Some(fillet) = radii.map(|fillet| fillet.most().get()).reduce(f64::max) else { return Some(plain) };
         let hollow = fillet - vane - corner;
         let below = fillet - corner - hub;
         if hollow <= 0.0 || below <= 0.0 {
@@ -249,7 +249,7 @@ fn too_large(program: &Program, throat: &Throat, reaches: &[&Reach], purpose: &s
         let o = &program.operations[r.operation];
         diag = diag.label(o.span, format!("`{}` uses `{}`", o.name, program.tools[o.tool].name));
     }
-    let fillet = program.part.main().fillet.map_or(String::new(), |f| format!(", between fillets of {f}"));
+    let fillet = program.part.main().fillet.as_ref().map_or(String::new(), |f| format!(", between fillets of {f}"));
     let (vane, hub) = (reach.allowance_vane, trim(reach.allowance_hub, 3));
     let [tip, root] = [vane.tip(), vane.root()].map(|value| trim(value.get(), 3));
     let vane = if vane.growth() > 0.0 { format!("{tip} .. {root}") } else { root };

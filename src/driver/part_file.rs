@@ -168,7 +168,8 @@ fn triangles(
 
 /// What the solid is and how exact it is, a line each.
 fn said(shell: &Shell, volume: Option<&Volume>, part: &Part) -> Vec<String> {
-    let mut radii: Vec<String> = part.blades.iter().filter_map(|blade| Some(blade.fillet?.to_string())).collect();
+    let mut radii: Vec<String> =
+        part.blades.iter().filter_map(|blade| Some(blade.fillet.as_ref()?.to_string())).collect();
     radii.dedup();
     let without = match radii.as_slice() {
         [] => String::new(),

@@ -69,7 +69,7 @@ fn part(t: &mut String, part: &Part) {
         let (a, b) = (s.meridian(0.0).point, s.meridian(1.0).point);
         let _ = writeln!(t, "{name} = revolution (r, z) ({:.4}, {:.4}) .. ({:.4}, {:.4})", a.x, a.y, b.x, b.y);
     }
-    let fillet = |blade: &Blade| blade.fillet.map_or("none".to_owned(), |f| f.to_string());
+    let fillet = |blade: &Blade| blade.fillet.as_ref().map_or("none".to_owned(), ToString::to_string);
     let _ = writeln!(t, "fillet {}", fillet(part.main()));
     for splitter in &part.blades[1..] {
         let _ = writeln!(t, "fillet of {} {}", splitter.name, fillet(splitter));

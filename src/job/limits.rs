@@ -41,3 +41,6 @@ pub(super) const FLUTES: [u32; 2] = [1, 20];
 
 /// Least fillet radius, mm, where there is a fillet.
 pub(super) const LEAST_FILLET: f64 = 0.01;
+
+/// Largest fillet radius, mm.
+pub(super) const LARGEST_FILLET: f64 = 1000.0;

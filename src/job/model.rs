@@ -8,7 +8,7 @@ use crate::contract::{Bound, Guarded, OfOperations, Region, Scope};
 use crate::material::Material;
 use crate::method::{LengthTo, ModuloWay, Planning};
 pub use crate::operation::OperationKind;
-use crate::part::{FaceId, RulingEnd};
+use crate::part::{FaceId, Fillet, RulingEnd};
 use crate::post_file::PostFile;
 use crate::sections::{EdgeForm, LoopEdges};
 use crate::source::Span;
@@ -247,8 +247,8 @@ pub struct BladeSpec {
     pub name: String,
     /// What gives its faces.
     pub form: BladeForm,
-    /// Fillet radius; zero is a sharp root.
-    pub fillet: Mm,
+    /// Fillet; `None` is a sharp root.
+    pub fillet: Option<Fillet>,
     /// Turn about Z from its curves to its position.
     pub angle: Rad,
     /// Place of its name in the text.

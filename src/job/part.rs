@@ -4,6 +4,7 @@ use super::angles::{self, AnglesGiven};
 use super::context::Context;
 use super::curve_file::MAX_LOOPS;
 use super::curves::{closed, closed_from, curve};
+use super::distributions::distribution;
 use super::eval::{mismatch, suggest};
 use super::limits;
 use super::model::{
@@ -14,7 +15,7 @@ use super::properties::{Properties, Range, name_of};
 use super::quantity::Dimension;
 use crate::diag::Diag;
 use crate::diag::codes::{geometry, job as codes};
-use crate::part::{BladeId, FaceId, RulingEnd};
+use crate::part::{BladeId, FaceId, Fillet, RulingEnd};
 use crate::sections::EdgeForm;
 use crate::source::Span;
 use crate::syntax::ast::{Block, Name, Path, Revolved, Spline, Value};
@@ -171,18 +172,19 @@ fn blade<'a>(word: &str, name: &Name, block: &'a Block, row: &RowGiven<'a>, cx: 
         known.push("angle");
     }
     let owner = format!("{word} {}", name.text);
-    let mut p = Properties::repeated(owner, name.span, block, (&known, repeated), &mut cx.scope, cx.sink);
+    let mut p = Properties::repeated(owner.clone(), name.span, block, (&known, repeated), &mut cx.scope, cx.sink);
+    let along = p.take_list("fillet");
     let fillet = if p.has("fillet") {
-        let fillet = p.number("fillet", Dimension::LENGTH, Range::NotNegative(1000.0), "fillet 3 mm");
+        let fillet = p.number("fillet", Dimension::LENGTH, Range::NotNegative(limits::LARGEST_FILLET), "fillet 3 mm");
         fillet.and_then(|(fillet, span)| {
             let real = fillet == 0.0 || fillet >= limits::LEAST_FILLET;
             if !real {
                 p.out_of_range(span, "fillet", &format!("0, or at least {} mm", limits::LEAST_FILLET));
             }
-            real.then_some(fillet)
+            real.then_some((fillet > 0.0).then(|| Fillet::from(Mm(fillet))))
         })
     } else {
-        Some(0.0)
+        Some(None)
     };
     let angle = if p.has("angle") { angle(&mut p, row) } else { Some(0.0) };
     let form = match given {
@@ -206,7 +208,29 @@ fn blade<'a>(word: &str, name: &Name, block: &'a Block, row: &RowGiven<'a>, cx: 
             BladeForm::Angles(given?.resolve(cx)?)
         }
     };
-    Some(BladeSpec { name: name.text.clone(), form, fillet: Mm(fillet?), angle: Rad(angle?), span: name.span })
+    let fillet = match along {
+        Some(value) => Some(fillet_along(value, &owner, cx)?),
+        None => fillet?,
+    };
+    Some(BladeSpec { name: name.text.clone(), form, fillet, angle: Rad(angle?), span: name.span })
+}
+
+/// A fillet whose radius changes along the foot of the blade.
+fn fillet_along(value: &Value, owner: &str, cx: &mut Context<'_>) -> Option<Fillet> {
+    let example = "fillet [(0 %, 2 mm) (100 %, 3 mm)]";
+    let given = distribution(value, ("fillet", Dimension::LENGTH), example, cx)?;
+    let fillet = Fillet::along(given.points);
+    let [least, most] = [fillet.least(), fillet.most()];
+    if least.get() >= limits::LEAST_FILLET && most.get() <= limits::LARGEST_FILLET {
+        return Some(fillet);
+    }
+    let range = format!("from {} mm to {} mm", limits::LEAST_FILLET, limits::LARGEST_FILLET);
+    cx.sink.push(
+        Diag::error(codes::OUT_OF_RANGE, format!("`fillet` of {owner} must be {range} everywhere"))
+            .label(given.span, format!("the radius runs smoothly through these values, from {least} to {most}"))
+            .help("give radii in this range that change less from one value to the next"),
+    );
+    None
 }
 
 /// The turn of a splitter: an angle, or a share of the pitch, rad.

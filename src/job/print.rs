@@ -2,8 +2,8 @@
 
 use super::library::LINUXCNC;
 use super::model::{
-    AnglesAtSpan, AnglesSpec, BladeForm, CamberSpec, CurveSpec, CutterKind, DistributionSpec, EdgePlace, FaceForm,
-    FaceSpec, Job, Looks, MeridianPlace, OperationKind, RevolvedSpec, RotarySpec,
+    AnglesAtSpan, AnglesSpec, BladeForm, BladeSpec, CamberSpec, CurveSpec, CutterKind, DistributionSpec, EdgePlace,
+    FaceForm, FaceSpec, Job, Looks, MeridianPlace, OperationKind, RevolvedSpec, RotarySpec,
 };
 use crate::method::FlankMethod;
 use crate::method::{LengthTo, Planning};
@@ -15,16 +15,21 @@ use crate::sections::{EdgeForm, LOOP_EDGES};
 use crate::units::{Mm, Rad, trim};
 use std::fmt::Write;
 
+/// The fillet of a blade as a value of the language.
+fn fillet(blade: &BladeSpec) -> String {
+    blade.fillet.as_ref().map_or_else(|| "0 mm".to_owned(), ToString::to_string)
+}
+
 /// The job as text.
 pub fn print(job: &Job) -> String {
     let mut out = String::new();
     machine(&mut out, job);
     let p = &job.part;
     let main = p.main();
-    let _ = writeln!(out, "part {}\n  vanes {}\n  extend {}\n  fillet {}", p.name, p.vanes.0, p.extend, main.fillet);
+    let _ = writeln!(out, "part {}\n  vanes {}\n  extend {}\n  fillet {}", p.name, p.vanes.0, p.extend, fillet(main));
     blade_form(&mut out, &main.form);
     for blade in &p.blades[1..] {
-        let _ = writeln!(out, "  splitter {}\n  angle {}\n  fillet {}", blade.name, blade.angle, blade.fillet);
+        let _ = writeln!(out, "  splitter {}\n  angle {}\n  fillet {}", blade.name, blade.angle, fillet(blade));
         blade_form(&mut out, &blade.form);
     }
     for (name, generator) in [("hub", &p.hub), ("shroud", &p.shroud)] {

@@ -134,6 +134,14 @@ impl<'a, 'c> Properties<'a, 'c> {
         Some(self.entries.remove(at))
     }
 
+    /// Removes a property whose value is a list in brackets, and returns the list.
+    pub(super) fn take_list(&mut self, name: &str) -> Option<&'a Value> {
+        let listed =
+            |(n, values): &(&Name, Vec<&Value>)| n.text == name && matches!(values.as_slice(), [Value::List(..)]);
+        let at = self.entries.iter().position(listed)?;
+        self.entries.remove(at).1.pop()
+    }
+
     /// Removes a repeatable property and returns all of its values.
     pub(super) fn take_all(&mut self, name: &str) -> Vec<(&'a Name, Vec<&'a Value>)> {
         let entries = std::mem::take(&mut self.entries);

@@ -176,7 +176,7 @@ impl AngleBladeGiven<'_> {
         };
         self.told(&name, &surfaces, &residual, side, sink).then(|| {
             let LoftedBlade { faces: [pressure, suction], edges, .. } = surfaces;
-            let fillet = (self.blade.fillet.get() > 0.0).then_some(self.blade.fillet);
+            let fillet = self.blade.fillet.clone();
             let made = Blade::new(&self.blade.name, [pressure.into(), suction.into()], fillet);
             (made.with_edges(edges.map(|edge| edge.map(FaceSurface::from))), side)
         })

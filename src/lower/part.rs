@@ -98,6 +98,6 @@ fn from_faces(blade: &BladeSpec, faces: Vec<FaceCurves<'_>>, sink: &mut Sink) ->
     let surfaces: Vec<Option<FaceSurface>> = faces.into_iter().map(|face| face.surface(sink)).collect();
     let surfaces: Vec<FaceSurface> = surfaces.into_iter().collect::<Option<_>>()?;
     let surfaces: [FaceSurface; 2] = surfaces.try_into().ok()?;
-    let fillet = (blade.fillet.get() > 0.0).then_some(blade.fillet);
+    let fillet = blade.fillet.clone();
     Some(Blade::new(&blade.name, surfaces, fillet))
 }

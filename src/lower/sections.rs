@@ -50,7 +50,7 @@ pub(super) fn fitted(given: &SectionBlade<'_>, sink: &mut Sink) -> Option<(Blade
     };
     told(given, &name, &made, looks(side), sink).then(|| {
         let LoftedBlade { faces: [pressure, suction], edges, .. } = made;
-        let fillet = (given.blade.fillet.get() > 0.0).then_some(given.blade.fillet);
+        let fillet = given.blade.fillet.clone();
         let blade = Blade::new(&given.blade.name, [pressure.into(), suction.into()], fillet);
         (blade.with_edges(edges.map(|edge| edge.map(FaceSurface::from))), side)
     })

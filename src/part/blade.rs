@@ -1,9 +1,9 @@
 //! Blades of a row, their faces, and the names of faces.
 
+use super::fillet::Fillet;
 use super::surface::{FaceSurface, Surface};
 use crate::geom::NurbsCurve;
 use crate::geom::{LoftedSurface, RuledSurface};
-use crate::units::Mm;
 use nalgebra::Vector3;
 
 /// A blade of a sector. The first one is the main blade, the others are its splitters.
@@ -150,8 +150,8 @@ pub struct Blade {
     /// Surfaces of its leading and trailing edge, u from the pressure (0) to the suction face (1). `None` for an edge that the
     /// lathe makes, between the ends of the faces.
     pub edges: [Option<Face>; 2],
-    /// Fillet radius between blade and hub; `None` for a sharp root.
-    pub fillet: Option<Mm>,
+    /// Fillet between blade and hub; `None` for a sharp root.
+    pub fillet: Option<Fillet>,
     /// Index of the face that looks ahead, counter-clockwise about Z.
     ahead: u8,
 }
@@ -159,7 +159,7 @@ pub struct Blade {
 impl Blade {
     /// The blade between a pressure and a suction face. The side of the material and the face that looks ahead follow
     /// from the geometry.
-    pub fn new(name: impl Into<String>, [pressure, suction]: [FaceSurface; 2], fillet: Option<Mm>) -> Self {
+    pub fn new(name: impl Into<String>, [pressure, suction]: [FaceSurface; 2], fillet: Option<Fillet>) -> Self {
         let (p, s) = (pressure.point(0.5, 0.5), suction.point(0.5, 0.5));
         // A face points away from the other face of its blade.
         let across = p - s;
@@ -169,7 +169,9 @@ impl Blade {
         let ahead = u8::from(p.x * s.y - p.y * s.x > 0.0);
         let [pressure, suction] = [(pressure, orientation[0]), (suction, orientation[1])]
             .map(|(surface, orientation)| Face { surface, orientation });
-        Self { name: name.into(), faces: [pressure, suction], edges: [None, None], fillet, ahead }
+        let faces = [pressure, suction];
+        let fillet = fillet.map(|fillet| fillet.at_foot(faces.each_ref().map(|face| &face.surface)));
+        Self { name: name.into(), faces, edges: [None, None], fillet, ahead }
     }
 
     /// The blade with surfaces for its leading and trailing edge. The side of the material follows from the geometry.
@@ -193,7 +195,7 @@ impl Blade {
         let turned = |f: &Face| Face { surface: f.surface.rotated(angle), ..*f };
         let faces = self.faces.each_ref().map(turned);
         let edges = self.edges.each_ref().map(|edge| edge.as_ref().map(turned));
-        Self { name: self.name.clone(), faces, edges, ..*self }
+        Self { name: self.name.clone(), faces, edges, fillet: self.fillet.clone(), ..*self }
     }
 
     /// Index of the face that looks ahead, counter-clockwise about Z.

@@ -42,10 +42,24 @@ impl Rolling {
     pub fn ball(radius: f64) -> Self {
         Self { wall: radius, floor: radius, top: 1.0 }
     }
+}
 
-    /// The ball of the fillet of a face.
-    fn in_fillet(part: &Part, id: FaceId) -> Option<Self> {
-        part.fillet(id).map(|radius| Self::ball(radius.get()))
+/// What borders of the floor follow along the walls.
+#[derive(Clone, Copy, Debug)]
+pub enum FloorBorder {
+    /// The lower edges of the fillets; along a wall without one the root of the face, or the contacts of a ball of this radius, mm.
+    Fillets(Option<f64>),
+    /// The contacts of a ball.
+    Ball(Rolling),
+}
+
+impl FloorBorder {
+    /// The ball beside a face at u; `None` for the root of the face.
+    pub fn ball(self, part: &Part, id: FaceId, u: f64) -> Option<Rolling> {
+        match self {
+            Self::Fillets(sharp) => part.fillet_radius(id, u).or(sharp).map(Rolling::ball),
+            Self::Ball(rolling) => Some(rolling),
+        }
     }
 }
 
@@ -53,13 +67,16 @@ impl Part {
     /// Azimuths on the hub of both borders of a passage, at places along the hub: where a ball that rolls along its walls
     /// touches the hub, also round edges that are surfaces of their own. Before and behind a splitter the border is shared with
     /// the next passage. Sector 0, each border in the sector of its blade. `None` where no ball has a place.
-    pub fn floor_borders(&self, passage: &Passage, rolling: Rolling, places: &[f64]) -> Option<[Vec<f64>; 2]> {
-        let mut opening = Opening::rolled(self, passage, |_| Some(rolling));
+    pub fn floor_borders(&self, passage: &Passage, along: FloorBorder, places: &[f64]) -> Option<[Vec<f64>; 2]> {
+        let mut opening = Opening::rolled(self, passage, along);
         // An edge without a surface of its own has no fillet: the ball stays in front of it.
         for (wall, face) in opening.walls.iter_mut().zip(passage.walls) {
             let ends = [wall.border.first(), wall.border.last()].map(|end| end.map_or(0.0, |p| p[0]));
             let blunt = |end: usize| self.ends_inside(face.blade, end) && self.edge(face.blade, end).is_none();
-            let before = |end: usize| rolling.wall / self.hub.meridian(ends[end]).first.norm();
+            let before = |end: usize| {
+                let wall = along.ball(self, face, end as f64).map_or(0.0, |ball| ball.wall);
+                wall / self.hub.meridian(ends[end]).first.norm()
+            };
             for end in [0, 1].into_iter().filter(|end| blunt(*end)) {
                 wall.straight[end] = before(end);
             }
@@ -72,11 +89,11 @@ impl Part {
 
 impl Opening {
     pub(super) fn of(part: &Part, passage: &Passage) -> Self {
-        Self::rolled(part, passage, |id| Rolling::in_fillet(part, id))
+        Self::rolled(part, passage, FloorBorder::Fillets(None))
     }
 
-    fn rolled(part: &Part, passage: &Passage, rolling: impl Fn(FaceId) -> Option<Rolling>) -> Self {
-        let hub_border = |wall: FaceId| hub_border(part, wall, rolling(wall));
+    fn rolled(part: &Part, passage: &Passage, along: FloorBorder) -> Self {
+        let hub_border = |wall: FaceId| hub_border(part, wall, along);
         let whole = (part.blades.len() > 1).then(|| {
             let ahead = part.face_ahead(BladeId::MAIN);
             let walls =
@@ -128,9 +145,9 @@ fn shares(whole: &Opening, own: &[[f64; 2]], other: &[[f64; 2]]) -> Option<[f64;
 
 /// Centre of the rolling ball beside a face at u, or the end of the face on the hub. The contact on the hub lies on
 /// the normal through the centre and has the same azimuth.
-fn contact(part: &Part, id: FaceId, u: f64, rolling: Option<Rolling>) -> Option<Point3<f64>> {
+fn contact(part: &Part, id: FaceId, u: f64, along: FloorBorder) -> Option<Point3<f64>> {
     let face = part.face(id);
-    match rolling {
+    match along.ball(part, id, u) {
         Some(Rolling { wall, floor, top }) => {
             let v = part.beside_centre(id, u, [wall, floor], top)?;
             Some(face.surface.point(u, v) + face.normal(u, v) * wall)
@@ -145,28 +162,32 @@ fn hub_parameter(part: &Part, at: &Point3<f64>) -> f64 {
 }
 
 /// u of an edge at which its border on the hub is farthest out: there the borders of both faces meet.
-fn nose(part: &Part, blade: BladeId, end: usize, rolling: Option<Rolling>) -> f64 {
+fn nose(part: &Part, blade: BladeId, end: usize, along: FloorBorder) -> f64 {
     /// Places along an edge: a nose of a millimetre has one every twentieth of a millimetre.
     const PLACES: usize = 64;
     let Some(edge) = part.edge(blade, end) else { return 0.5 };
     let outward = if end == 0 { -1.0 } else { 1.0 };
     let at = |i: usize| {
         let u = i as f64 / PLACES as f64;
-        contact(part, edge, u, rolling).map(|p| (u, outward * hub_parameter(part, &p)))
+        contact(part, edge, u, along).map(|p| (u, outward * hub_parameter(part, &p)))
     };
     (0..=PLACES).filter_map(at).max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0.5, |(u, _)| u)
 }
 
 /// Azimuths of the edge of a fillet (or of the root) along the hub: (u of the hub, azimuth), ascending.
-fn hub_border(part: &Part, id: FaceId, rolling: Option<Rolling>) -> Vec<[f64; 2]> {
+fn hub_border(part: &Part, id: FaceId, along: FloorBorder) -> Vec<[f64; 2]> {
     /// Rows along a face, and along half an edge.
     const ROWS: [usize; 2] = [400, 60];
-    let mut ends = rolling.map_or([0.0, 1.0], |ball| part.fillet_ends(id, ball.wall));
+    let ball = |u: f64| along.ball(part, id, u);
+    let mut ends = match ball(0.0) {
+        Some(at_inlet) => part.fillet_ends(id, |u| ball(u).unwrap_or(at_inlet).wall),
+        None => [0.0, 1.0],
+    };
     if id.blade != BladeId::MAIN {
         let extent = part.extent(id.blade);
         let foot = |u: f64| {
-            let centre = contact(part, id, u, rolling)?;
-            Some(centre - hub_normal(part, &centre) * rolling.map_or(0.0, |ball| ball.floor))
+            let centre = contact(part, id, u, along)?;
+            Some(centre - hub_normal(part, &centre) * ball(u).map_or(0.0, |ball| ball.floor))
         };
         let own = [0, 1].map(|end| part.edge(id.blade, end).is_some());
         ends = [0, 1].map(|end| {
@@ -174,11 +195,11 @@ fn hub_border(part: &Part, id: FaceId, rolling: Option<Rolling>) -> Vec<[f64; 2]
         });
     }
     let mut border: Vec<[f64; 2]> = Vec::new();
-    for (surface, range) in part.along(id, [0, 1].map(|end| nose(part, id.blade, end, rolling))) {
+    for (surface, range) in part.along(id, [0, 1].map(|end| nose(part, id.blade, end, along))) {
         let ([from, to], rows) = if surface == id { (ends, ROWS[0]) } else { (range, ROWS[1]) };
         for i in 0..=rows {
             let u = from + (to - from) * i as f64 / rows as f64;
-            let Some(at) = contact(part, surface, u, rolling) else { continue };
+            let Some(at) = contact(part, surface, u, along) else { continue };
             let hub_u = hub_parameter(part, &at);
             let mut azimuth = libm::atan2(at.y, at.x);
             if let Some(last) = border.last() {

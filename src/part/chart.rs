@@ -12,9 +12,10 @@
 
 use super::chart_table::{ChartForm, ChartTable};
 use super::charting::tables;
+use super::rolling_ball::FilletArc;
 use super::{BladeId, Extent, Part, Surface, SurfaceKind};
 use crate::geom::angle::great_arc;
-use crate::geom::range::{self, CellThickness, Jet};
+use crate::geom::range::{self, CellThickness, Interval, Jet};
 use nalgebra::{Point3, Vector3};
 use std::array::from_fn;
 
@@ -178,12 +179,30 @@ impl<'a> Chart<'a> {
                 let centre = [a, b, c];
                 from_fn(|k| centre[k] + direction[k] * (radius - distance))
             }
+            ChartForm::VariedFillet { balls, .. } => {
+                let [a, b, c, d, e, f, g, h, i, p, q, r, level, radius] = balls.jets(rectangle[0], varies);
+                let direction = range::great_arc(&[d, e, f], &[g, h, i], y);
+                let (centre, tilt) = ([a, b, c], [p, q, r]);
+                let reach = radius - Jet::constant(Interval::of(distance));
+                from_fn(|k| centre[k] + (tilt[k] + direction[k] * level) * reach)
+            }
             ChartForm::Hub { borders } if distance == 0.0 => {
                 let [from, angle] = borders.jets(rectangle[0], varies);
                 range::turned(self.part.hub.meridian_jets(&x), from + angle * y)
             }
             ChartForm::Edge { patch, .. } if distance == 0.0 => patch.jets(rectangle[0], varies, y),
             ChartForm::Hub { .. } | ChartForm::Edge { .. } => [Jet::UNKNOWN; 3],
+        }
+    }
+}
+
+impl Chart<'_> {
+    /// Radius of the ball that rolls in a fillet at x, mm; `None` for other surfaces.
+    pub fn fillet_radius(&self, x: f64) -> Option<f64> {
+        match self.form {
+            ChartForm::Fillet { radius, .. } => Some(*radius),
+            ChartForm::VariedFillet { balls, .. } => Some(balls.at(x)[13]),
+            _ => None,
         }
     }
 }
@@ -206,6 +225,17 @@ impl Shape for Chart<'_> {
                 // From the face contact to the hub contact.
                 let direction = great_arc(&to_face, &to_hub, y);
                 let position = Point3::from(centre + direction * *radius);
+                Place { position, normal: -direction, parameters: [u[0] + (u[1] - u[0]) * x, y] }
+            }
+            ChartForm::VariedFillet { u, balls } => {
+                let ball = balls.at(x);
+                let [centre, to_face, to_hub, tilt] =
+                    [0, 3, 6, 9].map(|k| Vector3::new(ball[k], ball[k + 1], ball[k + 2]));
+                let ends = [to_face.normalize(), to_hub.normalize()];
+                let [level, radius] = [ball[12], ball[13]];
+                let arc = FilletArc { centre: centre.into(), radius, tilt, level, ends };
+                let direction = arc.direction(y);
+                let position = arc.centre + direction * radius;
                 Place { position, normal: -direction, parameters: [u[0] + (u[1] - u[0]) * x, y] }
             }
             ChartForm::Hub { borders } => {
@@ -236,6 +266,6 @@ impl Shape for Chart<'_> {
 
     /// Fillets end at the inlet cone and the outlet cylinder.
     fn is_milled(&self, position: &Point3<f64>) -> bool {
-        !matches!(self.form, ChartForm::Fillet { .. }) || self.extent.holds(position)
+        !matches!(self.form, ChartForm::Fillet { .. } | ChartForm::VariedFillet { .. }) || self.extent.holds(position)
     }
 }

@@ -27,6 +27,12 @@ pub(super) enum ChartForm {
     Face { face: FaceId, borders: ChartRows<2> },
     /// Centre of the rolling ball, and the directions from the centre to face and hub.
     Fillet { radius: f64, u: [f64; 2], balls: ChartRows<9> },
+    /// The same where the radius changes: centre, directions from the centre of the circle to face and hub, [`FilletArc::tilt`],
+    /// [`FilletArc::level`], and the radius of the ball.
+    ///
+    /// [`FilletArc::tilt`]: super::rolling_ball::FilletArc::tilt
+    /// [`FilletArc::level`]: super::rolling_ball::FilletArc::level
+    VariedFillet { u: [f64; 2], balls: ChartRows<14> },
     /// First azimuth and opening angle of the channel.
     Hub { borders: ChartRows<2> },
     /// u of the end, and the turned patch between the ends of both faces.

@@ -5,9 +5,11 @@ use super::borders::Opening;
 use super::chart_rows::ChartRows;
 use super::chart_table::{ChartForm, ChartTable, ChartTables};
 use super::names::SurfaceKind;
+use super::rolling_ball::FilletArc;
 use super::turned_patch::TurnedPatch;
-use super::{Extent, Part, Passage, Surface, hub_normal};
-use nalgebra::{Point3, Vector3};
+use super::{Extent, Part, Passage, Surface};
+use crate::units::Mm;
+use nalgebra::Point3;
 
 /// Difference of two values of the secant method that has no slope, mm.
 const LEVEL: f64 = 1e-15;
@@ -15,9 +17,15 @@ const LEVEL: f64 = 1e-15;
 /// Error at which the secant method ends, mm.
 const EXACT: f64 = 1e-11;
 
-/// Rows of the tables of borders and rolling balls. Rows are about 0.2 mm apart. For a curve with a curvature radius of
-/// millimetres, cubic splines are then exact to 1 nm (tested).
-const ROWS: usize = 400;
+/// Fewest and most spans of the tables of borders and rolling balls.
+const SPANS: [usize; 2] = [400, 6400];
+
+/// Largest error of such a table in the middle between two rows, mm. Below the foot of a sharp leading edge 400 spans were off by a
+/// micrometre.
+const OFF: f64 = 5e-5;
+
+/// Spans of the table of the hub of a passage, whose borders have corners.
+const HUB_SPANS: usize = 400;
 
 /// Rows of the tables of edges that the lathe makes, from hub to shroud.
 const EDGE_ROWS: usize = 100;
@@ -25,7 +33,7 @@ const EDGE_ROWS: usize = 100;
 pub(super) fn tables(part: &Part) -> ChartTables {
     let mut milled: Vec<ChartTable> = part.faces().map(|id| face(part, id, SurfaceKind::Face(id))).collect();
     let sides = part.blade_ids().flat_map(|blade| part.sides(blade));
-    milled.extend(sides.filter_map(|id| fillet(part, id, part.fillet(id)?.get())));
+    milled.extend(sides.filter_map(|id| fillet(part, id)));
     milled.extend(part.passages().filter_map(|passage| hub(part, &passage)));
     ChartTables { milled, edges: part.blade_ids().flat_map(|blade| edges_of_blade(part, blade)).collect() }
 }
@@ -50,52 +58,96 @@ fn edges_of_blade(part: &Part, blade: BladeId) -> [ChartTable; 2] {
 
 /// v at the lower and the upper border of a face, on the ruling at u.
 fn borders(part: &Part, id: FaceId, u: f64) -> [f64; 2] {
-    let low = part
-        .fillet(id)
-        .and_then(|r| part.fillet_tangent(id, u, r.get()))
-        .unwrap_or_else(|| part.ruling_meets(id, u, &part.hub, 0.0));
+    let low = part.fillet_top(id, u).unwrap_or_else(|| part.ruling_meets(id, u, &part.hub, 0.0));
     [low, part.ruling_meets(id, u, &part.shroud, 1.0)]
 }
 
-fn rows() -> impl Iterator<Item = f64> {
-    (0..=ROWS).map(|i| i as f64 / ROWS as f64)
+/// Splines through rows at equal steps of x, so many that they are off by at most [`OFF`] in the middle between two rows. `off` is the
+/// distance of a row of the splines from the row itself, mm. `None` where a row has no numbers.
+fn table<const N: usize>(
+    at: impl Fn(f64) -> Option<[f64; N]>,
+    off: impl Fn(&[f64; N], &[f64; N]) -> f64,
+) -> Option<ChartRows<N>> {
+    let [fewest, most] = SPANS;
+    let mut rows: Vec<[f64; N]> = (0..=fewest).map(|i| at(i as f64 / fewest as f64)).collect::<Option<_>>()?;
+    loop {
+        let (table, spans) = (ChartRows::through(&rows), rows.len() - 1);
+        if spans >= most {
+            return Some(table);
+        }
+        let places = (0..spans).map(|i| (i as f64 + 0.5) / spans as f64);
+        let between: Vec<[f64; N]> = places.clone().map(&at).collect::<Option<_>>()?;
+        if places.zip(&between).all(|(x, row)| off(&table.at(x), row) <= OFF) {
+            return Some(table);
+        }
+        let last = rows[spans];
+        rows = rows.into_iter().zip(between).flat_map(|(row, next)| [row, next]).chain([last]).collect();
+    }
 }
 
 fn face(part: &Part, id: FaceId, kind: SurfaceKind) -> ChartTable {
-    let borders: Vec<[f64; 2]> = rows().map(|u| borders(part, id, u)).collect();
-    ChartTable { kind, blade: id.blade, form: ChartForm::Face { face: id, borders: ChartRows::through(&borders) } }
+    let surface = &part.face(id).surface;
+    let off = |a: &[f64; 2], b: &[f64; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs()) * surface.height(0.5);
+    let borders = table(|u| Some(borders(part, id, u)), off);
+    // Every row has borders.
+    let borders = borders.unwrap_or_else(|| ChartRows::through(&[[0.0, 1.0]; 4]));
+    ChartTable { kind, blade: id.blade, form: ChartForm::Face { face: id, borders } }
 }
 
-fn fillet(part: &Part, id: FaceId, radius: f64) -> Option<ChartTable> {
-    let face = part.face(id);
-    let [from, to] = part.fillet_ends(id, radius);
-    let ball = |u: f64| {
-        let v = part.fillet_tangent(id, u, radius)?;
-        let to_face = -face.normal(u, v);
-        let centre = face.surface.point(u, v) - to_face * radius;
-        let to_hub = -hub_normal(part, &centre);
-        Some([centre.coords, to_face, to_hub])
+fn fillet(part: &Part, id: FaceId) -> Option<ChartTable> {
+    let around_edge = || part.fillet_radius(id, 0.0).filter(|_| id.edge_end().is_some());
+    let constant = part.fillet(id)?.constant().map(Mm::get).or_else(around_edge);
+    let form = match constant {
+        Some(radius) => {
+            let (u, balls) = fillet_table(part, id, |FilletArc { centre: c, ends: [f, h], .. }| {
+                [c.x, c.y, c.z, f.x, f.y, f.z, h.x, h.y, h.z]
+            })?;
+            ChartForm::Fillet { radius, u, balls }
+        }
+        None => {
+            let (u, balls) =
+                fillet_table(part, id, |FilletArc { centre: c, radius, tilt: t, level, ends: [f, h] }| {
+                    [c.x, c.y, c.z, f.x, f.y, f.z, h.x, h.y, h.z, t.x, t.y, t.z, level, radius]
+                })?;
+            ChartForm::VariedFillet { u, balls }
+        }
     };
-    let found: Vec<Option<[Vector3<f64>; 3]>> = rows().map(|x| ball(from + (to - from) * x)).collect();
-    // Far beyond an end there may be no ball; the surface is the connected run of rows about the middle.
-    let middle = ROWS / 2;
-    found[middle]?;
-    let first = (0..middle).rev().find(|i| found[*i].is_none()).map_or(0, |i| i + 1);
-    let last = (middle..=ROWS).find(|i| found[*i].is_none()).unwrap_or(ROWS + 1);
-    let numbers = |ball: &[Vector3<f64>; 3]| std::array::from_fn(|k| ball[k / 3][k % 3]);
-    let balls: Vec<[f64; 9]> = found[first..last].iter().flatten().map(numbers).collect();
-    let u = [first, last - 1].map(|i| from + (to - from) * i as f64 / ROWS as f64);
-    (balls.len() > 3).then_some(ChartTable {
-        kind: SurfaceKind::Fillet(id),
-        blade: id.blade,
-        form: ChartForm::Fillet { radius, u, balls: ChartRows::through(&balls) },
-    })
+    Some(ChartTable { kind: SurfaceKind::Fillet(id), blade: id.blade, form })
+}
+
+/// Range of u and table of a fillet: of the centre and of directions from it. `None` where no ball touches face and hub in the middle.
+fn fillet_table<const N: usize>(
+    part: &Part,
+    id: FaceId,
+    numbers: impl Fn(FilletArc) -> [f64; N],
+) -> Option<([f64; 2], ChartRows<N>)> {
+    /// Steps along the foot at which the range is looked for.
+    const STEPS: usize = 400;
+    let [from, to] = part.fillet_ends(id, |u| part.fillet_radius(id, u).unwrap_or(0.0));
+    let place = |i: usize| from + (to - from) * i as f64 / STEPS as f64;
+    let stands = |i: &usize| part.fillet_arc(id, place(*i)).is_some();
+    // Far beyond an end there may be no ball; the surface is the connected run of places about the middle.
+    let middle = STEPS / 2;
+    if !stands(&middle) {
+        return None;
+    }
+    let first = (0..middle).rev().take_while(stands).last().unwrap_or(middle);
+    let last = (middle..=STEPS).take_while(stands).last().unwrap_or(middle);
+    let u = [first, last].map(place);
+    let most = part.fillet(id)?.most().get();
+    let off = |a: &[f64; N], b: &[f64; N]| {
+        let square = |k: usize| (a[k] - b[k]) * (a[k] - b[k]);
+        let [centre, directions]: [f64; 2] = [(0..3).map(square).sum(), (3..N).map(square).sum()];
+        centre.sqrt() + directions.sqrt() * most
+    };
+    let balls = table(|x| part.fillet_arc(id, u[0] + (u[1] - u[0]) * x).map(&numbers), off)?;
+    Some((u, balls))
 }
 
 fn hub(part: &Part, passage: &Passage) -> Option<ChartTable> {
     let opening = Opening::of(part, passage);
-    let border = |i| opening.at(i as f64 / ROWS as f64).map(|[from, angle]| [from, angle.max(0.0)]);
-    let borders: Option<Vec<[f64; 2]>> = (0..=ROWS).map(border).collect();
+    let border = |i| opening.at(i as f64 / HUB_SPANS as f64).map(|[from, angle]| [from, angle.max(0.0)]);
+    let borders: Option<Vec<[f64; 2]>> = (0..=HUB_SPANS).map(border).collect();
     Some(ChartTable {
         kind: SurfaceKind::Hub(passage.id),
         blade: BladeId::MAIN,

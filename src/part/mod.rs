@@ -12,6 +12,7 @@
 //! | `continued` | walls of passages from inlet to outlet, where a blade is shorter |
 //! | `names` | every surface of the finished part by kind and sector |
 //! | `stock` | the turned blank and what holds it |
+//! | `fillet` | radius of the fillet along the foot of a blade |
 //! | `rolling_ball` | the ball that touches face and hub: fillets |
 //! | `extent` | space between inlet and outlet, which contains the milled surfaces |
 //! | `borders` | borders between neighbouring surfaces |
@@ -43,6 +44,7 @@ mod chart_table;
 mod charting;
 mod continued;
 mod extent;
+mod fillet;
 mod hub_patches;
 pub mod kept;
 mod names;
@@ -63,8 +65,9 @@ mod turned_profile;
 mod unrolled;
 
 pub use blade::{Blade, BladeId, Face, FaceId, Guides, RulingEnd};
-pub use borders::Rolling;
+pub use borders::{FloorBorder, Rolling};
 pub use extent::Extent;
+pub use fillet::Fillet;
 pub use names::{PassageId, SurfaceClass, SurfaceId, SurfaceKind};
 pub use passage::{Across, Passage};
 pub use rolling_ball::hub_normal;

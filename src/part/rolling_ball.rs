@@ -2,6 +2,7 @@
 
 use super::{FaceId, Part, Surface};
 use crate::geom::Revolution;
+use crate::geom::angle::great_arc;
 use nalgebra::{Point3, Vector2, Vector3};
 
 /// Difference of two values of the secant method that has no slope, mm.
@@ -10,11 +11,64 @@ const LEVEL: f64 = 1e-15;
 /// Error at which the secant method ends, mm.
 const EXACT: f64 = 1e-12;
 
+/// The arc in which a ball touches the fillet: a circle about the way of its centre. It is a great circle of the ball where the radius
+/// does not change; else it is moved along the way, to the side at which the ball is smaller.
+pub(super) struct FilletArc {
+    /// Centre of the ball.
+    pub(super) centre: Point3<f64>,
+    /// Radius of the ball, mm.
+    pub(super) radius: f64,
+    /// From the centre of the ball to that of the circle, in radii of the ball.
+    pub(super) tilt: Vector3<f64>,
+    /// Radius of the circle, in radii of the ball.
+    pub(super) level: f64,
+    /// Unit directions from the centre of the circle to the contacts with face and hub.
+    pub(super) ends: [Vector3<f64>; 2],
+}
+
+impl FilletArc {
+    /// Unit direction from the centre of the ball to the place at a share of the arc, from the face to the hub.
+    pub(super) fn direction(&self, share: f64) -> Vector3<f64> {
+        let [from, to] = &self.ends;
+        self.tilt + great_arc(from, to, share) * self.level
+    }
+}
+
 impl Part {
     /// v at which a ball of a given radius that touches the face at (u, v) from outside also touches the hub: the upper
     /// edge of the fillet. `None` when the ruling has no such place. Sector 0.
     pub fn fillet_tangent(&self, id: FaceId, u: f64, radius: f64) -> Option<f64> {
         self.beside_centre(id, u, [radius; 2], 1.0)
+    }
+
+    /// v at which the fillet of a face begins, on the ruling at u. `None` for a sharp root, and when the ruling has no such place.
+    pub fn fillet_top(&self, id: FaceId, u: f64) -> Option<f64> {
+        self.fillet_tangent(id, u, self.fillet_radius(id, u)?)
+    }
+
+    /// The arc of the fillet of a face at u. `None` where the ball touches no face and hub together. Sector 0.
+    pub(super) fn fillet_arc(&self, id: FaceId, u: f64) -> Option<FilletArc> {
+        /// Step of differences along u: their directions are exact to 1e-6, also where the curvature jumps.
+        const STEP: f64 = 1e-6;
+        let face = self.face(id);
+        let ball = |u: f64| {
+            let radius = self.fillet_radius(id, u)?;
+            let v = self.fillet_tangent(id, u, radius)?;
+            let to_face = -face.normal(u, v);
+            Some((face.surface.point(u, v) - to_face * radius, radius, to_face))
+        };
+        let (centre, radius, to_face) = ball(u)?;
+        let ends = [to_face, -hub_normal(self, &centre)];
+        if self.fillet(id)?.constant().is_some() || id.edge_end().is_some() {
+            return Some(FilletArc { centre, radius, tilt: Vector3::zeros(), level: 1.0, ends });
+        }
+        let [(before, less, _), (after, more, _)] = [ball(u - STEP)?, ball(u + STEP)?];
+        let way = after - before;
+        // On the arc the ball neither sinks into the surface nor leaves it while it moves on and grows.
+        let lean = -(more - less) / way.norm();
+        let tilt = way.normalize() * lean;
+        let ends = ends.map(|to| (to - way * (to.dot(&way) / way.norm_squared())).normalize());
+        Some(FilletArc { centre, radius, tilt, level: (1.0 - lean * lean).sqrt(), ends })
     }
 
     /// v at which the point that lies `wall` off the face at (u, v) lies `floor` off the hub, at most `top`. `None` when
@@ -111,12 +165,13 @@ impl Part {
     /// The u of the first and of the last place where the ball of a fillet is on the part. The ball touches the hub
     /// before or behind the ruling whose face it touches; the offset grows with the inclination of the face. The ball
     /// therefore runs on beyond both ends of the face until it touches the hub outside of the part.
-    pub fn fillet_ends(&self, id: FaceId, radius: f64) -> [f64; 2] {
+    pub fn fillet_ends(&self, id: FaceId, radius: impl Fn(f64) -> f64) -> [f64; 2] {
         /// Largest extension beyond an end, in ball radii.
         const MOST: u32 = 4;
         let extent = self.extent(id.blade);
         let face = self.face(id);
         let on_part = |u: f64| {
+            let radius = radius(u);
             self.fillet_tangent(id, u, radius).is_some_and(|v| {
                 let centre = face.surface.point(u, v) + face.normal(u, v) * radius;
                 extent.holds(&(centre - hub_normal(self, &centre) * radius))
@@ -127,7 +182,7 @@ impl Part {
             if id.edge_end().is_some() || self.edge(id.blade, usize::from(end > 0.5)).is_some() {
                 return end;
             }
-            let step = outward * self.root_step(id, end, radius);
+            let step = outward * self.root_step(id, end, radius(end));
             let beyond = (1..MOST).find(|n| !on_part(end + step * f64::from(*n))).unwrap_or(MOST);
             end + step * f64::from(beyond)
         })

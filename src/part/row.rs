@@ -2,6 +2,7 @@
 
 use super::blade::{Blade, BladeId, Face, FaceId, Guides};
 use super::chart_table::ChartTables;
+use super::fillet::Fillet;
 use super::names::PassageId;
 use super::passage::{Passage, WholeWall};
 use super::surface::{FaceSurface, Surface};
@@ -52,7 +53,7 @@ impl Part {
         fillet: Option<Mm>,
     ) -> Self {
         let faces = [FaceSurface::from(pressure), FaceSurface::from(suction)];
-        Self::with_blades(vane_count, Blade::new("main", faces, fillet), Vec::new(), hub, shroud)
+        Self::with_blades(vane_count, Blade::new("main", faces, fillet.map(Fillet::from)), Vec::new(), hub, shroud)
     }
 
     /// The part of a main blade and its splitters, in any order.
@@ -99,7 +100,7 @@ impl Part {
     #[must_use]
     pub fn with_fillet(&self, fillet: Option<Mm>) -> Self {
         let mut row = self.row.clone();
-        row.blades[0].fillet = fillet;
+        row.blades[0].fillet = fillet.map(Fillet::from);
         Self::of(row)
     }
 
@@ -194,9 +195,15 @@ impl Part {
         id.edge_end().and_then(|end| blade.edges[end].as_ref()).unwrap_or(&blade.faces[id.index() % blade.faces.len()])
     }
 
-    /// Radius of the fillet at the foot of a face.
-    pub fn fillet(&self, face: FaceId) -> Option<Mm> {
-        self.blade(face.blade).fillet
+    /// The fillet at the foot of a face.
+    pub fn fillet(&self, face: FaceId) -> Option<&Fillet> {
+        self.blade(face.blade).fillet.as_ref()
+    }
+
+    /// Radius of the fillet at u of a face, or of an edge that is a surface of its own, mm.
+    pub fn fillet_radius(&self, face: FaceId, u: f64) -> Option<f64> {
+        let fillet = self.fillet(face)?;
+        Some(face.edge_end().map_or_else(|| fillet.at(face.index(), u), |end| fillet.at_edge(end)))
     }
 
     /// The face of a blade that looks ahead, counter-clockwise about Z.

@@ -8,9 +8,8 @@
 //! | tip, edge | turned surfaces of the vanes: obstacles, not milled |
 
 use super::borders::{Opening, arc_between};
-use super::{BladeId, FaceId, Part, Passage, Surface, SurfaceId, SurfaceKind, hub_normal};
+use super::{BladeId, FaceId, Part, Passage, Surface, SurfaceId, SurfaceKind};
 use crate::collide::CloudPoint;
-use crate::geom::angle::great_arc;
 use nalgebra::{Point3, Vector3};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
@@ -61,8 +60,8 @@ pub fn sample(part: &Part, spacing: f64) -> Vec<Sample> {
     let mut sector0 = Vec::new();
     for id in part.blade_ids().flat_map(|blade| part.sides(blade)) {
         sample_face(part, id, spacing, &mut sector0);
-        if let Some(radius) = part.fillet(id) {
-            sample_fillet(part, id, radius.get(), spacing, &mut sector0);
+        if part.fillet(id).is_some() {
+            sample_fillet(part, id, spacing, &mut sector0);
         }
     }
     for passage in part.passages() {
@@ -117,7 +116,7 @@ fn sample_face(part: &Part, id: FaceId, spacing: f64, out: &mut Vec<Sample>) {
     for i in 0..=nu {
         let u = i as f64 / nu as f64;
         let low = match part.fillet(id) {
-            Some(radius) => part.fillet_tangent(id, u, radius.get()),
+            Some(_) => part.fillet_top(id, u),
             None => Some(part.ruling_meets(id, u, &part.hub, 0.0)),
         };
         let Some(low) = low else { continue };
@@ -143,25 +142,23 @@ fn end_weight(i: usize, n: usize) -> f64 {
     if i == 0 || i == n { 0.5 } else { 1.0 }
 }
 
-fn sample_fillet(part: &Part, id: FaceId, radius: f64, spacing: f64, out: &mut Vec<Sample>) {
-    let face = part.face(id);
+fn sample_fillet(part: &Part, id: FaceId, spacing: f64, out: &mut Vec<Sample>) {
     let nu = steps(guide_length(part, id) * UNEVEN, spacing);
     let extent = part.extent(id.blade);
-    let [first, last] = part.fillet_ends(id, radius).map(|u| u * nu as f64);
+    let [first, last] = part.fillet_ends(id, |u| part.fillet_radius(id, u).unwrap_or(0.0)).map(|u| u * nu as f64);
     for i in first.floor() as i64..=last.ceil() as i64 {
         let u = i as f64 / nu as f64;
-        let Some(v) = part.fillet_tangent(id, u, radius) else { continue };
-        let to_face = -face.normal(u, v);
-        let centre = face.surface.point(u, v) - to_face * radius;
-        let to_hub = -hub_normal(part, &centre);
-        let angle = libm::acos(to_face.dot(&to_hub).clamp(-1.0, 1.0));
+        let Some(arc) = part.fillet_arc(id, u) else { continue };
+        let [to_face, to_hub] = &arc.ends;
+        let angle = libm::acos(to_face.dot(to_hub).clamp(-1.0, 1.0));
+        let radius = arc.radius;
         let n = steps(angle * radius, spacing);
         let width = guide_length_at(part, id, nu);
         for j in 0..=n {
             let share = j as f64 / n as f64;
             // From the face contact to the hub contact.
-            let direction = great_arc(&to_face, &to_hub, share);
-            let position = centre + direction * radius;
+            let direction = arc.direction(share);
+            let position = arc.centre + direction * radius;
             if extent.holds(&position) {
                 out.push(Sample {
                     surface: SurfaceId { kind: SurfaceKind::Fillet(id), sector: 0 },

@@ -272,7 +272,10 @@ impl Certificate {
             (s.not_reached > 0.0).then(|| causes.join(", "))
         };
         let mut missing = alike(&self.surfaces, missed);
-        let area = |g: &Alike| g.worst(&self.surfaces, |s| s.not_reached).map_or(0.0, |(_, s)| s.not_reached);
+        // As written: areas that differ by rounding alone keep the order of their surfaces.
+        let area = |g: &Alike| {
+            (100.0 * g.worst(&self.surfaces, |s| s.not_reached).map_or(0.0, |(_, s)| s.not_reached)).round()
+        };
         missing.sort_by(|a, b| area(b).total_cmp(&area(a)));
         for group in &missing {
             let Some((_, s)) = group.worst(&self.surfaces, |s| s.not_reached) else { continue };

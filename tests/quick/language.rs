@@ -80,7 +80,7 @@ fn the_main_job_reads_as_it_is_written() {
     assert_eq!(read.codes(), []);
     let job = read.job.unwrap();
     assert_eq!(job.part.vanes.0, 8);
-    assert_eq!(job.part.main().fillet.get(), 3.0);
+    assert_eq!(job.part.main().fillet, Some(impellerc::units::Mm(3.0).into()));
     assert_eq!(job.part.main().faces().unwrap()[0].tip.points[0], [15.0578, -38.5221, 0.0]);
     assert_eq!(job.part.main().faces().unwrap()[1].root.points[6], [-3.9268, -58.9631, -32.5]);
     let names: Vec<&str> = job.operations.iter().map(|o| o.name.as_str()).collect();
@@ -338,10 +338,22 @@ fn fixes_mend_what_they_are_offered_for() {
 #[test]
 fn units_are_converted_and_checked() {
     let job = |text: String| read(&text).job.unwrap_or_else(|| panic!("faulty"));
-    assert_eq!(job(changed("fillet 3 mm", "fillet 0.25 in")).part.main().fillet.get(), 6.35);
-    assert_eq!(job(changed("fillet 3 mm", "fillet 3000 um")).part.main().fillet.get(), 3.0);
-    assert_eq!(job(changed("fillet 3 mm", "fillet (1 mm + 2 mm) * 4 / 3 - 1 mm")).part.main().fillet.get(), 3.0);
-    assert_eq!(job(changed("fillet 3 mm", "fillet 150 % * 2 mm")).part.main().fillet.get(), 3.0);
+    assert_eq!(
+        job(changed("fillet 3 mm", "fillet 0.25 in")).part.main().fillet,
+        Some(impellerc::units::Mm(6.35).into())
+    );
+    assert_eq!(
+        job(changed("fillet 3 mm", "fillet 3000 um")).part.main().fillet,
+        Some(impellerc::units::Mm(3.0).into())
+    );
+    assert_eq!(
+        job(changed("fillet 3 mm", "fillet (1 mm + 2 mm) * 4 / 3 - 1 mm")).part.main().fillet,
+        Some(impellerc::units::Mm(3.0).into())
+    );
+    assert_eq!(
+        job(changed("fillet 3 mm", "fillet 150 % * 2 mm")).part.main().fillet,
+        Some(impellerc::units::Mm(3.0).into())
+    );
     // A cutting speed of 100 m/min at 8 mm, and 0.01 mm a tooth.
     let job = job(changed("speed 4500 rpm  feed 150 mm/min", "speed 100 m/min  feed 0.01 mm/tooth"));
     let rpm = 100_000.0 / (std::f64::consts::PI * 8.0);

@@ -76,4 +76,5 @@ mod surface_truths;
 mod thickness;
 mod trochoid;
 mod validators;
+mod varied_fillets;
 mod verify_command;

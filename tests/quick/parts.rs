@@ -118,9 +118,10 @@ fn samples_lie_on_the_part() {
                 assert!(foot.distance < 1e-9, "{face:?} {}", foot.distance);
             }
             SurfaceKind::Fillet(face) => {
-                let centre = own + (part.sector_rotation(2).inverse() * s.normal) * part.fillet(face).unwrap().get();
+                let centre =
+                    own + (part.sector_rotation(2).inverse() * s.normal) * part.fillet(face).unwrap().least().get();
                 let foot = part.face(face).surface.closest(&centre, Patch { u: [-0.3, 1.3], v: [-0.3, 1.3] });
-                let radius = part.fillet(face).unwrap().get();
+                let radius = part.fillet(face).unwrap().least().get();
                 assert!((foot.distance - radius).abs() < 1e-6 && (part.hub.distance(&centre) - radius).abs() < 1e-6);
             }
             SurfaceKind::Hub(_) => {

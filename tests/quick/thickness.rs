@@ -63,8 +63,10 @@ fn compared(name: &str, shape: &dyn Shape) -> (f64, usize) {
 /// On every surface of wheels of all kinds, milled or kept.
 #[test]
 fn cells_of_all_surfaces_are_as_thick_as_proved() {
-    for job in ["small", "wei2021", "splitter", "sections", "blisk"] {
-        let program = jobs::program(job, None);
+    let shipped = ["small", "wei2021", "splitter", "sections", "blisk"].map(|job| (job, jobs::program(job, None)));
+    let varied = ("fillet 1.5 mm", "fillet [(0 %, 1.2 mm) (60 %, 2 mm) (100 %, 1.5 mm)]");
+    let varied = ("varied fillets", jobs::program_with("jobs/splitter/splitter.imp", &[varied]));
+    for (job, program) in shipped.into_iter().chain([varied]) {
         let part = &program.part;
         let (mut loose, mut count) = (0.0, 0);
         let mut compare = |name: String, shape: &dyn Shape| {

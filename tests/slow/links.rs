@@ -209,7 +209,7 @@ fn rapids_stay_outside_of_the_blank_with_any_holder() {
     for piece in piece::pieces(&program.machine, &motion, 0).iter().filter(|p| p.kind == MoveKind::Rapid) {
         let (tip, axis) = piece.middle();
         looked += 1;
-        for [r, z] in profile {
+        for [r, z] in profile.iter() {
             for k in 0..36 {
                 let (sin, cos) = (f64::from(k) * std::f64::consts::TAU / 36.0).sin_cos();
                 let d = Point3::new(r * cos, r * sin, *z) - tip;

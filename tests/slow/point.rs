@@ -298,3 +298,35 @@ fn bull_nose_and_lollipop_leave_the_scallop() {
         assert!(gouge <= 0.001, "{cutter:?}: {gouge}");
     }
 }
+
+/// Fillets whose radius changes along the foot, and the floor between them, of `jobs/splitter`: no more than their scallop and the chord
+/// tolerance is left, and the ball cuts in nowhere.
+#[test]
+fn fillets_of_a_varied_radius_are_finished() {
+    let job = std::fs::read_to_string("jobs/splitter/splitter.imp").unwrap();
+    let operation = |name: &str| {
+        let (_, rest) = job.split_once(&format!("operation {name} {{")).unwrap();
+        format!("operation {name} {{{}\n}}\n", rest.split_once("\n}").unwrap().0)
+    };
+    let [rough, point, edge] = ["rough", "point", "edge"].map(operation);
+    let varied = "fillet [(0 %, 1.2 mm) (60 %, 2 mm) (100 %, 1.5 mm)]";
+    let changes = [("fillet 1.5 mm", varied), (&rough, ""), (&point, ""), (&edge, "")];
+    let program = support::jobs::program_with("jobs/splitter/splitter.imp", &changes);
+    let mut sink = Sink::default();
+    let plan = pipeline::run(&program, &mut sink).unwrap_or_else(|_| panic!("{:?}", sink.diags()));
+    let certificate = certify(&program, &plan.motion, &mut sink).unwrap_or_else(|_| panic!("{:?}", sink.diags()));
+    let mut finished = 0;
+    for report in &certificate.surfaces {
+        assert!(report.gouge_bound <= 0.002, "{}: {}", report.surface, report.gouge_bound);
+        let first = ["vane 1 ", "splitter 1.1 "].iter().any(|blade| report.surface.starts_with(blade));
+        if first && report.surface.ends_with("fillet") || report.surface.starts_with("hub of channel 1") {
+            println!("{}: {} {}", report.surface, report.gouge_bound, report.excess_bound);
+            if report.surface.ends_with("channel 1") || first {
+                assert!(report.excess_bound <= 0.0215, "{}: {}", report.surface, report.excess_bound);
+                finished += 1;
+            }
+        }
+    }
+    // Three fillets of each blade, and the floor of the first passage; the second ends at a blade without its fillet.
+    assert_eq!(finished, 7);
+}

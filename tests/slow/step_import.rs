@@ -21,7 +21,7 @@ fn jobs_are_read_back_to_the_same_part() {
 #[test]
 fn round_edges_with_fillets_are_read_back() {
     let (program, read, again) = round_trip("blisk", true);
-    let due = program.part.main().fillet.unwrap().0;
+    let due = program.part.main().fillet.as_ref().unwrap().least().get();
     let fillet = read.rows[0].blades[0].fillet.unwrap_or_else(|| panic!("{:?}", read.notes));
     let off = differences(&program, &again);
     println!("fillet {fillet} mm, {off:?}");

@@ -59,6 +59,18 @@ pub fn program_at(job: &str) -> Program {
     front(&Options { job: PathBuf::from(job), ..Options::default() })
 }
 
+/// The program of a job with texts replaced, each in all of its places. The job needs no other file.
+pub fn program_with(job: &str, changes: &[(&str, &str)]) -> Program {
+    let text = changes.iter().fold(std::fs::read_to_string(job).unwrap(), |text, (from, to)| {
+        assert!(text.contains(from), "{from} is not in the job");
+        text.replace(from, to)
+    });
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("changed.imp");
+    std::fs::write(&path, text).unwrap();
+    front(&Options { job: path, ..Options::default() })
+}
+
 fn front(options: &Options) -> Program {
     driver::front(options, &mut Stages::default(), &mut Outcome::default()).unwrap().unwrap()
 }

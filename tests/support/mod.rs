@@ -80,7 +80,7 @@ pub fn wei_part(fillet: Option<f64>) -> Part {
         Guides { root: curve(&ROOT_SUCTION), tip: curve(&TIP_SUCTION) },
         curve(&ROOT_PRESSURE),
         curve(&TIP_PRESSURE),
-        fillet.map(Mm),
+        fillet.map(|radius| Mm(radius).into()),
     )
 }
 
@@ -98,7 +98,7 @@ pub fn curved_part(fillet: Option<f64>) -> Part {
         LoftedSurface::through(vec![curve(root), curve(&middle), curve(tip)]).unwrap().into()
     };
     let faces = [face(&ROOT_PRESSURE, &TIP_PRESSURE), face(&ROOT_SUCTION, &TIP_SUCTION)];
-    let blade = Blade::new("main", faces, fillet.map(Mm));
+    let blade = Blade::new("main", faces, fillet.map(|radius| Mm(radius).into()));
     Part::with_blades(8, blade, Vec::new(), curve(&ROOT_PRESSURE), curve(&TIP_PRESSURE))
 }
 

@@ -160,7 +160,7 @@ pub fn round_trip(name: &str, fillets: bool) -> (Program, Imported, Program) {
     let mut with_fillets = read.clone();
     for (given, blade) in program.part.blades.iter().zip(&mut with_fillets.rows[0].blades) {
         // What the file does not have is added, as the user of the job does.
-        blade.fillet = blade.fillet.or(given.fillet.map(|fillet| fillet.0));
+        blade.fillet = blade.fillet.or_else(|| Some(given.fillet.as_ref()?.constant()?.get()));
     }
     let again = compiled(&with_fillets, &job);
     (program, read, again)

@@ -4,7 +4,7 @@ use super::finished::{Finished, edges};
 use crate::geom::BandMetric;
 use crate::geom::angle::nearest_turn;
 use crate::ir::CcPoint;
-use crate::part::{BladeId, FaceId, Part, Passage, Rolling, Surface};
+use crate::part::{BladeId, FaceId, FloorBorder, Part, Passage, Rolling, Surface};
 use crate::passes::context::STATIONS;
 use crate::passes::lines::{DriveSurface, METRIC_STATIONS, scallop};
 use nalgebra::Vector2;
@@ -113,18 +113,18 @@ impl DriveSurface for ChannelFloor<'_> {
 
 /// Contact lines of both walls of a passage with the hub. Where a blade begins or ends inside of the passage, they run round
 /// its edges, and go on before and behind them; there they turn off with a radius of at most `turn_off`, mm.
-pub(super) fn contacts(part: &Part, passage: &Passage, rolling: Rolling, turn_off: f64) -> Option<[Contact; 2]> {
+pub(super) fn contacts(part: &Part, passage: &Passage, along: FloorBorder, turn_off: f64) -> Option<[Contact; 2]> {
     let ends_inside =
         |side: &FaceId| side.blade != BladeId::MAIN || [0, 1].iter().any(|end| part.edge(side.blade, *end).is_some());
     if !passage.walls.iter().any(ends_inside) {
-        let [first, second] = passage.walls.map(|side| contact(part, side, rolling));
+        let [first, second] = passage.walls.map(|side| contact(part, side, along));
         return Some([first?, second?]);
     }
     let length: f64 = (0..STATIONS).map(|i| part.hub.meridian(i as f64 / STATIONS as f64).first.norm()).sum::<f64>()
         / STATIONS as f64;
     let count = ((length / APART).ceil() as usize).clamp(FEWEST, MOST);
     let places: Vec<f64> = (0..=count).map(|i| i as f64 / count as f64).collect();
-    let borders = part.floor_borders(passage, rolling, &places)?;
+    let borders = part.floor_borders(passage, along, &places)?;
     let lengths = places.iter().scan((0.0, None), |(sum, last), u| {
         let at = part.hub.meridian(*u).point;
         *sum += last.map_or(0.0, |last: Vector2<f64>| (at - last).norm());
@@ -135,10 +135,18 @@ pub(super) fn contacts(part: &Part, passage: &Passage, rolling: Rolling, turn_of
     let line = |side: usize| -> Contact {
         let outward = if side == 0 { 1.0 } else { -1.0 };
         let border: Vec<f64> = borders[side].iter().map(|azimuth| outward * azimuth).collect();
-        let smooth = rounded(&lengths, &border, turn_off.min(ROUNDING * rolling.wall));
+        let smooth = rounded(&lengths, &border, turn_off.min(ROUNDING * least_wall(part, passage.walls[side], along)));
         places.iter().zip(smooth).map(|(u, azimuth)| [*u, outward * azimuth]).collect()
     };
     Some([line(0), line(1)])
+}
+
+/// Least distance from a wall of the centres of balls beside it, mm.
+fn least_wall(part: &Part, wall: FaceId, along: FloorBorder) -> f64 {
+    match (along, part.fillet(wall)) {
+        (FloorBorder::Fillets(_), Some(fillet)) => fillet.least().get(),
+        _ => along.ball(part, wall, 0.0).map_or(0.0, |ball| ball.wall),
+    }
 }
 
 /// Distance of the places along the hub at which borders round an edge are known, mm. A disc that rolls on them sinks between two by
@@ -177,13 +185,15 @@ fn rounded(along: &[[f64; 2]], border: &[f64], radius: f64) -> Vec<f64> {
 
 /// Contact line with the hub of a ball whose centre keeps distances from a face of sector 0 and from the hub, while its
 /// place beside the face is at most `top` high. `None` when a ruling has no such place.
-fn contact(part: &Part, side: FaceId, Rolling { wall, floor, top }: Rolling) -> Option<Contact> {
+fn contact(part: &Part, side: FaceId, along: FloorBorder) -> Option<Contact> {
     let face = part.face(side);
     let mut line: Contact = Vec::with_capacity(STATIONS + 1);
     // The ball touches the hub before or behind the ruling whose face it touches: run on beyond both ends.
-    let (from, to) = (-part.root_step(side, 0.0, wall), 1.0 + part.root_step(side, 1.0, wall));
+    let beyond = |end: f64| Some(part.root_step(side, end, along.ball(part, side, end)?.wall));
+    let (from, to) = (-beyond(0.0)?, 1.0 + beyond(1.0)?);
     for i in 0..=STATIONS {
         let u = from + (to - from) * i as f64 / STATIONS as f64;
+        let Rolling { wall, floor, top } = along.ball(part, side, u)?;
         let v = part.beside_centre(side, u, [wall, floor], top)?;
         let centre = face.surface.point(u, v) + face.normal(u, v) * wall;
         let (hub_u, _) = part.hub.closest(Vector2::new(libm::hypot(centre.x, centre.y), centre.z));

@@ -11,7 +11,7 @@ use crate::collide::{Cutter, ToolSolid};
 use crate::geom::BandMetric;
 use crate::geom::angle::nearest_turn;
 use crate::ir::{CcPass, CcPoint, ClPoint, Drive, Operation, OperationId, Program};
-use crate::part::{Passage, PassageId, Rolling};
+use crate::part::{FloorBorder, Passage, PassageId, Rolling};
 use crate::passes::context::{AxisTilt, ChannelChart, Obstacles, maximal_ranges};
 use crate::passes::lines::{DriveSurface, METRIC_STATIONS, SurfaceLine, arc_radius, both_walls, highest_ridge};
 use crate::units::Mm;
@@ -74,7 +74,8 @@ impl<'a> Middle<'a> {
         let (part, radius) = (&program.part, cutter.nominal_radius());
         let Some(allowance) = operation.kind.of_larger_tool().map(Mm::get) else { return Vec::new() };
         // A rounding smaller than the fillet stands where the fillet ends.
-        let rolling = part.main().fillet.map_or(cutter.tip_radius(), |f| f.get().max(cutter.tip_radius()));
+        let rolling =
+            part.main().fillet.as_ref().map_or(cutter.tip_radius(), |f| f.most().get().max(cutter.tip_radius()));
         let chart = ChannelChart::new(part, passage.id);
         let bull_nose = if cutter.ends_in_ball() { None } else { Some(BullNose::new(&chart, cutter)) };
         let beyond = match bull_nose {
@@ -84,7 +85,7 @@ impl<'a> Middle<'a> {
         };
         let at = |beyond: f64| {
             let ball = Rolling { wall: rolling + beyond + allowance, floor: rolling, top: TOP };
-            let walls = contacts(part, &passage, ball, f64::INFINITY)?;
+            let walls = contacts(part, &passage, FloorBorder::Ball(ball), f64::INFINITY)?;
             let floor = ChannelFloor { part, passage, radius, walls, finished: Vec::new() };
             Some(Self { floor, stretches: Vec::new(), chart, bull_nose: bull_nose.flatten() })
         };

@@ -12,7 +12,7 @@ use super::middle::{Middle, Middles, StretchFloor, before};
 use crate::diag::{Aborted, Diag, codes::planning};
 use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind};
 use crate::method::{Lines, Spacing};
-use crate::part::{Part, Passage, Rolling, Surface};
+use crate::part::{FloorBorder, Part, Passage, Rolling, Surface};
 use crate::passes::context::{
     PassContext, STATIONS, in_passage,
     limits::{check_fillet, check_points, less_than_radius},
@@ -79,9 +79,9 @@ fn whole_floor<'a>(
     finished: Vec<Finished>,
 ) -> Result<ChannelFloor<'a>, Aborted> {
     let part = &cx.program.part;
-    let rolling = part.main().fillet.map_or(radius, |f| f.get());
-    let Some(walls) = contacts(part, &passage, Rolling::ball(rolling), TURN_OFF * scallop::flat_step(radius, height))
-    else {
+    let turn_off = TURN_OFF * scallop::flat_step(radius, height);
+    let Some(walls) = contacts(part, &passage, FloorBorder::Fillets(Some(radius)), turn_off) else {
+        let rolling = part.main().fillet.as_ref().map_or(radius, |f| f.most().get());
         cx.sink.push(
             Diag::error(
                 planning::NO_FILLET,
@@ -152,9 +152,9 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, radius: f64) ->
         .label(operation.span, "this operation finishes the hub")
         .label(tool.span, "this ball would gouge the hub beside its line")
         .place(format!("hub at u = {worst:.3}"), at)
-        .help(match (part.main().fillet, operation.kind.of_larger_tool()) {
+        .help(match (&part.main().fillet, operation.kind.of_larger_tool()) {
             (_, Some(_)) => less_than_radius(hollow_radius),
-            (Some(f), None) => less_than_radius(hollow_radius.min(f.get())),
+            (Some(f), None) => less_than_radius(hollow_radius.min(f.least().get())),
             (None, None) => what_would_do(part, radius),
         }),
     );
@@ -181,7 +181,7 @@ fn check_fit(cx: &mut PassContext<'_>, operation: &Operation, floor: &ChannelFlo
         return Ok(());
     }
     let (name, at) = place(narrow);
-    let most = part.main().fillet.map_or(floor.radius, |f| f.get());
+    let most = part.main().fillet.as_ref().map_or(floor.radius, |f| f.most().get());
     cx.sink.push(
         Diag::error(
             planning::TOOL_TOO_LARGE,
@@ -206,7 +206,7 @@ fn what_would_do(part: &Part, below: f64) -> String {
     let over_hollow = hollow(part).map_or(f64::INFINITY, |(_, hollow)| hollow);
     let fits = |radius: f64| {
         part.passages().all(|passage| {
-            contacts(part, &passage, Rolling::ball(radius), f64::INFINITY).is_some_and(|walls| {
+            contacts(part, &passage, FloorBorder::Ball(Rolling::ball(radius)), f64::INFINITY).is_some_and(|walls| {
                 let floor = ChannelFloor { part, passage, radius, walls, finished: Vec::new() };
                 radius < over_hollow && stations().all(|u| floor.walls(u).1 > 0.0)
             })
@@ -219,7 +219,7 @@ fn what_would_do(part: &Part, below: f64) -> String {
         if fits(f64::from(middle) * RADIUS_STEP) { low = middle } else { high = middle }
     }
     let radius = f64::from(low) * RADIUS_STEP;
-    match (low, part.main().fillet) {
+    match (low, &part.main().fillet) {
         (0, _) => "no ball fits along both walls of this channel: correct the faces, or use fewer vanes".to_owned(),
         (_, None) => format!("use a ball of at most {:.2} mm diameter", 2.0 * radius),
         (_, Some(_)) => {

@@ -69,7 +69,9 @@ pub(crate) fn check_fillet(
 ) -> Result<(), Aborted> {
     let tool = &cx.program.tools[operation.tool];
     let radius = tool.solid.cutter.tip_radius();
-    let least = operation.kind.blades(&cx.program.part).filter_map(|blade| cx.program.part.blade(blade).fillet);
+    let least =
+        operation.kind.blades(&cx.program.part).filter_map(|blade| cx.program.part.blade(blade).fillet.as_ref());
+    let least = least.map(crate::part::Fillet::least);
     let least = least.min_by(|a, b| a.get().total_cmp(&b.get()));
     let Some(fillet) = least.filter(|f| radius > f.get() + SAME_RADIUS) else { return Ok(()) };
     cx.sink.push(

@@ -208,7 +208,8 @@ fn optimised(
                 continue;
             }
             None => {
-                let rolling = program.part.main().fillet.map_or(tool.solid.cutter.tip_radius(), |f| f.get());
+                let fillet = program.part.fillet(*side);
+                let rolling = fillet.map_or(tool.solid.cutter.tip_radius(), |f| f.most().get());
                 return Err(no_ball(cx, operation, *side, rolling));
             }
         };
@@ -277,7 +278,6 @@ fn by_ruling(
 ) -> Result<(Vec<Planned>, Vec<String>), Aborted> {
     let part = &cx.program.part;
     let radius = cx.program.tools[operation.tool].solid.cutter.tip_radius();
-    let rolling = part.main().fillet.map_or(radius, |f| f.get());
     let strips = flank.strips.unwrap_or(1);
     let mut planned = Vec::new();
     for side in faces {
@@ -287,9 +287,12 @@ fn by_ruling(
             (-part.root_step(*side, 0.0, LEAVE * radius), 1.0 + part.root_step(*side, 1.0, LEAVE * radius));
         let lowest: Option<Vec<(f64, f64)>> = (0..=STATIONS)
             .map(|i| from + (to - from) * i as f64 / STATIONS as f64)
-            .map(|u| part.fillet_tangent(*side, u, rolling).map(|v| (u, v)))
+            .map(|u| Some((u, part.fillet_tangent(*side, u, part.fillet_radius(*side, u).unwrap_or(radius))?)))
             .collect();
-        let Some(lowest) = lowest else { return Err(no_ball(cx, operation, *side, rolling)) };
+        let Some(lowest) = lowest else {
+            let rolling = part.fillet(*side).map_or(radius, |f| f.most().get());
+            return Err(no_ball(cx, operation, *side, rolling));
+        };
         // Remainder of the lead, on which the tool moves without turning.
         let rest = |lead: f64| (lead - LEAVE * radius).max(0.0);
         let [at_inlet, at_outlet] = leads_at_ends(part, operation, *side, flank.milling);
@@ -317,6 +320,7 @@ fn by_ruling(
         FlankMethod::OnePoint => "one-point offsets along the rulings",
         _ => "two-point offsets (formulas 10 to 12)",
     };
-    let notes = vec![format!("{strips} strips per face by {law}, ball radius {radius} mm, fillet {rolling} mm")];
+    let fillet = part.main().fillet.as_ref().map_or_else(|| format!("{radius} mm"), ToString::to_string);
+    let notes = vec![format!("{strips} strips per face by {law}, ball radius {radius} mm, fillet {fillet}")];
     Ok((planned, notes))
 }

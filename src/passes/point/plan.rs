@@ -118,8 +118,7 @@ fn drive_surface<'a>(
         _ => return Err(Aborted),
     };
     let Some(chart) = charts.iter().find(|c| c.kind == kind) else { return Err(no_fillet(cx, operation)) };
-    let hollow = part.fillet(side).filter(|_| matches!(kind, SurfaceKind::Fillet(_))).map(|r| r.get());
-    let mut surface = VaneSurface { chart, side, round_edge, hollow, cutter, axes, low: vec![0.0; 2] };
+    let mut surface = VaneSurface { chart, side, round_edge, cutter, axes, low: vec![0.0; 2] };
     if matches!(kind, SurfaceKind::Face(_)) {
         surface.low = lowest(cx, operation, &surface);
     }
@@ -211,7 +210,9 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, surface: &VaneS
         place.position,
     )
     .help(less_than_radius(ADVISED * sphere));
-    if matches!(cx.program.part.face(surface.side).surface, FaceSurface::Lofted(_)) && surface.hollow.is_none() {
+    if matches!(cx.program.part.face(surface.side).surface, FaceSurface::Lofted(_))
+        && surface.chart.fillet_radius(0.0).is_none()
+    {
         diag =
             diag.note("a curve through points of a section that are rounded or few has waves; a larger or a smaller `fit` makes them lower");
     }

@@ -39,8 +39,6 @@ pub(crate) struct VaneSurface<'a> {
     pub(crate) side: FaceId,
     /// True for an edge that is a surface of its own, and for the fillet round it: x goes round the edge.
     pub(crate) round_edge: bool,
-    /// Radius of the fillet; `None` for other surfaces.
-    pub(crate) hollow: Option<f64>,
     pub(crate) cutter: Cutter,
     pub(crate) axes: &'a VaneAxis<'a>,
     /// Lower border, as y at equally spaced x from 0 to 1.
@@ -67,7 +65,7 @@ impl VaneSurface<'_> {
         let (nx, ny) = ((b.normal - a.normal) * half, (d.normal - c.normal) * half);
         let cross = 0.5 * (px.dot(&ny) + py.dot(&nx));
         // Exact, so that a ball of the radius of the fillet leaves no ridge at all.
-        let across = self.hollow.map_or_else(|| py.dot(&ny), |r| -py.norm_squared() / r);
+        let across = self.chart.fillet_radius(x).map_or_else(|| py.dot(&ny), |r| -py.norm_squared() / r);
         Local {
             px,
             py,

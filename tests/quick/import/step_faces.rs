@@ -61,7 +61,7 @@ fn fillets_are_found_by_their_faces() {
     let file = step_file(&program.part, &program);
     let read = imported(&file, &Options::default());
     let fillet = read.rows[0].blades[0].fillet.unwrap_or_else(|| panic!("{:?}", read.notes));
-    let due = program.part.main().fillet.unwrap().0;
+    let due = program.part.main().fillet.as_ref().unwrap().least().get();
     assert!((fillet - due).abs() < 1e-3, "{fillet}");
     assert!(
         matches!(read.surfaces, BladeSurfaces::Ruled { extend } | BladeSurfaces::Lofted { extend } if extend > 0.5)

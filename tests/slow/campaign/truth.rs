@@ -494,7 +494,7 @@ impl Design<'_> {
 
 /// Point and normal of a fillet: the rolling ball touches the face at u, and the arc runs from there to the hub.
 fn fillet(part: &Part, side: FaceId, u: f64, share: f64) -> Option<(Point3<f64>, Vector3<f64>)> {
-    let radius = part.main().fillet?.get();
+    let radius = part.main().fillet.as_ref()?.constant()?.get();
     let v = part.fillet_tangent(side, u, radius)?;
     let face = part.face(side);
     let n = face.normal(u, v);
@@ -525,7 +525,7 @@ fn chart(part: &Part, surface: SurfaceId, p: &Point3<f64>) -> Option<[f64; 2]> {
 
 /// Whether parameters lie on the part of a surface that the finished part has.
 fn belongs(part: &Part, surface: SurfaceId, [u, v]: [f64; 2]) -> bool {
-    let radius = part.main().fillet.map_or(0.0, |r| r.get());
+    let radius = part.main().fillet.as_ref().map_or(0.0, |r| r.most().get());
     match surface.kind {
         SurfaceKind::Face(side) => {
             let high = part.ruling_meets(side, u, &part.shroud, 1.0);
