@@ -460,48 +460,116 @@ struct Fit {
     side: FaceId,
     cutter: Cutter,
     tool: String,
-    /// Allowed error, mm, and true when it comes from contracts.
-    allowed: (f64, bool),
+    allowed: Allowed,
 }
 
-/// Reports how well the cutters of `minimax` operations fit their faces.
-pub fn report(program: &Program, sink: &mut Sink) {
-    let around = Surroundings::new(&program.part);
-    let mut asked: Vec<Fit> = Vec::new();
-    for (id, operation) in program.operations.iter() {
-        let OperationKind::Flank { faces, flank } = &operation.kind else { continue };
-        let tool = &program.tools[operation.tool];
-        if flank.method != FlankMethod::Minimax {
-            continue;
+/// The error on each side at which flank milling is good enough, mm.
+#[derive(Clone, Copy)]
+enum Allowed {
+    /// What contracts leave.
+    Contracts(f64),
+    /// What a finish allows.
+    Finish,
+    /// As little as an operation leaves that mills the face by points, with this scallop height, mm.
+    Scallop(f64),
+}
+
+impl Allowed {
+    fn error(self) -> f64 {
+        match self {
+            Self::Contracts(error) => error,
+            Self::Finish => POINT_MILLED,
+            // With `side excess` all of the error is excess, as scallops are.
+            Self::Scallop(height) => 0.5 * height,
         }
-        for side in faces {
-            let cutter = tool.solid.cutter;
-            if !asked.iter().any(|f| f.side == *side && f.cutter == cutter) {
-                let budget = budget(program, id, flank.side, SurfaceKind::Face(*side), *side);
-                let allowed = budget.map_or((POINT_MILLED, false), |[below, above]| (0.5 * (below + above), true));
-                asked.push(Fit { side: *side, cutter, tool: tool.name.clone(), allowed });
+    }
+
+    /// What follows from the errors with one, two and three strips.
+    fn verdict(self, errors: [f64; 3]) -> String {
+        let fitting = errors.iter().position(|e| *e <= self.error());
+        let strips = fitting.map(|n| ["one strip", "two strips", "three strips"][n]);
+        if let Self::Scallop(height) = self {
+            let height = length(height);
+            return match strips {
+                Some(strips) => {
+                    format!("with `side excess` flank milling in {strips} leaves no more than the scallops of {height}")
+                }
+                None => format!(
+                    "point milling is better: its scallops are {height} high, flank milling leaves {} in three strips with `side excess`",
+                    length(2.0 * errors[2])
+                ),
+            };
+        }
+        let whose = match self {
+            Self::Contracts(_) => "the contracts leave as tolerance budget on each side",
+            _ => "a finish allows",
+        };
+        let allowed = length(self.error());
+        match strips {
+            Some(strips) => {
+                let are = if fitting == Some(0) { "is" } else { "are" };
+                format!("{strips} {are} within the {allowed} that {whose}")
+            }
+            None => {
+                format!("use point milling: even with three strips the error is larger than the {allowed} that {whose}")
             }
         }
     }
+}
+
+/// Faces and cutters whose fit is asked for: those of `minimax` operations, and those of point milling with balls whose flutes are as
+/// long as the face is high.
+fn asked(program: &Program) -> Vec<Fit> {
+    let part = &program.part;
+    let mut asked: Vec<Fit> = Vec::new();
+    for (id, operation) in program.operations.iter() {
+        let tool = &program.tools[operation.tool];
+        let cutter = tool.solid.cutter;
+        let faces: Vec<(FaceId, Allowed)> = match &operation.kind {
+            OperationKind::Flank { faces, flank } if flank.method == FlankMethod::Minimax => {
+                let allowed = |side: FaceId| {
+                    let budget = budget(program, id, flank.side, SurfaceKind::Face(side), side);
+                    budget.map_or(Allowed::Finish, |[below, above]| Allowed::Contracts(0.5 * (below + above)))
+                };
+                faces.iter().map(|side| (*side, allowed(*side))).collect()
+            }
+            OperationKind::Point { surfaces, scallop, .. } if cutter.ends_in_ball() => {
+                let reached = |side: FaceId| {
+                    let surface = &part.face(side).surface;
+                    [0.0, 0.5, 1.0].iter().all(|u| surface.height(*u) <= tool.solid.flute_length)
+                };
+                let faces =
+                    surfaces.iter().filter_map(|s| if let SurfaceKind::Face(side) = s { Some(*side) } else { None });
+                faces.filter(|side| reached(*side)).map(|side| (side, Allowed::Scallop(scallop.get()))).collect()
+            }
+            _ => Vec::new(),
+        };
+        for (side, allowed) in faces {
+            if !asked.iter().any(|f| f.side == side && f.cutter == cutter) {
+                asked.push(Fit { side, cutter, tool: tool.name.clone(), allowed });
+            }
+        }
+    }
+    asked
+}
+
+/// Reports how well the sides of cutters fit the faces that they finish, or could finish in the place of point milling.
+pub fn report(program: &Program, sink: &mut Sink) {
+    let part = &program.part;
+    let around = Surroundings::new(part);
+    let asked = asked(program);
     let errors = |fit: &Fit| [1, 2, 3].map(|strips| least_error(&around, fit.side, strips, fit.cutter, 1));
     let found: Vec<_> = asked.par_iter().map(errors).collect();
     for (fit, errors) in asked.iter().zip(found) {
         let [Some(one), Some(two), Some(three)] = errors.map(|w| w.map(|w| w.error)) else { continue };
-        let (allowed, contracts) = fit.allowed;
-        let whose = if contracts { "the contracts leave as tolerance budget on each side" } else { "a finish allows" };
-        let verdict = match [one, two, three].iter().position(|e| *e <= allowed) {
-            Some(0) => format!("one strip is within the {} that {whose}", length(allowed)),
-            Some(n) => format!("{} strips are within the {} that {whose}", n + 1, length(allowed)),
-            None => format!(
-                "use point milling: even with three strips the error is larger than the {} that {whose}",
-                length(allowed)
-            ),
-        };
+        // More strips can follow the paths of fewer, where the search found none that are better.
+        let (two, three) = (two.min(one), three.min(two).min(one));
+        let of = if part.blades.len() == 1 { String::new() } else { format!("{} ", part.blade(fit.side.blade).name) };
         sink.push(
             Diag::remark(
                 codes::FLANK_FIT,
                 format!(
-                    "flank milling leaves {} on the {} face with {} in one strip, {} in two, {} in three",
+                    "flank milling leaves {} on the {of}{} face with {} in one strip, {} in two, {} in three",
                     length(one),
                     fit.side.name(),
                     fit.tool,
@@ -510,7 +578,7 @@ pub fn report(program: &Program, sink: &mut Sink) {
                 ),
             )
             .note("gouge and excess are equal; with `side excess` there is no gouge, and the excess is twice as large")
-            .note(verdict),
+            .note(fit.allowed.verdict([one, two, three])),
         );
     }
 }

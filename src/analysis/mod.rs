@@ -1,8 +1,9 @@
-//! Facts about the part, found before planning: the width of the channel, the tools that reach its floor, the twist of
-//! the faces, and data points that break the pattern of the others.
+//! Facts about the part, found before planning: the width of the channel, the tools that reach its floor, twist, straightness and
+//! concave radii of the faces, what flank milling would leave, and data points that break the pattern of the others.
 
 pub mod beside;
 pub mod channel;
+pub mod concave;
 pub mod cost;
 pub mod flank;
 pub mod flat_edges;
@@ -18,6 +19,10 @@ pub mod twist;
 use crate::diag::codes::geometry as codes;
 use crate::diag::{Diag, Sink};
 use crate::ir::Program;
+use crate::units::length;
+
+/// Bulge below which lines count as straight, mm: rounding of fitted data.
+const STRAIGHT: f64 = 1e-4;
 
 /// Reports the facts that matter to a programmer; facts that no plan can overcome are errors.
 pub fn check(program: &Program, sink: &mut Sink) {
@@ -35,6 +40,11 @@ pub fn check(program: &Program, sink: &mut Sink) {
         let remark =
             Diag::remark(codes::THROAT, format!("the throat of the channel{channel} is {:.2} mm", narrow.distance))
                 .place(narrow.place(), narrow.point);
+        let widths = throat.levels.iter().map(|level| format!("{:.2}", level.distance)).collect::<Vec<_>>();
+        let remark = remark.note(format!(
+            "narrowest at the hub, at a quarter, half and three quarters of the height, and at the tip: {} mm",
+            widths.join(", ")
+        ));
         sink.push(if part.blades.len() > 1 {
             remark
         } else {
@@ -56,7 +66,30 @@ pub fn check(program: &Program, sink: &mut Sink) {
                     twist.mean.to_degrees()
                 ),
             )
-            .note(format!("the rulings are {:.1} to {:.1} mm long", twist.ruling[0], twist.ruling[1])),
+            .note(format!("the rulings are {:.1} to {:.1} mm long", twist.ruling[0], twist.ruling[1]))
+            .note(if twist.bulge > STRAIGHT {
+                format!(
+                    "the face is not ruled: its lines from root to tip leave their chords by up to {}",
+                    length(twist.bulge)
+                )
+            } else {
+                "the face is ruled: its lines from root to tip are straight".to_owned()
+            }),
+        );
+    }
+    for concave in part.blade_ids().flat_map(|blade| part.sides(blade)).filter_map(|side| concave::measure(part, side))
+    {
+        let of =
+            if part.blades.len() == 1 { String::new() } else { format!("{} ", part.blade(concave.side.blade).name) };
+        let name = if concave.side.edge_end().is_some() { "" } else { " face" };
+        let name = format!("{of}{}{name}", concave.side.name());
+        let [u, v] = concave.at;
+        sink.push(
+            Diag::remark(
+                codes::CONCAVE,
+                format!("the smallest concave radius of the {name} is {}", length(concave.radius)),
+            )
+            .place(format!("{name} at u = {u:.3}, v = {v:.3}"), concave.point),
         );
     }
     flank::report(program, sink);

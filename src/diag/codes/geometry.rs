@@ -34,7 +34,9 @@ crate::codes! {
         "The least error that flank milling leaves on a face, with one, two and three strips. The error is the \
 deviation of the swept cutter from the face, shared evenly between gouge and excess; the hub and the neighbouring \
 vane are not considered. A ruled face can have a large error, because the error depends on the twist of the \
-face.\n\nRemedy: none is needed if the contracts allow the error. Otherwise use more `strips` or a smaller cutter; if \
+face. For a face that an operation mills by points with a ball, the remark compares flank milling with the side of \
+the same tool with the scallops.\n\nRemedy: none is needed if the contracts allow the error. Otherwise use more `strips` or a smaller cutter; if \
 three strips are not enough, use point milling.";
+    CONCAVE = "IMP0354", "smallest concave radius of a face or edge", include_str!("pages/IMP0354.md");
     TWIST = "IMP0352", "twist of a face", include_str!("pages/IMP0352.md");
 }
