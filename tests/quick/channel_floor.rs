@@ -200,8 +200,8 @@ fn lines_lie_side_by_side_and_begin_smoothly() {
         }
     }
     println!("sharpest turn {sharpest} mm");
-    // Where a line parts from the seam.
-    assert!(sharpest > 1.5, "{sharpest}");
+    // Where a line parts from the seam: the radius of the line itself, which stations follow within a quarter of the chord tolerance.
+    assert!(sharpest > 1.1, "{sharpest}");
 }
 
 /// Codes of what planning says.

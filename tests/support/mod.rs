@@ -80,7 +80,7 @@ pub fn wei_part(fillet: Option<f64>) -> Part {
         Guides { root: curve(&ROOT_SUCTION), tip: curve(&TIP_SUCTION) },
         curve(&ROOT_PRESSURE),
         curve(&TIP_PRESSURE),
-        fillet.map(|radius| Mm(radius).into()),
+        fillet.map(Mm),
     )
 }
 

@@ -99,7 +99,10 @@ impl DriveSurface for ChannelFloor<'_> {
             let m = hub.meridian(u);
             self.radius.min(0.5 * m.point.x) / m.first.norm()
         });
-        BandMetric::new(-beyond[0], 1.0 + beyond[1], METRIC_STATIONS + 1, |u| {
+        // Lines follow the corners of their walls before an edge.
+        let count =
+            ((hub_length(self.part) / METRIC_APART).ceil() as usize).clamp(METRIC_STATIONS, MOST_METRIC_STATIONS);
+        BandMetric::new(-beyond[0], 1.0 + beyond[1], count + 1, |u| {
             let m = hub.meridian(u);
             let [along, across] = self.steps(u, height);
             [m.first.norm() / along, m.point.x / across]
@@ -120,9 +123,7 @@ pub(super) fn contacts(part: &Part, passage: &Passage, along: FloorBorder, turn_
         let [first, second] = passage.walls.map(|side| contact(part, side, along));
         return Some([first?, second?]);
     }
-    let length: f64 = (0..STATIONS).map(|i| part.hub.meridian(i as f64 / STATIONS as f64).first.norm()).sum::<f64>()
-        / STATIONS as f64;
-    let count = ((length / APART).ceil() as usize).clamp(FEWEST, MOST);
+    let count = ((hub_length(part) / APART).ceil() as usize).clamp(FEWEST, MOST);
     let places: Vec<f64> = (0..=count).map(|i| i as f64 / count as f64).collect();
     let borders = part.floor_borders(passage, along, &places)?;
     let lengths = places.iter().scan((0.0, None), |(sum, last), u| {
@@ -141,6 +142,11 @@ pub(super) fn contacts(part: &Part, passage: &Passage, along: FloorBorder, turn_
     Some([line(0), line(1)])
 }
 
+/// Length of the meridian of the hub, mm.
+fn hub_length(part: &Part) -> f64 {
+    (0..STATIONS).map(|i| part.hub.meridian(i as f64 / STATIONS as f64).first.norm()).sum::<f64>() / STATIONS as f64
+}
+
 /// Least distance from a wall of the centres of balls beside it, mm.
 fn least_wall(part: &Part, wall: FaceId, along: FloorBorder) -> f64 {
     match (along, part.fillet(wall)) {
@@ -152,6 +158,10 @@ fn least_wall(part: &Part, wall: FaceId, along: FloorBorder) -> f64 {
 /// Distance of the places along the hub at which borders round an edge are known, mm. A disc that rolls on them sinks between two by
 /// about a tenth of a micrometre.
 const APART: f64 = 0.02;
+
+/// Largest distance of the stations of the metric along the hub, mm, and the most of them.
+const METRIC_APART: f64 = 0.15;
+const MOST_METRIC_STATIONS: usize = 4000;
 
 /// Fewest and most of these places, minus one.
 const FEWEST: usize = 4000;

@@ -17,7 +17,7 @@ use crate::passes::context::{PassContext, STATIONS, limits::check_points};
 use constant_scallop::{Track, tracks};
 use nalgebra::Vector3;
 pub(crate) use ridges::{CutterPose, highest_ridge};
-use stations::{most_turn, with_small_turns};
+use stations::{Straightness, straight};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 /// Stations of the metric, minus one.
@@ -332,24 +332,23 @@ fn lay(
     };
     let end = |x: f64, i: usize| if x.is_finite() { x } else { i as f64 };
     let chord = cx.program.tolerances.chord.get();
-    let most_turn = most_turn(chord, radius);
+    let straightness = Straightness::within(chord, radius);
     let backwards = directions.backwards(tracks.iter().map(|t| [end(t.range[0], 0), end(t.range[1], 1)]));
     let lines = backwards.into_iter().enumerate().map(|(j, back)| {
         let i = usize::from(back);
-        let laid = line(surface, &metric, (&tracks, j), arcs[i], (&directions.each[i].grid, most_turn));
+        let laid = line(surface, &metric, (&tracks, j), arcs[i], (&directions.each[i].grid, straightness));
         SurfaceLine { back, ..laid }
     });
     Ok(lines.collect())
 }
 
-/// Contacts of a track with its leads or arcs: at the places of a grid, and between them where the normal turns by more than
-/// `most_turn`, radians.
+/// Contacts of a track with its leads or arcs: at the places of a grid, and between them where a ball does not run straight.
 fn line(
     surface: &dyn DriveSurface,
     metric: &BandMetric,
     (tracks, j): (&[Track], usize),
     arcs: [f64; 2],
-    (grid, most_turn): (&[f64], f64),
+    (grid, straightness): (&[f64], Straightness),
 ) -> SurfaceLine {
     let (track, last) = (&tracks[j], tracks.len() - 1);
     // A station very close to an end would give its piece an arbitrary direction.
@@ -376,7 +375,7 @@ fn line(
     let mut places: Vec<f64> = grid.iter().copied().filter(within).chain(ends).collect();
     places.sort_by(f64::total_cmp);
     places.dedup();
-    let stations = with_small_turns(places.into_iter().map(|x| (x, point(x))).collect(), &point, most_turn);
+    let stations = straight(places.into_iter().map(|x| (x, point(x))).collect(), &point, straightness);
     let on_surface = stations.iter().filter(|(x, _)| (0.0..=1.0).contains(x)).copied().collect();
     // Arc from the end of a line, backwards along the line and lifted.
     let arc = |end: f64, radius: f64, direction: f64| {

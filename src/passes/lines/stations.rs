@@ -6,32 +6,65 @@ use crate::ir::CcPoint;
 /// with a radius of 0.1 mm the ball turns far over a short way. Thinning takes the tolerance itself.
 const BETWEEN_STATIONS: f64 = 0.1;
 
+/// The same share where the surface bends evenly, or the line itself: on a large hub, and round the corners of lines before an edge.
+const ALONG_LINE: f64 = 0.25;
+
 /// Times that the way between two stations is halved, at most.
 const HALVINGS: u32 = 6;
 
-/// Largest turn of the normal from station to station, radians: the centre of a ball runs on an arc of its radius.
-pub(super) fn most_turn(chord: f64, radius: f64) -> f64 {
-    (8.0 * BETWEEN_STATIONS * chord / radius).sqrt()
+/// How far a ball may leave the straight line between two stations.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Straightness {
+    /// Radius of the ball, mm.
+    radius: f64,
+    /// Largest turn of the normal, radians: the centre of the ball runs on an arc of its radius.
+    turn: f64,
+    /// Largest distance of the centre from the line in the middle, mm.
+    off: f64,
 }
 
-/// Stations with further ones where the normal of a surface turns by more than an angle, radians, from one to the next.
-pub(super) fn with_small_turns(
+impl Straightness {
+    /// For a chord tolerance, mm.
+    pub(super) fn within(chord: f64, radius: f64) -> Self {
+        Self { radius, turn: (8.0 * BETWEEN_STATIONS * chord / radius).sqrt(), off: ALONG_LINE * chord }
+    }
+
+    fn holds(&self, [before, middle, next]: [&(f64, CcPoint); 3]) -> bool {
+        if before.1.normal.angle(&next.1.normal) > self.turn {
+            return false;
+        }
+        // Leads go on straight.
+        if before.0 < 0.0 || next.0 > 1.0 {
+            return true;
+        }
+        let [a, m, b] = [before, middle, next].map(|(_, p)| p.position + p.normal * self.radius);
+        let way = b - a;
+        (m - a).cross(&way).norm_squared() <= self.off * self.off * way.norm_squared()
+    }
+}
+
+/// Stations with further ones where a ball would not run straight from one to the next.
+pub(super) fn straight(
     stations: Vec<(f64, CcPoint)>,
     point: &impl Fn(f64) -> CcPoint,
-    most_turn: f64,
+    straightness: Straightness,
 ) -> Vec<(f64, CcPoint)> {
     let mut dense: Vec<(f64, CcPoint)> = Vec::with_capacity(stations.len());
     for station in stations {
         // The way to the next stations, the nearest last, each with the halvings that are left.
         let mut ahead = vec![(station, HALVINGS)];
         while let Some((next, left)) = ahead.pop() {
-            match dense.last() {
-                Some((x, before)) if left > 0 && before.normal.angle(&next.1.normal) > most_turn => {
-                    let middle = 0.5 * (x + next.0);
-                    ahead.push((next, left - 1));
-                    ahead.push(((middle, point(middle)), left - 1));
-                }
-                _ => dense.push(next),
+            let Some(before) = dense.last().filter(|_| left > 0) else {
+                dense.push(next);
+                continue;
+            };
+            let x = 0.5 * (before.0 + next.0);
+            let middle = (x, point(x));
+            if straightness.holds([before, &middle, &next]) {
+                dense.push(next);
+            } else {
+                ahead.push((next, left - 1));
+                ahead.push((middle, left - 1));
             }
         }
     }
@@ -62,7 +95,7 @@ mod tests {
             chords.fold(0.0, f64::max)
         };
         assert!(leaves(&given) > 0.1, "{}", leaves(&given));
-        let dense = with_small_turns(given.clone(), &point, most_turn(chord, radius));
+        let dense = straight(given.clone(), &point, Straightness::within(chord, radius));
         assert!(leaves(&dense) <= 1.05 * BETWEEN_STATIONS * chord, "{}", leaves(&dense));
         assert!(dense.windows(2).all(|pair| pair[0].0 < pair[1].0));
         assert!(given.iter().all(|(x, _)| dense.iter().any(|(y, _)| x == y)));
@@ -77,7 +110,7 @@ mod tests {
             let normal = if x < 0.4 { Vector3::x() } else { Vector3::y() };
             CcPoint { u: x, v: 0.0, w: 0.0, position: Point3::origin(), normal }
         };
-        let dense = with_small_turns(vec![(0.0, point(0.0)), (1.0, point(1.0))], &point, 0.01);
+        let dense = straight(vec![(0.0, point(0.0)), (1.0, point(1.0))], &point, Straightness::within(1e-3, 1.0));
         assert!(dense.len() <= 2 + HALVINGS as usize, "{}", dense.len());
     }
 }
