@@ -111,7 +111,7 @@ fn without(text: &str, from: &str, to: &str) -> String {
 fn faces_of_hecc_alone() {
     let folder = tempfile::tempdir().unwrap();
     let options = ["--unit", "in", "--blades", "15"];
-    let Some(text) = imported("nasa_hecc", "hot_design_intent", &options, folder.path()) else { return };
+    let Some(text) = imported("nasa_hecc", "hot_design_intent", (&options, "generic-ac-table"), folder.path()) else { return };
     let main = without(&with_fillet(&text, "4 mm"), "  splitter splitter_1", "  hub ");
     let cutter = Cutter::Ball { radius: 4.0 };
     are_reached(&part(folder.path(), &main), cutter, [[43.5, 87.1], [12.6, 49.9]]);
@@ -124,7 +124,7 @@ fn faces_of_hecc_alone() {
 #[test]
 fn faces_of_rotor_37_alone() {
     let folder = tempfile::tempdir().unwrap();
-    let Some(text) = imported("nasa_rotor37", "BladeGen.inf", &[], folder.path()) else { return };
+    let Some(text) = imported("nasa_rotor37", "BladeGen.inf", (&[], "generic-ac-table"), folder.path()) else { return };
     let text = with_fillet(&text, "3 mm");
     are_reached(&part(folder.path(), &text), Cutter::Ball { radius: 6.0 }, [[71.9, 209.6], [16.3, 39.2]]);
 }
