@@ -111,7 +111,9 @@ fn without(text: &str, from: &str, to: &str) -> String {
 fn faces_of_hecc_alone() {
     let folder = tempfile::tempdir().unwrap();
     let options = ["--unit", "in", "--blades", "15"];
-    let Some(text) = imported("nasa_hecc", "hot_design_intent", (&options, "generic-ac-table"), folder.path()) else { return };
+    let Some(text) = imported("nasa_hecc", "hot_design_intent", (&options, "generic-ac-table"), folder.path()) else {
+        return;
+    };
     let main = without(&with_fillet(&text, "4 mm"), "  splitter splitter_1", "  hub ");
     let cutter = Cutter::Ball { radius: 4.0 };
     are_reached(&part(folder.path(), &main), cutter, [[43.5, 87.1], [12.6, 49.9]]);
