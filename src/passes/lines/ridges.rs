@@ -47,7 +47,7 @@ pub(crate) fn highest_ridge(
     let highest = |x: &f64| {
         let (low, height) = walls(*x);
         // Neighbours of a row: the lines around it, and the next lines where lines begin.
-        let near: Vec<&[CutterPose]> = poses.iter().filter_map(|line| around(line, *x)).collect();
+        let near: Vec<NearLine<'_>> = poses.iter().filter_map(|line| around(line, *x)).map(NearLine::new).collect();
         let left = |row: f64| left_at(cutter, &near, &place(*x, low + height * row / rows as f64));
         let values: Vec<f64> = (0..=rows).map(|j| left(j as f64)).collect();
         // A ridge is a local maximum between two rows.
@@ -78,8 +78,67 @@ fn around(line: &[CutterPose], x: f64) -> Option<&[CutterPose]> {
     (from < to).then(|| &line[from..to])
 }
 
+/// The poses of a line about a place, of which every [`STRIDE`]-th is looked at first.
+struct NearLine<'a> {
+    poses: &'a [CutterPose],
+    /// Largest distance of a contact from the nearer one of those before and behind it that are looked at first, mm.
+    between: f64,
+}
+
+/// Poses from one that is looked at first to the next.
+const STRIDE: usize = 8;
+
+/// Rounding of distances, mm.
+const ROUNDING: f64 = 1e-9;
+
+impl<'a> NearLine<'a> {
+    fn new(poses: &'a [CutterPose]) -> Self {
+        let far = |i: usize, k: usize| (poses[i].contact - poses[k].contact).norm();
+        let last = poses.len() - 1;
+        let nearer = |k: usize| {
+            let before = k - k % STRIDE;
+            far(k, before).min(far(k, (before + STRIDE).min(last)))
+        };
+        Self { poses, between: (0..=last).map(nearer).fold(0.0, f64::max) }
+    }
+
+    /// The poses that are looked at first.
+    fn first(&self) -> impl Iterator<Item = usize> + use<> {
+        let last = self.poses.len() - 1;
+        (0..last).step_by(STRIDE).chain([last])
+    }
+}
+
+/// For the three lines with the nearest contacts to a point, the nearest first: square of the distance, line and pose.
+fn nearest_contacts(lines: &[NearLine<'_>], p: &Point3<f64>) -> Vec<(f64, usize, usize)> {
+    let far = |line: &NearLine<'_>, k: usize| (line.poses[k].contact - p).norm_squared();
+    let first: Vec<f64> =
+        lines.iter().map(|line| line.first().map(|k| far(line, k)).fold(f64::INFINITY, f64::min).sqrt()).collect();
+    // The three nearest lines are not farther than this.
+    let mut three = [f64::INFINITY; 3];
+    for distance in &first {
+        if *distance < three[2] {
+            three[2] = *distance;
+            three.sort_by(f64::total_cmp);
+        }
+    }
+    let mut nearest: Vec<(f64, usize, usize)> = lines
+        .iter()
+        .zip(&first)
+        .enumerate()
+        .filter(|(_, (line, distance))| **distance - line.between <= three[2] + ROUNDING)
+        .filter_map(|(i, (line, _))| {
+            let k = (0..line.poses.len()).min_by(|a, b| far(line, *a).total_cmp(&far(line, *b)))?;
+            Some((far(line, k), i, k))
+        })
+        .collect();
+    nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
+    nearest.truncate(3);
+    nearest
+}
+
 /// Height that poses leave at a point: the least distance of each line, with a parabola between its poses.
-fn left_at(cutter: &Cutter, lines: &[&[CutterPose]], p: &Point3<f64>) -> f64 {
+fn left_at(cutter: &Cutter, lines: &[NearLine<'_>], p: &Point3<f64>) -> f64 {
     // For a ball only the sphere: the distance of its side depends on the axis that is chosen later.
     let ball = cutter.ends_in_ball().then(|| cutter.tip_radius());
     let gap = |pose: &CutterPose| match ball {
@@ -90,19 +149,9 @@ fn left_at(cutter: &Cutter, lines: &[&[CutterPose]], p: &Point3<f64>) -> f64 {
         }
     };
     // The nearest contacts leave least, apart from effects of the cutter's shape: use the three nearest lines.
-    let mut nearest: Vec<(f64, usize, usize)> = lines
-        .iter()
-        .enumerate()
-        .filter_map(|(i, line)| {
-            let far = |k: usize| (line[k].contact - p).norm_squared();
-            let k = (0..line.len()).min_by(|a, b| far(*a).total_cmp(&far(*b)))?;
-            Some((far(k), i, k))
-        })
-        .collect();
-    nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut least = f64::INFINITY;
-    for (_, i, start) in nearest.into_iter().take(3) {
-        let line = lines[i];
+    for (_, i, start) in nearest_contacts(lines, p) {
+        let line = lines[i].poses;
         // Descend from the nearest contact.
         let (mut k, mut value) = (start, gap(&line[start]));
         loop {
@@ -126,4 +175,40 @@ fn left_at(cutter: &Cutter, lines: &[&[CutterPose]], p: &Point3<f64>) -> f64 {
         least = least.min(value);
     }
     least
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The same lines and poses as by a look at every pose.
+    #[test]
+    fn nearest_contacts_are_those_of_a_full_search() {
+        let line = |j: usize| -> Vec<CutterPose> {
+            let count = 3 + (j * 7) % 90;
+            let at = |k: usize| {
+                let x = k as f64 / count as f64;
+                let contact =
+                    Point3::new(20.0 * x, 0.4 * j as f64 + libm::sin(9.0 * x), libm::cos(3.0 * x + 0.1 * j as f64));
+                CutterPose { x, contact, tip: contact, axis: Vector3::z() }
+            };
+            (0..count).map(at).collect()
+        };
+        let poses: Vec<Vec<CutterPose>> = (0..60).map(line).collect();
+        let lines: Vec<NearLine<'_>> = poses.iter().map(|line| NearLine::new(line)).collect();
+        for n in 0..2000 {
+            let p = Point3::new((n % 50) as f64 * 0.41, (n / 50) as f64 * 0.61, libm::sin(n as f64));
+            let mut all: Vec<(f64, usize, usize)> = poses
+                .iter()
+                .enumerate()
+                .map(|(i, line)| {
+                    let far = |k: usize| (line[k].contact - p).norm_squared();
+                    let k = (0..line.len()).min_by(|a, b| far(*a).total_cmp(&far(*b))).unwrap();
+                    (far(k), i, k)
+                })
+                .collect();
+            all.sort_by(|a, b| a.0.total_cmp(&b.0));
+            assert_eq!(nearest_contacts(&lines, &p), all[..3]);
+        }
+    }
 }
