@@ -14,8 +14,7 @@ use crate::part::{
     chart::{self, Chart, Shape},
     hub_normal,
 };
-use crate::units::Mm;
-use crate::units::length;
+use crate::units::{Mm, length};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
@@ -91,7 +90,7 @@ fn border(holds: impl Fn(f64) -> bool, mut from: f64, mut to: f64) -> f64 {
 }
 
 /// v at the lower end of a face at u: at the upper edge of the fillet, at a sharp root where the ball of the tool touches face and hub.
-fn foot(part: &Part, side: FaceId, cutter: &Cutter, u: f64) -> Option<f64> {
+pub(crate) fn foot(part: &Part, side: FaceId, cutter: &Cutter, u: f64) -> Option<f64> {
     part.fillet_tangent(side, u, part.fillet_radius(side, u).unwrap_or_else(|| cutter.tip_radius()))
 }
 
@@ -460,12 +459,12 @@ struct Fit {
     side: FaceId,
     cutter: Cutter,
     tool: String,
-    allowed: Allowed,
+    allowed: EnoughFit,
 }
 
 /// The error on each side at which flank milling is good enough, mm.
 #[derive(Clone, Copy)]
-enum Allowed {
+enum EnoughFit {
     /// What contracts leave.
     Contracts(f64),
     /// What a finish allows.
@@ -474,7 +473,7 @@ enum Allowed {
     Scallop(f64),
 }
 
-impl Allowed {
+impl EnoughFit {
     fn error(self) -> f64 {
         match self {
             Self::Contracts(error) => error,
@@ -525,11 +524,11 @@ fn asked(program: &Program) -> Vec<Fit> {
     for (id, operation) in program.operations.iter() {
         let tool = &program.tools[operation.tool];
         let cutter = tool.solid.cutter;
-        let faces: Vec<(FaceId, Allowed)> = match &operation.kind {
+        let faces: Vec<(FaceId, EnoughFit)> = match &operation.kind {
             OperationKind::Flank { faces, flank } if flank.method == FlankMethod::Minimax => {
                 let allowed = |side: FaceId| {
                     let budget = budget(program, id, flank.side, SurfaceKind::Face(side), side);
-                    budget.map_or(Allowed::Finish, |[below, above]| Allowed::Contracts(0.5 * (below + above)))
+                    budget.map_or(EnoughFit::Finish, |[below, above]| EnoughFit::Contracts(0.5 * (below + above)))
                 };
                 faces.iter().map(|side| (*side, allowed(*side))).collect()
             }
@@ -540,7 +539,7 @@ fn asked(program: &Program) -> Vec<Fit> {
                 };
                 let faces =
                     surfaces.iter().filter_map(|s| if let SurfaceKind::Face(side) = s { Some(*side) } else { None });
-                faces.filter(|side| reached(*side)).map(|side| (side, Allowed::Scallop(scallop.get()))).collect()
+                faces.filter(|side| reached(*side)).map(|side| (side, EnoughFit::Scallop(scallop.get()))).collect()
             }
             _ => Vec::new(),
         };
@@ -583,6 +582,6 @@ pub fn report(program: &Program, sink: &mut Sink) {
     }
 }
 
-/// Allowed error where contracts give none, mm: what a finish allows. A face whose error with three strips is larger is
+/// EnoughFit error where contracts give none, mm: what a finish allows. A face whose error with three strips is larger is
 /// better point milled.
 const POINT_MILLED: f64 = 0.02;

@@ -9,19 +9,19 @@ const EDGES: usize = 12;
 #[derive(Clone, Debug)]
 pub struct TurnedProfile {
     points: Vec<[f64; 2]>,
-    runs: Vec<Run>,
+    runs: Vec<EdgeRun>,
 }
 
 /// Consecutive edges, and the box about them.
 #[derive(Clone, Copy, Debug)]
-struct Run {
+struct EdgeRun {
     /// The first and the last point. The last is the first point of the next run.
     ends: [usize; 2],
     least: [f64; 2],
     most: [f64; 2],
 }
 
-impl Run {
+impl EdgeRun {
     /// Square of the distance of a point to the box, mm^2; 0 inside of it.
     fn square(&self, point: [f64; 2]) -> f64 {
         let beside = |i: usize| (self.least[i] - point[i]).max(point[i] - self.most[i]).max(0.0);
@@ -32,7 +32,7 @@ impl Run {
 
 /// The edge nearest to a point so far.
 #[derive(Clone, Copy)]
-struct Nearest {
+struct NearestEdge {
     /// From the nearest place of the edge to the point, mm.
     gap: [f64; 2],
     square: f64,
@@ -43,7 +43,7 @@ impl TurnedProfile {
     pub fn new(points: Vec<[f64; 2]>) -> Self {
         let of = |from: usize| {
             let to = (from + EDGES).min(points.len());
-            let mut run = Run { ends: [from, to], least: [f64::INFINITY; 2], most: [f64::NEG_INFINITY; 2] };
+            let mut run = EdgeRun { ends: [from, to], least: [f64::INFINITY; 2], most: [f64::NEG_INFINITY; 2] };
             for k in from..=to {
                 let p = points[k % points.len()];
                 for (i, x) in p.into_iter().enumerate() {
@@ -59,7 +59,7 @@ impl TurnedProfile {
 
     /// Distance of a point (r, z) of the meridian plane, mm; negative inside.
     pub fn distance(&self, point: [f64; 2]) -> f64 {
-        let mut nearest = Nearest { gap: [f64::INFINITY; 2], square: f64::INFINITY };
+        let mut nearest = NearestEdge { gap: [f64::INFINITY; 2], square: f64::INFINITY };
         let first = (0..self.runs.len()).min_by(|a, b| {
             let [a, b] = [a, b].map(|k| self.runs[*k].square(point));
             a.total_cmp(&b)
@@ -83,7 +83,7 @@ impl TurnedProfile {
     }
 
     /// Looks for a nearer edge among those of a run.
-    fn look(&self, run: &Run, [r, z]: [f64; 2], nearest: &mut Nearest) {
+    fn look(&self, run: &EdgeRun, [r, z]: [f64; 2], nearest: &mut NearestEdge) {
         let mut a = self.at(run.ends[0]);
         for k in run.ends[0]..run.ends[1] {
             let b = self.at(k + 1);
@@ -94,14 +94,14 @@ impl TurnedProfile {
             let gap = [to[0] - share * along[0], to[1] - share * along[1]];
             let square = gap[0] * gap[0] + gap[1] * gap[1];
             if square < nearest.square {
-                *nearest = Nearest { gap, square };
+                *nearest = NearestEdge { gap, square };
             }
             a = b;
         }
     }
 
     /// True when the ray from a point in the direction of r crosses an odd number of edges of a run.
-    fn crossed(&self, run: &Run, [r, z]: [f64; 2]) -> bool {
+    fn crossed(&self, run: &EdgeRun, [r, z]: [f64; 2]) -> bool {
         if z < run.least[1] || z > run.most[1] || r >= run.most[0] {
             return false;
         }

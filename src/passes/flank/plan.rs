@@ -277,7 +277,8 @@ fn by_ruling(
     flank: Flank,
 ) -> Result<(Vec<Planned>, Vec<String>), Aborted> {
     let part = &cx.program.part;
-    let radius = cx.program.tools[operation.tool].solid.cutter.tip_radius();
+    let cutter = &cx.program.tools[operation.tool].solid.cutter;
+    let radius = cutter.tip_radius();
     let strips = flank.strips.unwrap_or(1);
     let mut planned = Vec::new();
     for side in faces {
@@ -287,7 +288,7 @@ fn by_ruling(
             (-part.root_step(*side, 0.0, LEAVE * radius), 1.0 + part.root_step(*side, 1.0, LEAVE * radius));
         let lowest: Option<Vec<(f64, f64)>> = (0..=STATIONS)
             .map(|i| from + (to - from) * i as f64 / STATIONS as f64)
-            .map(|u| Some((u, part.fillet_tangent(*side, u, part.fillet_radius(*side, u).unwrap_or(radius))?)))
+            .map(|u| Some((u, flank::foot(part, *side, cutter, u)?)))
             .collect();
         let Some(lowest) = lowest else {
             let rolling = part.fillet(*side).map_or(radius, |f| f.most().get());
