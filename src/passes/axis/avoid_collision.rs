@@ -46,6 +46,22 @@ struct ClearedPass {
     side: f64,
 }
 
+/// A pass without clear tilts.
+struct Unclear {
+    /// The tilt that is least bad, degrees; `None` where the pass has no such side.
+    tilt: Option<f64>,
+}
+
+/// The worst of all violations, which are negative, between the stations before and behind each of `few`.
+fn worst_between(few: &[usize], all: &[Option<f64>]) -> Vec<Option<f64>> {
+    let worst = |k: usize| {
+        let from = if k == 0 { 0 } else { few[k - 1] };
+        let to = few.get(k + 1).copied().unwrap_or(all.len() - 1);
+        all[from..=to].iter().flatten().copied().reduce(f64::min)
+    };
+    (0..few.len()).map(worst).collect()
+}
+
 /// Tells why the tool of an operation is too near to the part, where the operation itself knows.
 pub(crate) type TooNear = fn(&PassContext<'_>, &Operation) -> Option<Diag>;
 
@@ -316,58 +332,107 @@ impl<'a> TiltedPass<'a> {
         if by_tilts.is_ok() || !tilts_away(self.operation, self.cc) || !self.solid().cutter.ends_in_ball() {
             return by_tilts;
         }
-        let mut sides = [TurnSide::Along, TurnSide::Across].into_iter().flat_map(|to| SIDES.map(|side| (to, side)));
-        sides.find_map(|side| self.with_side(side).ok()).map_or(by_tilts, Ok)
+        let sides = || [TurnSide::Along, TurnSide::Across].into_iter().flat_map(|to| SIDES.map(|side| (to, side)));
+        let few = self.few();
+        let by_few = sides().find_map(|side| self.by_stations(&few, side).ok());
+        by_few.or_else(|| sides().find_map(|side| self.with_side(side).ok())).map_or(by_tilts, Ok)
     }
 
     /// Clear stations by tilts alone.
     fn cleared_by_tilts(&self, points: &[ClPoint]) -> Result<ClearedPass, Miss> {
         if tilts_away(self.operation, self.cc) {
-            return self.with_side((TurnSide::Along, 0.0));
+            let side = (TurnSide::Along, 0.0);
+            return self.with_side(side).map_err(|unclear| self.miss_with(unclear.tilt, side));
         }
-        let found: Vec<Option<f64>> = points.iter().map(|p| self.violation(p)).collect();
+        let found = self.violations(points);
         let as_they_are = || ClearedPass { points: points.to_vec(), steepest: 0.0, side: 0.0 };
         self.miss(points, &found).map_or_else(|| Ok(as_they_are()), Err)
     }
 
-    /// Clear stations: with the least tilt that clears all of them, else with tilts that change along the pass.
-    fn with_side(&self, side: (TurnSide, f64)) -> Result<ClearedPass, Miss> {
-        let violations = |points: &[ClPoint]| points.iter().map(|p| self.violation(p)).collect::<Vec<_>>();
+    fn violations(&self, points: &[ClPoint]) -> Vec<Option<f64>> {
+        points.iter().map(|p| self.violation(p)).collect()
+    }
+
+    /// Clear stations by tilts and a turn to one side: with the least tilt that clears all of them, else with tilts that change along the
+    /// pass. Few of the stations tell sooner which tilts are not clear; a path through them is found less often.
+    fn with_side(&self, side: (TurnSide, f64)) -> Result<ClearedPass, Unclear> {
+        let (few, all) = (self.few(), (0..self.cc.points.len()).collect::<Vec<_>>());
+        let by_few = self.by_stations(&few, side);
+        if by_few.is_ok() || few.len() == all.len() { by_few } else { self.by_stations(&all, side) }
+    }
+
+    /// Some of the stations, in their order: each of the others is nearer to one of them than half the radius of the ball.
+    fn few(&self) -> Vec<usize> {
+        let stations = &self.cc.points;
+        let apart = 0.5 * self.solid().cutter.tip_radius();
+        let mut few: Vec<usize> = Vec::new();
+        for next in 1..stations.len() {
+            let far = |last: &usize| (stations[*last].position - stations[next].position).norm() > apart;
+            if few.last().is_none_or(far) {
+                few.push(next - 1);
+            }
+        }
+        few.extend(stations.len().checked_sub(1));
+        few
+    }
+
+    /// Clear stations with tilts that are clear at those of `few`.
+    fn by_stations(&self, few: &[usize], side: (TurnSide, f64)) -> Result<ClearedPass, Unclear> {
+        let points = few.iter().map(|i| self.cc.points[*i]).collect();
+        let cc = CcPass { label: String::new(), drive: self.cc.drive, points, path: None };
+        let pass = TiltedPass { cc: &cc, ..*self };
         // The contact is on the arc of a barrel and not on its tip.
         let end = if self.on_vane() { self.solid().cutter.barrel_angle() } else { None };
         let may = |tilt: &f64| end.is_none_or(|end| *tilt > 0.0 && tilt.to_radians() < end);
         let tilts: Vec<f64> = TILTS.into_iter().filter(may).collect();
-        let (mut clear, mut least): (Vec<Vec<bool>>, Option<Miss>) = (Vec::new(), None);
+        let (mut clear, mut least): (Vec<Vec<bool>>, Option<(f64, f64)>) = (Vec::new(), None);
         for tilt in &tilts {
-            let nowhere = Miss { station: 0, violation: f64::INFINITY, at: NOWHERE };
-            let Some(tilted) = self.tilted(|_| *tilt, side) else { return Err(nowhere) };
-            let found = violations(&tilted);
-            let Some(miss) = self.miss(&tilted, &found) else {
-                return Ok(ClearedPass { points: tilted, steepest: *tilt, side: side.1 });
-            };
-            if least.as_ref().is_none_or(|least| miss.violation < least.violation) {
-                least = Some(miss);
+            let Some(tilted) = pass.tilted(|_| *tilt, side) else { return Err(Unclear { tilt: None }) };
+            let mut found = pass.violations(&tilted);
+            if found.iter().all(Option::is_none) {
+                let Some(points) = self.tilted(|_| *tilt, side) else {
+                    return Err(Unclear { tilt: None });
+                };
+                let all = self.violations(&points);
+                if all.iter().all(Option::is_none) {
+                    return Ok(ClearedPass { points, steepest: *tilt, side: side.1 });
+                }
+                found = worst_between(few, &all);
+            }
+            let violation = -found.iter().flatten().copied().fold(0.0, f64::min);
+            if least.is_none_or(|(_, least)| violation < least) {
+                least = Some((*tilt, violation));
             }
             clear.push(found.iter().map(Option::is_none).collect());
         }
-        let nowhere = Miss { station: 0, violation: 0.0, at: NOWHERE };
-        self.varied((&tilts, &clear), side).ok_or_else(|| least.unwrap_or(nowhere))
+        self.varied(few, (&tilts, &clear), side).ok_or(Unclear { tilt: least.map(|(tilt, _)| tilt) })
     }
 
-    /// Clear stations with tilts that change along the pass.
-    fn varied(&self, (tilts, clear): (&[f64], &[Vec<bool>]), side: (TurnSide, f64)) -> Option<ClearedPass> {
-        let stations = &self.cc.points;
-        if stations.len() < 2 || clear.iter().any(|clear| clear.len() != stations.len()) {
+    /// The worst station with the same tilt everywhere, degrees.
+    fn miss_with(&self, tilt: Option<f64>, side: (TurnSide, f64)) -> Miss {
+        let tilted = tilt.and_then(|tilt| self.tilted(|_| tilt, side)).unwrap_or_default();
+        let nowhere = || Miss { station: 0, violation: f64::INFINITY, at: NOWHERE };
+        self.miss(&tilted, &self.violations(&tilted)).unwrap_or_else(nowhere)
+    }
+
+    /// Clear stations with tilts that change along the pass and are clear at those of `few`.
+    fn varied(
+        &self,
+        few: &[usize],
+        (tilts, clear): (&[f64], &[Vec<bool>]),
+        side: (TurnSide, f64),
+    ) -> Option<ClearedPass> {
+        if few.len() < 2 {
             return None;
         }
-        let lengths = lengths(&stations.iter().map(|p| p.position).collect::<Vec<_>>());
+        let all = lengths(&self.cc.points.iter().map(|p| p.position).collect::<Vec<_>>());
+        let lengths: Vec<f64> = few.iter().map(|i| all[*i]).collect();
         let clear = ClearTilts { lengths: &lengths, tilts, clear };
-        let paths = clear.smooth_paths(2.0 * self.solid().cutter.tip_radius());
-        let mut all = paths.filter_map(|path| {
+        let mut paths = clear.smooth_paths(2.0 * self.solid().cutter.tip_radius(), &all).filter_map(|path| {
             let steepest = path.iter().copied().fold(0.0, f64::max);
             Some(ClearedPass { points: self.tilted(|i| path[i], side)?, steepest, side: side.1 })
         });
-        all.find(|cleared| cleared.points.iter().all(|p| self.violation(p).is_none()))
+        paths.find(|cleared| cleared.points.iter().all(|p| self.violation(p).is_none()))
     }
 
     /// Which part of the tool is too near, and what it has to keep.

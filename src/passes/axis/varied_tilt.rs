@@ -24,14 +24,14 @@ pub(super) struct ClearTilts<'a> {
 }
 
 impl ClearTilts<'_> {
-    /// Tilts of all stations, for each width of the mean that is at least `least` mm and has a path.
-    pub(super) fn smooth_paths(&self, least: f64) -> impl Iterator<Item = Vec<f64>> + '_ {
+    /// Tilts at lengths of the pass, mm, for each width of the mean that is at least `least` mm and has a path.
+    pub(super) fn smooth_paths<'b>(&'b self, least: f64, at: &'b [f64]) -> impl Iterator<Item = Vec<f64>> + 'b {
         let whole = self.lengths.last().copied().unwrap_or(0.0);
         let widths = WIDTHS.into_iter().map(move |share| share * whole).filter(move |width| *width >= least);
         widths.filter_map(|half| {
             let path = self.path(&self.clear_over(half))?;
-            let once = self.mean(&path, 0.5 * half);
-            Some(self.mean(&once, 0.5 * half))
+            let once = self.mean(&path, 0.5 * half, self.lengths);
+            Some(self.mean(&once, 0.5 * half, at))
         })
     }
 
@@ -88,8 +88,8 @@ impl ClearTilts<'_> {
         Some(path)
     }
 
-    /// The mean of a path within `half` mm of each station; at its ends the path goes on as it is there.
-    fn mean(&self, path: &[f64], half: f64) -> Vec<f64> {
+    /// The mean of a path within `half` mm of each of these lengths; at its ends the path goes on as it is there.
+    fn mean(&self, path: &[f64], half: f64, at: &[f64]) -> Vec<f64> {
         let mut sums = vec![0.0];
         for (s, tilt) in self.lengths.windows(2).zip(path.windows(2)) {
             sums.push(sums[sums.len() - 1] + 0.5 * (tilt[0] + tilt[1]) * (s[1] - s[0]));
@@ -99,7 +99,7 @@ impl ClearTilts<'_> {
             let beyond = [(s - first).min(0.0) * path[0], (s - last).max(0.0) * path[path.len() - 1]];
             self.sum_to(s.clamp(*first, *last), path, &sums) + beyond[0] + beyond[1]
         };
-        self.lengths.iter().map(|s| (sum(s + half) - sum(s - half)) / (2.0 * half)).collect()
+        at.iter().map(|s| (sum(s + half) - sum(s - half)) / (2.0 * half)).collect()
     }
 
     /// Integral of a path, linear between stations, up to a length; `sums` are the integrals up to the stations.
@@ -131,7 +131,7 @@ mod tests {
         let limits = |s: f64| [if s < 11.0 { 0.0 } else { 6.0 }, if s < 7.0 { 2.0 } else { 8.0 }];
         let (lengths, clear) = clear(limits);
         let tilts = ClearTilts { lengths: &lengths, tilts: &TILTS, clear: &clear };
-        let path = tilts.smooth_paths(0.5).next().unwrap();
+        let path = tilts.smooth_paths(0.5, &lengths).next().unwrap();
         for (s, tilt) in lengths.iter().zip(&path) {
             let [low, high] = limits(*s);
             assert!(low - 1e-9 <= *tilt && *tilt <= high + 1e-9, "{s}: {tilt}");
@@ -145,6 +145,6 @@ mod tests {
     fn a_jump_is_no_path() {
         let (lengths, clear) = clear(|s| if s < 10.0 { [0.0, 2.0] } else { [6.0, 8.0] });
         let tilts = ClearTilts { lengths: &lengths, tilts: &TILTS, clear: &clear };
-        assert!(tilts.smooth_paths(0.5).next().is_none());
+        assert!(tilts.smooth_paths(0.5, &lengths).next().is_none());
     }
 }

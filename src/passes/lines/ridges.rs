@@ -78,63 +78,95 @@ fn around(line: &[CutterPose], x: f64) -> Option<&[CutterPose]> {
     (from < to).then(|| &line[from..to])
 }
 
-/// The poses of a line about a place, of which every [`STRIDE`]-th is looked at first.
-struct NearLine<'a> {
-    poses: &'a [CutterPose],
-    /// Largest distance of a contact from the nearer one of those before and behind it that are looked at first, mm.
-    between: f64,
+/// Contacts that share a box.
+const TOGETHER: usize = 12;
+
+/// Rounding of distances, as a share.
+const ROUNDING: f64 = 1e-12;
+
+/// A box about contacts: its least and its greatest corner.
+struct ContactBox([Point3<f64>; 2]);
+
+impl ContactBox {
+    fn about(poses: &[CutterPose]) -> Self {
+        let [low, high] = [f64::INFINITY, f64::NEG_INFINITY].map(|x| Point3::new(x, x, x));
+        Self(poses.iter().fold([low, high], |[low, high], pose| [low.inf(&pose.contact), high.sup(&pose.contact)]))
+    }
+
+    /// Square of a distance that is not greater than that from a point to a contact in the box, mm2.
+    fn distance(&self, p: &Point3<f64>) -> f64 {
+        let [low, high] = &self.0;
+        let off = (low - p).sup(&(p - high)).sup(&Vector3::zeros());
+        off.norm_squared() * (1.0 - ROUNDING)
+    }
 }
 
-/// Poses from one that is looked at first to the next.
-const STRIDE: usize = 8;
-
-/// Rounding of distances, mm.
-const ROUNDING: f64 = 1e-9;
+/// The poses of a line about a place, with boxes about their contacts.
+struct NearLine<'a> {
+    poses: &'a [CutterPose],
+    whole: ContactBox,
+    /// One for each [`TOGETHER`] contacts.
+    pieces: Vec<ContactBox>,
+}
 
 impl<'a> NearLine<'a> {
     fn new(poses: &'a [CutterPose]) -> Self {
-        let far = |i: usize, k: usize| (poses[i].contact - poses[k].contact).norm();
-        let last = poses.len() - 1;
-        let nearer = |k: usize| {
-            let before = k - k % STRIDE;
-            far(k, before).min(far(k, (before + STRIDE).min(last)))
-        };
-        Self { poses, between: (0..=last).map(nearer).fold(0.0, f64::max) }
+        let pieces = poses.chunks(TOGETHER).map(ContactBox::about).collect();
+        Self { poses, whole: ContactBox::about(poses), pieces }
     }
 
-    /// The poses that are looked at first.
-    fn first(&self) -> impl Iterator<Item = usize> + use<> {
-        let last = self.poses.len() - 1;
-        (0..last).step_by(STRIDE).chain([last])
+    /// The contact that is nearest to a point, where its distance is not greater than a limit: square of the distance, and pose.
+    fn nearest(&self, p: &Point3<f64>, limit: f64) -> Option<(f64, usize)> {
+        let mut best: Option<(f64, usize)> = None;
+        for (piece, (around, poses)) in self.pieces.iter().zip(self.poses.chunks(TOGETHER)).enumerate() {
+            if around.distance(p) > best.map_or(limit, |(far, _)| far) {
+                continue;
+            }
+            for (k, pose) in poses.iter().enumerate() {
+                let far = (pose.contact - p).norm_squared();
+                if far <= limit && best.is_none_or(|(least, _)| far < least) {
+                    best = Some((far, piece * TOGETHER + k));
+                }
+            }
+        }
+        best
     }
 }
 
 /// For the three lines with the nearest contacts to a point, the nearest first: square of the distance, line and pose.
 fn nearest_contacts(lines: &[NearLine<'_>], p: &Point3<f64>) -> Vec<(f64, usize, usize)> {
-    let far = |line: &NearLine<'_>, k: usize| (line.poses[k].contact - p).norm_squared();
-    let first: Vec<f64> =
-        lines.iter().map(|line| line.first().map(|k| far(line, k)).fold(f64::INFINITY, f64::min).sqrt()).collect();
-    // The three nearest lines are not farther than this.
-    let mut three = [f64::INFINITY; 3];
-    for distance in &first {
-        if *distance < three[2] {
-            three[2] = *distance;
+    let boxes: Vec<f64> = lines.iter().map(|line| line.whole.distance(p)).collect();
+    let nearest_three = |far: &[f64; 3], new: f64| {
+        let mut three = *far;
+        if new < three[2] {
+            three[2] = new;
             three.sort_by(f64::total_cmp);
         }
+        three
+    };
+    // No line whose box is farther than the third nearest contact of three lines is one of the three.
+    let nearest_boxes = boxes.iter().fold([f64::INFINITY; 3], |three, far| nearest_three(&three, *far));
+    let mut three = [f64::INFINITY; 3];
+    let mut found: Vec<(f64, usize, usize)> = Vec::with_capacity(8);
+    let mut look = |i: usize| {
+        if let Some((far, k)) = lines[i].nearest(p, three[2]) {
+            three = nearest_three(&three, far);
+            found.push((far, i, k));
+        }
+        three[2]
+    };
+    let mut limit = f64::INFINITY;
+    for (i, _) in boxes.iter().enumerate().filter(|(_, far)| **far <= nearest_boxes[2]) {
+        limit = look(i);
     }
-    let mut nearest: Vec<(f64, usize, usize)> = lines
-        .iter()
-        .zip(&first)
-        .enumerate()
-        .filter(|(_, (line, distance))| **distance - line.between <= three[2] + ROUNDING)
-        .filter_map(|(i, (line, _))| {
-            let k = (0..line.poses.len()).min_by(|a, b| far(line, *a).total_cmp(&far(line, *b)))?;
-            Some((far(line, k), i, k))
-        })
-        .collect();
-    nearest.sort_by(|a, b| a.0.total_cmp(&b.0));
-    nearest.truncate(3);
-    nearest
+    for (i, far) in boxes.iter().enumerate().filter(|(_, far)| **far > nearest_boxes[2]) {
+        if *far <= limit {
+            limit = look(i);
+        }
+    }
+    found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    found.truncate(3);
+    found
 }
 
 /// Height that poses leave at a point: the least distance of each line, with a parabola between its poses.
