@@ -13,11 +13,8 @@ use nalgebra::Point3;
 /// Distance that is good enough, mm.
 const NEAR: f64 = 5e-4;
 
-/// Sections less one that are tried, from few to many.
-const ROWS: [usize; 4] = [8, 12, 16, 24];
-
-/// Steps of a section along a face.
-const STEPS: usize = 96;
+/// Sections less one, and steps of a section along a face, that are tried, from few to many.
+const TRIED: [[usize; 2]; 6] = [[8, 96], [12, 96], [16, 96], [24, 96], [24, 192], [24, 384]];
 
 /// Largest distance of points from the curve of their section, mm: `fit` of the job.
 pub(super) const FIT: f64 = 5e-4;
@@ -35,9 +32,9 @@ pub(super) struct LoopedSections {
 /// none.
 pub(super) fn sections(blade: &StepBlade, hub: &[[f64; 2]]) -> Result<LoopedSections, String> {
     let mut best: Option<LoopedSections> = None;
-    for rows in ROWS {
+    for [rows, steps] in TRIED {
         let loops: Vec<(Vec<Point3<f64>>, LoopEdges)> =
-            (0..=rows).map(|j| blade.loop_at(j as f64 / rows as f64, STEPS)).collect();
+            (0..=rows).map(|j| blade.loop_at(j as f64 / rows as f64, steps)).collect();
         let outlines: Result<Vec<Outline>, String> =
             loops.iter().enumerate().map(|(k, section)| divided(blade, hub, k, section)).collect();
         let made = loft(&outlines?, FIT).map_err(|_| "no surface goes through its sections".to_owned())?;
