@@ -5,7 +5,7 @@ use super::tolerance_budget::budget;
 use crate::collide::Cutter;
 use crate::diag::codes::geometry as codes;
 use crate::diag::{Diag, Sink};
-use crate::envelope::{Deviation, Measured, Mounted, Target, least_squares, minimax};
+use crate::envelope::{Deviation, Measured, Mounted, Target, best_least_squares, minimax};
 use crate::geom::DualCurve;
 use crate::ir::{OperationKind, Program};
 use crate::method::FlankMethod;
@@ -42,6 +42,11 @@ const FACE: [usize; 2] = [100, 15];
 const FILLET: [usize; 2] = [100, 8];
 const HUB: [usize; 2] = [60, 16];
 const NEIGHBOUR: [usize; 2] = [30, 8];
+
+/// Height between the lower edge and the top of a strip of the point whose offset is on the axis of a start, and the same of further
+/// starts, as shares.
+const AIMED: f64 = 0.85;
+const AIMED_AS_WELL: [f64; 2] = [0.6, 1.0];
 
 /// A part with the charts of its surfaces, computed once.
 pub struct Surroundings<'a> {
@@ -256,38 +261,38 @@ impl<'a> Strip<'a> {
         [face.normal(u, 0.0), hub_normal(self.around.part, &face.surface.point(u, 0.0))]
     }
 
-    /// Start of the optimisation. Over a low strip the axis may lean into a hollow or twisted face above the strip. There it
-    /// leans as for the whole face. `None` where no ball rolls along the root.
-    pub fn start(&self) -> Option<DualCurve> {
-        /// Fewer points show how deep a start cuts.
-        const FINENESS: f64 = 0.3;
-        /// Depth in the cutter, in tip radii, from which on a point may be pushed out on the far side of the axis.
-        const DEEP: f64 = 0.5;
-        let own = self.start_below(self.span[1])?;
-        if self.span[1] >= 1.0 {
-            return Some(own);
+    /// The start of the optimisation, with the points that a path near it may touch; `fineness` is that of [`Self::targets`].
+    /// `None` where no ball rolls along the root.
+    pub fn fitted(&self, fineness: f64) -> Option<(DualCurve, Vec<Placed>)> {
+        let targets = self.targets(fineness);
+        let starts = self.starts();
+        let near = starts.iter().map(|start| self.near(start, targets.clone(), |p| p.target));
+        let mut near: Vec<Vec<Placed>> = near.collect();
+        let each = starts.iter().zip(&near).map(|(start, near)| (start, near.iter().map(|p| p.target).collect()));
+        let (chosen, fit) = best_least_squares(each, &self.tool())?;
+        Some((fit, near.swap_remove(chosen)))
+    }
+
+    /// Where the optimisation may start: with axes through several heights of the strip. Over a low strip such an axis may lean into a
+    /// hollow or twisted face above the strip; the last start leans as for the whole face.
+    fn starts(&self) -> Vec<DualCurve> {
+        let top = self.span[1];
+        let mut aims = vec![(AIMED, top)];
+        if !matches!(self.cutter, Cutter::Barrel { .. }) {
+            aims.extend(AIMED_AS_WELL.map(|share| (share, top)));
         }
-        let targets: Vec<Target> = self.targets(FINENESS).iter().map(|p| p.target).collect();
-        let least = |start: &DualCurve| {
-            let measured = Measured::new(start, &self.tool(), &targets);
-            measured.at.iter().map(|d| d.value).fold(f64::INFINITY, f64::min)
-        };
-        let depth = least(&own);
-        if depth > -DEEP * self.cutter.tip_radius() {
-            return Some(own);
+        if top < 1.0 {
+            aims.push((AIMED, 1.0));
         }
-        let whole = self.start_below(1.0).filter(|whole| least(whole) > depth);
-        Some(whole.unwrap_or(own))
+        aims.into_iter().filter_map(|(share, top)| self.start_below(share, top)).collect()
     }
 
     /// A start: the cutter rolls between face and hub, or stands on the lower edge of the strip. Its axis goes through the
-    /// offset of a point a little below `top`, a share of the height of the face; the arc of a barrel touches the middle of the
-    /// strip.
-    fn start_below(&self, top: f64) -> Option<DualCurve> {
+    /// offset of a point at a share of the height up to `top`, which is a share of the height of the face; the arc of a barrel
+    /// touches the middle of the strip.
+    fn start_below(&self, share: f64, top: f64) -> Option<DualCurve> {
         /// Number of points to which the curves are fitted.
         const POINTS: usize = 300;
-        /// Height between the lower edge and `top` of the point whose offset is on the axis.
-        const AIMED: f64 = 0.85;
         let part = self.around.part;
         let face = part.face(self.side);
         let length =
@@ -301,12 +306,12 @@ impl<'a> Strip<'a> {
             .map(|i| {
                 let u = from + (to - from) * i as f64 / POINTS as f64;
                 let root = foot(part, self.side, &self.cutter, u)?;
-                let at = |share: f64| root + (1.0 - root) * share;
+                let at = |height: f64| root + (1.0 - root) * height;
                 let (tip, axis) = if let Cutter::Barrel { .. } = self.cutter {
                     self.on_its_arc(u, at(0.5 * (low + high)), root)?
                 } else {
                     let offset = |v: f64, by: f64| face.surface.point(u, v) + face.normal(u, v) * by;
-                    let upper = at(low + AIMED * (top - low));
+                    let upper = at(low + share * (top - low));
                     let below = offset(at(low), radius(touches));
                     let between = (face.surface.point(u, upper) - face.surface.point(u, at(low))).norm_squared().sqrt();
                     let axis = (offset(upper, radius(touches + between)) - below).normalize();
@@ -342,10 +347,8 @@ impl<'a> Strip<'a> {
         /// More points are not needed for errors to a few per cent.
         const FINENESS: f64 = 0.6;
         const GAIN: f64 = 0.02;
-        let start = self.start()?;
-        let placed = self.near(&start, self.targets(FINENESS), |p| p.target);
+        let (fit, placed) = self.fitted(FINENESS)?;
         let targets: Vec<Target> = placed.iter().map(|p| p.target).collect();
-        let fit = least_squares(&start, &self.tool(), &targets);
         let best = minimax(&fit, &self.tool(), &targets, GAIN);
         let violation = |(p, d): (&Placed, &Deviation)| ((p.target.low - d.value).max(d.value - p.target.high), *p);
         let violations = placed.iter().zip(&best.measured.at).map(violation);

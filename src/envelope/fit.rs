@@ -71,3 +71,23 @@ pub fn least_squares(start: &DualCurve, tool: &Mounted<'_>, targets: &[Target]) 
     // Steps search near the last best parameter, here everywhere.
     if worst(&Measured::new(&curve, tool, targets)) > at_start { start.clone() } else { curve }
 }
+
+/// The best of several starts after least squares, each with its targets: its number and the curve. Least squares and minimax end in
+/// the nearest optimum, and a free-form face has many; the largest violation after least squares tells which start leads to a good one.
+/// `None` without starts.
+pub fn best_least_squares<'a>(
+    starts: impl Iterator<Item = (&'a DualCurve, Vec<Target>)>,
+    tool: &Mounted<'_>,
+) -> Option<(usize, DualCurve)> {
+    /// Violation, as a share of that of an earlier start, below which a later one is better.
+    const BETTER: f64 = 0.8;
+    let mut best: Option<(f64, (usize, DualCurve))> = None;
+    for (number, (start, targets)) in starts.enumerate() {
+        let curve = least_squares(start, tool, &targets);
+        let worst = Measured::new(&curve, tool, &targets).worst(&targets);
+        if best.as_ref().is_none_or(|(least, _)| worst < BETTER * least) {
+            best = Some((worst, (number, curve)));
+        }
+    }
+    best.map(|(_, found)| found)
+}

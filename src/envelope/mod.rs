@@ -23,7 +23,7 @@ pub mod target;
 
 pub use deviation::{Deviation, Mounted};
 pub use ease::{Eased, ease};
-pub use fit::least_squares;
+pub use fit::{best_least_squares, least_squares};
 pub use measured::Measured;
 pub use minimax::{Best, Finest, finest, minimax};
 pub use target::Target;

@@ -5,7 +5,7 @@ use super::clearance::Clearances;
 use crate::analysis::flank::{Placed, Strip};
 use crate::analysis::tolerance_budget::{SLACK, budget};
 use crate::envelope::target::Of;
-use crate::envelope::{Deviation, Measured, Mounted, Target, ease, finest, least_squares, minimax};
+use crate::envelope::{Deviation, Measured, Mounted, Target, ease, finest, minimax};
 use crate::geom::DualCurve;
 use crate::ir::{OperationId, Program};
 use crate::method::{Conflict, ErrorSide, Flank};
@@ -109,11 +109,9 @@ impl StripTask<'_> {
         if self.progress.is_cancelled() {
             return None;
         }
-        let start = strip.start()?;
-        let coarse = strip.near(&start, strip.targets(1.0), |p| p.target);
+        let (start, coarse) = strip.fitted(1.0)?;
         let fine = strip.targets(2.0);
         let plain = |placed: &[Placed]| placed.iter().map(|p| p.target).collect::<Vec<Target>>();
-        let start = least_squares(&start, &strip.tool(), &plain(&coarse));
         let face = SurfaceKind::Face(strip.side);
         // Without contracts, the least error there is.
         let least = self.budget(face, strip.side).is_none().then(|| {
