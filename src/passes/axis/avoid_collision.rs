@@ -210,7 +210,9 @@ fn too_near(
         blocked.par_iter().all(|(k, _)| clear(*k))
     });
     let help = if corridor_is_clear(cx, operation, oriented, blocked) {
-        format!("`method corridor` finds a clear tool axis at these places; with `method blend`, {help}")
+        format!(
+            "at these places `method corridor` has clear tool axes, and may find a smooth motion through them; with `method blend`, {help}"
+        )
     } else {
         help
     };

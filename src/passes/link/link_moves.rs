@@ -288,11 +288,13 @@ fn report(cx: &mut PassContext<'_>, operation: &ClOperation, misses: &[(Point3<f
         misses.len(),
         operation.passes.len()
     ))
-    .help(if cx.program.machine.chain.has_head() {
-        "use a machine with more travel, or mount the part at another position"
-    } else {
-        "use a machine with more travel, or mount the part at another position of the table"
-    });
+    .help(format!(
+        "use a machine on which {} travels to {:.3} {}, or mount the part at another position{}",
+        miss.axis,
+        miss.value,
+        miss.unit,
+        if cx.program.machine.chain.has_head() { "" } else { " of the table" }
+    ));
     cx.sink.push(diag);
 }
 
