@@ -278,11 +278,10 @@ impl<'a> Strip<'a> {
     fn starts(&self) -> Vec<DualCurve> {
         let top = self.span[1];
         let mut aims = vec![(AIMED, top)];
+        // The start of a barrel aims at no height.
         if !matches!(self.cutter, Cutter::Barrel { .. }) {
             aims.extend(AIMED_AS_WELL.map(|share| (share, top)));
-        }
-        if top < 1.0 {
-            aims.push((AIMED, 1.0));
+            aims.extend((top < 1.0).then_some((AIMED, 1.0)));
         }
         aims.into_iter().filter_map(|(share, top)| self.start_below(share, top)).collect()
     }
@@ -585,6 +584,6 @@ pub fn report(program: &Program, sink: &mut Sink) {
     }
 }
 
-/// EnoughFit error where contracts give none, mm: what a finish allows. A face whose error with three strips is larger is
+/// Allowed error where contracts give none, mm: what a finish allows. A face whose error with three strips is larger is
 /// better point milled.
 const POINT_MILLED: f64 = 0.02;

@@ -31,12 +31,16 @@ fn fault(value: f64, target: &Target) -> f64 {
 /// The curve after least squares; the start where its largest violation is smaller. From a start that is near a hollow or
 /// twisted face, least squares may end where a few points lie deep in the tool, and minimax does not get them out.
 pub fn least_squares(start: &DualCurve, tool: &Mounted<'_>, targets: &[Target]) -> DualCurve {
+    with_violation(start, tool, targets).0
+}
+
+/// The same, with the largest violation of the curve, mm.
+fn with_violation(start: &DualCurve, tool: &Mounted<'_>, targets: &[Target]) -> (DualCurve, f64) {
     let mut curve = start.clone();
     let sum = |m: &Measured| -> f64 { m.at.iter().zip(targets).map(|(d, t)| fault(d.value, t).powi(2)).sum() };
     let mut measured = Measured::new(&curve, tool, targets);
-    let worst = |m: &Measured| m.at.iter().zip(targets).map(|(d, t)| fault(d.value, t).abs()).fold(0.0, f64::max);
     let mut now = sum(&measured);
-    let at_start = worst(&measured);
+    let at_start = measured.worst(targets);
     for _ in 0..STEPS {
         let n = curve.unknowns();
         let mut normal = Band::new(n, ENTRIES - 1);
@@ -69,7 +73,8 @@ pub fn least_squares(start: &DualCurve, tool: &Mounted<'_>, targets: &[Target]) 
         }
     }
     // Steps search near the last best parameter, here everywhere.
-    if worst(&Measured::new(&curve, tool, targets)) > at_start { start.clone() } else { curve }
+    let worst = Measured::new(&curve, tool, targets).worst(targets);
+    if worst > at_start { (start.clone(), at_start) } else { (curve, worst) }
 }
 
 /// The best of several starts after least squares, each with its targets: its number and the curve. Least squares and minimax end in
@@ -83,8 +88,7 @@ pub fn best_least_squares<'a>(
     const BETTER: f64 = 0.8;
     let mut best: Option<(f64, (usize, DualCurve))> = None;
     for (number, (start, targets)) in starts.enumerate() {
-        let curve = least_squares(start, tool, &targets);
-        let worst = Measured::new(&curve, tool, &targets).worst(&targets);
+        let (curve, worst) = with_violation(start, tool, &targets);
         if best.as_ref().is_none_or(|(least, _)| worst < BETTER * least) {
             best = Some((worst, (number, curve)));
         }

@@ -335,16 +335,18 @@ impl<'a> TiltedPass<'a> {
             return by_tilts;
         }
         let sides = || [TurnSide::Along, TurnSide::Across].into_iter().flat_map(|to| SIDES.map(|side| (to, side)));
-        let few = self.few();
-        let by_few = sides().find_map(|side| self.by_stations(&few, side).ok());
-        by_few.or_else(|| sides().find_map(|side| self.with_side(side).ok())).map_or(by_tilts, Ok)
+        let by = |stations: &Vec<usize>| sides().find_map(|side| self.by_stations(stations, side).ok());
+        self.looked_at().iter().find_map(by).map_or(by_tilts, Ok)
     }
 
     /// Clear stations by tilts alone.
     fn cleared_by_tilts(&self, points: &[ClPoint]) -> Result<ClearedPass, Miss> {
         if tilts_away(self.operation, self.cc) {
             let side = (TurnSide::Along, 0.0);
-            return self.with_side(side).map_err(|unclear| self.miss_with(unclear.tilt, side));
+            let mut tilt = None;
+            let by =
+                |stations: &Vec<usize>| self.by_stations(stations, side).map_err(|unclear| tilt = unclear.tilt).ok();
+            return self.looked_at().iter().find_map(by).ok_or_else(|| self.miss_with(tilt, side));
         }
         let found = self.violations(points);
         let as_they_are = || ClearedPass { points: points.to_vec(), steepest: 0.0, side: 0.0 };
@@ -355,12 +357,12 @@ impl<'a> TiltedPass<'a> {
         points.iter().map(|p| self.violation(p)).collect()
     }
 
-    /// Clear stations by tilts and a turn to one side: with the least tilt that clears all of them, else with tilts that change along the
-    /// pass. Few of the stations tell sooner which tilts are not clear; a path through them is found less often.
-    fn with_side(&self, side: (TurnSide, f64)) -> Result<ClearedPass, Unclear> {
-        let (few, all) = (self.few(), (0..self.cc.points.len()).collect::<Vec<_>>());
-        let by_few = self.by_stations(&few, side);
-        if by_few.is_ok() || few.len() == all.len() { by_few } else { self.by_stations(&all, side) }
+    /// Stations that are looked at for clear tilts: few of them, which tell sooner which tilts are not clear, then all. A path through few
+    /// stations is found less often.
+    fn looked_at(&self) -> Vec<Vec<usize>> {
+        let few = self.few();
+        let all: Vec<usize> = (0..self.cc.points.len()).collect();
+        if few.len() == all.len() { vec![all] } else { vec![few, all] }
     }
 
     /// Some of the stations, in their order: each of the others is nearer to one of them than half the radius of the ball.
@@ -378,7 +380,8 @@ impl<'a> TiltedPass<'a> {
         few
     }
 
-    /// Clear stations with tilts that are clear at those of `few`.
+    /// Clear stations: with the least tilt that clears all of them, else with tilts that change along the pass and are clear at those of
+    /// `few`.
     fn by_stations(&self, few: &[usize], side: (TurnSide, f64)) -> Result<ClearedPass, Unclear> {
         let points = few.iter().map(|i| self.cc.points[*i]).collect();
         let cc = CcPass { label: String::new(), drive: self.cc.drive, points, path: None };
@@ -392,6 +395,9 @@ impl<'a> TiltedPass<'a> {
             let Some(tilted) = pass.tilted(|_| *tilt, side) else { return Err(Unclear { tilt: None }) };
             let mut found = pass.violations(&tilted);
             if found.iter().all(Option::is_none) {
+                if few.len() == self.cc.points.len() {
+                    return Ok(ClearedPass { points: tilted, steepest: *tilt, side: side.1 });
+                }
                 let Some(points) = self.tilted(|_| *tilt, side) else {
                     return Err(Unclear { tilt: None });
                 };
