@@ -7,6 +7,7 @@ use impellerc::collide::{Cutter, ToolSolid};
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::geom::range::CellThickness;
 use impellerc::kin::{Chain, RotaryPose};
+use impellerc::part::kept::MilledTurned;
 use impellerc::part::{
     PassageId, SurfaceId, SurfaceKind,
     chart::{Place, Shape},
@@ -33,7 +34,14 @@ fn main_job(c: &mut Criterion) {
     for spacing in [0.25, 0.1] {
         group.bench_function(BenchmarkId::new("surfaces, cells of mm", spacing), |b| {
             b.iter(|| {
-                black_box(certify(&program.part, false, &built, spacing, &Limits::default(), &Default::default()))
+                black_box(certify(
+                    &program.part,
+                    MilledTurned::default(),
+                    &built,
+                    spacing,
+                    &Limits::default(),
+                    &Default::default(),
+                ))
             });
         });
     }

@@ -155,7 +155,7 @@ pub enum OperationKind {
         /// `None` for the ball that finishes the floor up to the fillets.
         allowance_vane: Option<Mm>,
     },
-    /// Faces, fillets or edges of vanes, milled in lines of constant scallop height.
+    /// Faces, fillets, edges or tips of vanes, milled in lines of constant scallop height.
     Point {
         /// Surfaces to finish.
         surfaces: Vec<SurfaceKind>,
@@ -163,7 +163,7 @@ pub enum OperationKind {
         scallop: Mm,
         /// Direction of the lines.
         lines: Lines,
-        /// Sense of milling on both sides of a vane. `None` for lines that do not keep one: `zigzag`, and those along edges.
+        /// Sense of milling on both sides of a vane. `None` for lines that do not keep one: `zigzag`, and those along edges and tips.
         milling: Option<Milling>,
         /// Height of the levels that all faces share before the next one; `None` for one face after the other.
         levels: Option<Mm>,
@@ -266,7 +266,7 @@ pub fn distinct<'a>(names: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
 
 /// The surfaces of a blade that are finished in lines of constant scallop height, each with its operation and its word
 /// in this operation.
-pub fn by_lines(blade: BladeId) -> [(SurfaceKind, &'static str, &'static str); 6] {
+pub fn by_lines(blade: BladeId) -> [(SurfaceKind, &'static str, &'static str); 7] {
     let [one, other] = blade.faces();
     [
         (SurfaceKind::Face(one), "point", one.name()),
@@ -275,6 +275,7 @@ pub fn by_lines(blade: BladeId) -> [(SurfaceKind, &'static str, &'static str); 6
         (SurfaceKind::Fillet(other), "fillet", other.name()),
         (SurfaceKind::InletEdge(blade), "edge", "inlet"),
         (SurfaceKind::OutletEdge(blade), "edge", "outlet"),
+        (SurfaceKind::Tip(blade), "tip", "tip"),
     ]
 }
 
@@ -283,7 +284,7 @@ pub fn by_lines(blade: BladeId) -> [(SurfaceKind, &'static str, &'static str); 6
 pub fn word(surface: SurfaceKind) -> Option<(&'static str, &'static str, BladeId)> {
     let blade = match surface {
         SurfaceKind::Face(face) | SurfaceKind::Fillet(face) => face.blade,
-        SurfaceKind::InletEdge(blade) | SurfaceKind::OutletEdge(blade) => blade,
+        SurfaceKind::InletEdge(blade) | SurfaceKind::OutletEdge(blade) | SurfaceKind::Tip(blade) => blade,
         _ => return None,
     };
     // The fillet round an edge belongs to the operation on the fillets of both faces.

@@ -251,6 +251,7 @@ impl Sizes {
                         .fillet
                         .as_ref()
                         .map_or(0.0, |f| std::f64::consts::FRAC_PI_2 * f.most().get()),
+                    SurfaceKind::Tip(_) => self.thickness,
                     SurfaceKind::InletEdge(_) | SurfaceKind::OutletEdge(_) => {
                         std::f64::consts::FRAC_PI_2 * self.thickness
                     }

@@ -8,7 +8,7 @@ use crate::entity_id;
 use crate::geom::Revolution;
 use crate::kin::Machine;
 pub use crate::operation::OperationKind;
-use crate::part::{FaceId, Part, RulingEnd, Stock, SurfaceKind};
+use crate::part::{FaceId, Part, RulingEnd, Stock, SurfaceKind, kept::MilledTurned};
 use crate::post_file::PostFile;
 use crate::source::Span;
 use crate::units::{Mm, Mm3PerMin, MmPerMin, Rad, Rpm};
@@ -248,12 +248,17 @@ impl Program {
         solids.fold(stock, |most, solid| if solid.1 > most.1 { solid } else { most })
     }
 
-    /// True when an operation finishes an edge of the vanes; otherwise the lathe makes these edges.
-    pub fn finishes_edges(&self) -> bool {
-        let edge = |s: &SurfaceKind| matches!(s, SurfaceKind::InletEdge(_) | SurfaceKind::OutletEdge(_));
-        self.operations
-            .iter()
-            .any(|(_, o)| matches!(&o.kind, OperationKind::Point { surfaces, .. } if surfaces.iter().any(edge)))
+    /// The turned surfaces of the blades that operations finish; the lathe makes the others.
+    pub fn milled_turned(&self) -> MilledTurned {
+        let finished = |of: fn(&SurfaceKind) -> bool| {
+            let by =
+                |o: &Operation| matches!(&o.kind, OperationKind::Point { surfaces, .. } if surfaces.iter().any(of));
+            self.operations.iter().any(|(_, o)| by(o))
+        };
+        MilledTurned {
+            edges: finished(|s| matches!(s, SurfaceKind::InletEdge(_) | SurfaceKind::OutletEdge(_))),
+            tips: finished(|s| matches!(s, SurfaceKind::Tip(_))),
+        }
     }
 
     /// Sectors, from 0, whose channels an operation enters but the roughing of the job leaves full; with the operation that

@@ -21,7 +21,7 @@ use crate::units::{Mm, MmPerMin, Rpm, length, trim};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 
-const KINDS: [&str; 9] = ["rough", "plunge", "groove", "expand", "flank", "point", "fillet", "edge", "channel"];
+const KINDS: [&str; 10] = ["rough", "plunge", "groove", "expand", "flank", "point", "fillet", "edge", "tip", "channel"];
 pub(super) const COMMON: [&str; 8] = ["tool", "speed", "feed", "link-feed", "lead-in", "lead-out", "rest", "sectors"];
 
 /// Kinds of tools that can rough.
@@ -187,6 +187,7 @@ impl OperationReader<'_> {
             "point" => &["faces", "blades", "scallop", "lines", "milling", "order", "depth", "method"],
             "fillet" => &["faces", "blades", "scallop", "lines", "milling", "method"],
             "edge" => &["edges", "blades", "scallop", "lines", "method"],
+            "tip" => &["blades", "scallop", "lines", "method"],
             _ => &OF_CHANNEL,
         };
         let known = [&COMMON, own].concat();
@@ -245,8 +246,8 @@ impl OperationReader<'_> {
             "flank" if p.is_word("method", "two-point") || p.is_word("method", "one-point") => &["ball"],
             "flank" => &["ball", "bull", "flat", "tapered-ball", "barrel"],
             "point" => &["ball", "bull", "barrel", "tapered-ball", "lollipop"],
-            // A ball only touches fillet, edge and the floor beside the walls.
-            "fillet" | "edge" => &["ball", "tapered-ball", "lollipop"],
+            // A ball only touches fillet, edge, tip and the floor beside the walls.
+            "fillet" | "edge" | "tip" => &["ball", "tapered-ball", "lollipop"],
             "channel" => &["ball", "lollipop"],
             "rough" => &ROUGHS,
             _ => &["flat", "ball", "bull"],
@@ -490,12 +491,13 @@ impl OperationReader<'_> {
             }
             "plunge" => self.plunge(tool, p),
             "flank" => flank(&self.workpiece.blades, p),
-            "point" | "fillet" | "edge" => {
+            "point" | "fillet" | "edge" | "tip" => {
                 let range = Range::Between(LEAST_SCALLOP, radius);
                 let scallop = p.required("scallop", Dimension::LENGTH, range, "scallop 5 um");
                 let blades = blades(&self.workpiece.blades, p)?;
                 let given = match kind.text.as_str() {
                     "edge" => chosen(p, "edges", "edge", ["inlet", "outlet"]),
+                    "tip" => Some(vec!["tip"]),
                     _ => faces(p),
                 };
                 let of_kind = blades.into_iter().flat_map(by_lines).filter(|s| s.1 == kind.text);
@@ -512,7 +514,8 @@ impl OperationReader<'_> {
                     );
                     return None;
                 }
-                let milling = if kind.text == "edge" { Some(None) } else { milling_of(lines?, p) };
+                let milling =
+                    if matches!(kind.text.as_str(), "edge" | "tip") { Some(None) } else { milling_of(lines?, p) };
                 let (scallop, method) = (Mm(scallop?.0), point_axes(tool, p)?);
                 let (surfaces, lines, milling): (Vec<SurfaceKind>, _, _) = (surfaces?, lines?, milling?);
                 let levels = if kind.text == "point" { levels(lines, faces, p)? } else { None };

@@ -335,8 +335,15 @@ fn operations(out: &mut String, job: &Job) {
             OperationKind::Point { surfaces, scallop, lines, milling, levels, method } => {
                 blades(out, job, surfaces.iter().filter_map(|s| word(*s)).map(|w| w.2));
                 let names = distinct(surfaces.iter().filter_map(|s| word(*s)).map(|w| w.1));
-                let property = if o.kind.keyword() == "edge" { "edges" } else { "faces" };
-                let _ = writeln!(out, "  {property} {}\n  scallop {scallop}", names.join(", "));
+                let property = match o.kind.keyword() {
+                    "edge" => Some("edges"),
+                    "tip" => None,
+                    _ => Some("faces"),
+                };
+                if let Some(property) = property {
+                    let _ = writeln!(out, "  {property} {}", names.join(", "));
+                }
+                let _ = writeln!(out, "  scallop {scallop}");
                 let _ = writeln!(out, "  lines {}\n  method {}", lines.name(), method.name());
                 if let Some(milling) = milling {
                     let _ = writeln!(out, "  milling {}", milling.name());

@@ -159,6 +159,7 @@ fn kind(spec: &OperationKind, given: &PartSpec, part: &Part) -> OperationKind {
                     SurfaceKind::Fillet(id) => SurfaceKind::Fillet(face(id)),
                     SurfaceKind::InletEdge(id) => SurfaceKind::InletEdge(blade(id)),
                     SurfaceKind::OutletEdge(id) => SurfaceKind::OutletEdge(blade(id)),
+                    SurfaceKind::Tip(id) => SurfaceKind::Tip(blade(id)),
                     other => other,
                 };
             }

@@ -9,6 +9,8 @@
 //! | hub | u of the hub | from the clockwise wall of the channel to the other |
 //! | edge that the lathe makes | from the fillets (or the hub) to the shroud | from the pressure face to the suction face |
 //! | edge that is a surface of its own | u, from the pressure to the suction face | as for a face |
+//! | tip | along the blade, from the middle of an edge to that of the other | from the pressure face to the suction face, on the
+//! shroud |
 
 use super::chart_table::{ChartForm, ChartTable};
 use super::charting::tables;
@@ -139,6 +141,11 @@ pub fn edges(part: &Part) -> impl Iterator<Item = Chart<'_>> {
     part.chart_tables(tables).edges.iter().map(|table| Chart::new(part, table))
 }
 
+/// Charts of the tips of all blades of sector 0.
+pub fn tips(part: &Part) -> impl Iterator<Item = Chart<'_>> {
+    part.chart_tables(tables).tips.iter().map(|table| Chart::new(part, table))
+}
+
 /// Charts of the edges of a blade of sector 0 at inlet and outlet, between its faces.
 pub fn edges_of(part: &Part, blade: BladeId) -> [Chart<'_>; 2] {
     [0, 1].map(|end| Chart::new(part, &part.chart_tables(tables).edges[2 * blade.index() + end]))
@@ -191,7 +198,12 @@ impl<'a> Chart<'a> {
                 range::turned(self.part.hub.meridian_jets(&x), from + angle * y)
             }
             ChartForm::Edge { patch, .. } if distance == 0.0 => patch.jets(rectangle[0], varies, y),
-            ChartForm::Hub { .. } | ChartForm::Edge { .. } => [Jet::UNKNOWN; 3],
+            ChartForm::Tip { borders } if distance == 0.0 => {
+                let [u, azimuth, other_u, other_azimuth] = borders.jets(rectangle[0], varies);
+                let meridian = self.part.shroud.meridian_jets(&u.towards(other_u, y));
+                range::turned(meridian, azimuth.towards(other_azimuth, y))
+            }
+            ChartForm::Hub { .. } | ChartForm::Edge { .. } | ChartForm::Tip { .. } => [Jet::UNKNOWN; 3],
         }
     }
 }
@@ -256,6 +268,12 @@ impl Shape for Chart<'_> {
                 let outward = if *u > 0.5 { su } else { -su };
                 let normal = if normal.dot(&outward) < 0.0 { -normal } else { normal };
                 Place { position: at(x, y), normal, parameters: [x, y] }
+            }
+            ChartForm::Tip { borders } => {
+                let [u, azimuth, other_u, other_azimuth] = borders.at(x);
+                let (u, azimuth) = (u + (other_u - u) * y, azimuth + (other_azimuth - azimuth) * y);
+                let normal = self.part.shroud.normal(u, azimuth);
+                Place { position: self.part.shroud.point(u, azimuth), normal, parameters: [x, y] }
             }
         }
     }

@@ -11,6 +11,8 @@ pub(super) struct ChartTables {
     pub(super) milled: Vec<ChartTable>,
     /// Edges at inlet and outlet, blade by blade.
     pub(super) edges: Vec<ChartTable>,
+    /// Tips of the blades.
+    pub(super) tips: Vec<ChartTable>,
 }
 
 #[derive(Clone, Debug)]
@@ -37,4 +39,6 @@ pub(super) enum ChartForm {
     Hub { borders: ChartRows<2> },
     /// u of the end, and the turned patch between the ends of both faces.
     Edge { blade: BladeId, u: f64, patch: TurnedPatch },
+    /// u of the shroud and azimuth of the upper border of the pressure face, then of the suction face.
+    Tip { borders: ChartRows<4> },
 }

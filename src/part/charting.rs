@@ -8,8 +8,10 @@ use super::names::SurfaceKind;
 use super::rolling_ball::FilletArc;
 use super::turned_patch::TurnedPatch;
 use super::{Extent, Part, Passage, Surface};
+use crate::geom::angle::nearest_turn;
 use crate::units::Mm;
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector2};
+use rayon::prelude::*;
 
 /// Difference of two values of the secant method that has no slope, mm.
 const LEVEL: f64 = 1e-15;
@@ -27,6 +29,9 @@ const OFF: f64 = 5e-5;
 /// Spans of the table of the hub of a passage, whose borders have corners.
 const HUB_SPANS: usize = 400;
 
+/// Spans of the tables of tips.
+const TIP_SPANS: usize = 400;
+
 /// Rows of the tables of edges that the lathe makes, from hub to shroud.
 const EDGE_ROWS: usize = 100;
 
@@ -35,7 +40,30 @@ pub(super) fn tables(part: &Part) -> ChartTables {
     let sides = part.blade_ids().flat_map(|blade| part.sides(blade));
     milled.extend(sides.filter_map(|id| fillet(part, id)));
     milled.extend(part.passages().filter_map(|passage| hub(part, &passage)));
-    ChartTables { milled, edges: part.blade_ids().flat_map(|blade| edges_of_blade(part, blade)).collect() }
+    let edges = part.blade_ids().flat_map(|blade| edges_of_blade(part, blade)).collect();
+    ChartTables { milled, edges, tips: part.blade_ids().map(|blade| tip(part, blade)).collect() }
+}
+
+fn tip(part: &Part, blade: BladeId) -> ChartTable {
+    let [pressure, suction] = blade.faces().map(|face| {
+        let at = |i: usize| {
+            let (id, u) = part.outline_place(face, i as f64 / TIP_SPANS as f64);
+            let p = part.face(id).surface.point(u, part.ruling_meets(id, u, &part.shroud, 1.0));
+            let (along, _) = part.shroud.closest(Vector2::new(libm::hypot(p.x, p.y), p.z));
+            [along, libm::atan2(p.y, p.x)]
+        };
+        (0..=TIP_SPANS).into_par_iter().map(at).collect::<Vec<_>>()
+    });
+    // Azimuths of neighbouring rows, and of both borders of the first row, lie within half a turn.
+    let mut before = [pressure[0][1]; 2];
+    let row = |([u, azimuth], [other_u, other_azimuth]): (&[f64; 2], &[f64; 2])| {
+        let from = nearest_turn(*azimuth, before[0]);
+        let to = nearest_turn(*other_azimuth, before[1]);
+        before = [from, to];
+        [*u, from, *other_u, to]
+    };
+    let rows: Vec<[f64; 4]> = pressure.iter().zip(&suction).map(row).collect();
+    ChartTable { kind: SurfaceKind::Tip(blade), blade, form: ChartForm::Tip { borders: ChartRows::along(&rows) } }
 }
 
 fn edges_of_blade(part: &Part, blade: BladeId) -> [ChartTable; 2] {

@@ -5,23 +5,16 @@
 //! | surface | x | y |
 //! |---|---|---|
 //! | rim, back face, bore, nose | once around, from +X | along the meridian |
-//! | tip | along the blade, from the middle of an edge to that of the other | from the pressure face to the suction face, on the shroud |
-//! | edge | from the fillets (or the hub) to the shroud | from the pressure face to the suction face |
+//! | tip, edge | as in [`super::chart`] | |
 //! | root | from the hub to the edge | between the two fillets of the vane |
 
 use super::chart::{self, Along, Chart, Patch, Place, Shape, charts};
-use super::chart_rows::ChartRows;
 use super::sheet::Sheet;
 use super::turned_patch::TurnedPatch;
-use super::{BladeId, Part, Stock, Surface, SurfaceKind};
-use crate::geom::angle::nearest_turn;
+use super::{BladeId, Part, Stock, SurfaceKind};
 use crate::geom::range::{CellThickness, Interval, Jet, turned};
 use nalgebra::{Point3, Vector2, Vector3};
-use rayon::prelude::*;
 use std::f64::consts::TAU;
-
-/// Rows of the tables of borders, as for charts; borders only divide one surface from the next.
-const ROWS: usize = 400;
 
 /// Rows of a root, which is a few millimetres high.
 const ROOT_ROWS: usize = 48;
@@ -44,19 +37,34 @@ pub struct Kept<'a> {
 enum KeptForm<'a> {
     /// A straight line of the meridian plane, rotated once around, and its unit normal (r, z) out of the material.
     Ring { ends: [Vector2<f64>; 2], normal: Vector2<f64> },
-    /// u of the shroud and azimuth of the upper border of the pressure face, then of the suction face.
-    Tip { part: &'a Part, borders: ChartRows<4> },
     /// The chart of a surface that milling makes, in this job or in others.
     Chart(Chart<'a>),
     /// The patch from the pressure fillet to the suction fillet, and its unit normal (r, z).
     Root { patch: TurnedPatch, normal: Vector2<f64> },
 }
 
-/// All kept surfaces of a part that is milled from a blank. With `milled_edges` an operation finishes the edges of the
-/// vanes, which are then design surfaces.
+/// Turned surfaces of the blades that operations finish: these are design surfaces. The lathe makes the others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MilledTurned {
+    /// The edges at inlet and outlet.
+    pub edges: bool,
+    /// The tips.
+    pub tips: bool,
+}
+
+impl MilledTurned {
+    /// Charts of these surfaces, or of the others.
+    pub fn charts(self, part: &Part, milled: bool) -> impl Iterator<Item = Chart<'_>> {
+        let edges = (self.edges == milled).then(|| chart::edges(part));
+        let tips = (self.tips == milled).then(|| chart::tips(part));
+        tips.into_iter().flatten().chain(edges.into_iter().flatten())
+    }
+}
+
+/// All kept surfaces of a part that is milled from a blank, but for turned surfaces that operations finish.
 ///
 /// Roots are missing where a fillet does not extend from inlet to outlet: there the part has no closed surface.
-pub fn kept<'a>(part: &'a Part, stock: &Stock, milled_edges: bool) -> Vec<Kept<'a>> {
+pub fn kept<'a>(part: &'a Part, stock: &Stock, milled: MilledTurned) -> Vec<Kept<'a>> {
     let (inlet, outlet) = (part.hub.meridian(0.0).point, part.hub.meridian(1.0).point);
     let (bore, back) = (stock.bore_radius.get(), stock.back.get());
     let outside = stock.profile.last().map_or(outlet.x, |p| p[0]);
@@ -76,39 +84,14 @@ pub fn kept<'a>(part: &'a Part, stock: &Stock, milled_edges: bool) -> Vec<Kept<'
     .into_iter()
     .flatten()
     .collect();
-    all.extend(part.blade_ids().map(|blade| tip(part, blade)));
-    if !milled_edges {
-        all.extend(chart::edges(part).map(|chart| Kept { kind: chart.kind, form: KeptForm::Chart(chart) }));
-    }
+    all.extend(milled.charts(part, false).map(Kept::of));
     all.extend(roots(part));
     all
 }
 
 /// The milled surfaces of the part as kept surfaces: before finishing no cutter may touch them.
 pub fn milled(part: &Part) -> Vec<Kept<'_>> {
-    charts(part).into_iter().map(|chart| Kept { kind: chart.kind, form: KeptForm::Chart(chart) }).collect()
-}
-
-fn tip(part: &Part, blade: BladeId) -> Kept<'_> {
-    let [pressure, suction] = blade.faces().map(|face| {
-        let at = |i: usize| {
-            let (id, u) = part.outline_place(face, i as f64 / ROWS as f64);
-            let p = part.face(id).surface.point(u, part.ruling_meets(id, u, &part.shroud, 1.0));
-            let (along, _) = part.shroud.closest(Vector2::new(libm::hypot(p.x, p.y), p.z));
-            [along, libm::atan2(p.y, p.x)]
-        };
-        (0..=ROWS).into_par_iter().map(at).collect::<Vec<_>>()
-    });
-    // Azimuths of neighbouring rows, and of both borders of the first row, lie within half a turn.
-    let mut before = [pressure[0][1]; 2];
-    let row = |([u, azimuth], [other_u, other_azimuth]): (&[f64; 2], &[f64; 2])| {
-        let from = nearest_turn(*azimuth, before[0]);
-        let to = nearest_turn(*other_azimuth, before[1]);
-        before = [from, to];
-        [*u, from, *other_u, to]
-    };
-    let rows: Vec<[f64; 4]> = pressure.iter().zip(&suction).map(row).collect();
-    Kept { kind: SurfaceKind::Tip(blade), form: KeptForm::Tip { part, borders: ChartRows::along(&rows) } }
+    charts(part).into_iter().map(Kept::of).collect()
 }
 
 /// Roots at inlet and outlet; none without fillets, or where a fillet ends before inlet or outlet.
@@ -146,6 +129,12 @@ fn roots_of<'a>(part: &Part, charts: &[Chart<'_>], blade: BladeId) -> Vec<Kept<'
     ends.into_iter().filter_map(root).collect()
 }
 
+impl<'a> Kept<'a> {
+    fn of(chart: Chart<'a>) -> Self {
+        Self { kind: chart.kind, form: KeptForm::Chart(chart) }
+    }
+}
+
 impl Kept<'_> {
     /// True for a surface that goes all around; other surfaces exist once per sector.
     pub fn is_ring(&self) -> bool {
@@ -163,10 +152,6 @@ impl Kept<'_> {
                     from.towards(to, y)
                 });
                 turned([r, z], x * TAU)
-            }
-            KeptForm::Tip { part, borders } => {
-                let [u, azimuth, other_u, other_azimuth] = borders.jets(rectangle[0], varies);
-                turned(part.shroud.meridian_jets(&u.towards(other_u, y)), azimuth.towards(other_azimuth, y))
             }
             KeptForm::Chart(chart) => chart.jets(along, rectangle, 0.0),
             KeptForm::Root { patch, .. } => patch.jets(rectangle[0], varies, y),
@@ -200,12 +185,6 @@ impl Shape for Kept<'_> {
             KeptForm::Ring { ends: [from, to], normal } => {
                 let p = from + (to - from) * y;
                 place([p.x, p.y], TAU * x, *normal, [x, y])
-            }
-            KeptForm::Tip { part, borders } => {
-                let [u, azimuth, other_u, other_azimuth] = borders.at(x);
-                let (u, azimuth) = (u + (other_u - u) * y, azimuth + (other_azimuth - azimuth) * y);
-                let normal = part.shroud.normal(u, azimuth);
-                Place { position: part.shroud.point(u, azimuth), normal, parameters: [x, y] }
             }
             KeptForm::Chart(chart) => chart.place(x, y),
             KeptForm::Root { patch, normal } => {

@@ -12,7 +12,7 @@ use super::vane_allowance::{self, VaneReport};
 use crate::diag::{Diag, Sink, codes::verification};
 use crate::ir::{Motion, Program};
 use crate::operation::Allowances;
-use crate::part::kept::{Kept, kept, milled};
+use crate::part::kept::{Kept, MilledTurned, kept, milled};
 use crate::progress::Progress;
 use crate::units::length;
 use serde::Serialize;
@@ -52,7 +52,7 @@ pub fn check(program: &Program, motion: &Motion, progress: &Progress) -> Option<
     // Enough beyond the tolerance that the slack of the proof causes no failure.
     let ceiling = tolerance + 2.0 * SLACK;
     let mut shapes: Vec<Kept<'_>> = milled(&program.part);
-    shapes.extend(kept(&program.part, &program.stock, false));
+    shapes.extend(kept(&program.part, &program.stock, MilledTurned::default()));
     let (grids, covered) = cover(program, &shapes, &sweeps, ceiling);
     let all = deepest(&covered, &grids, &sweeps, (ceiling, -tolerance), progress, "roughing against the finished part");
     let bound = all.iter().map(|d| d.low).fold(ceiling, f64::min);

@@ -70,7 +70,7 @@ pub(super) struct Deepest {
 /// cutter from its sweep, mm.
 pub fn check(program: &Program, sweeps: &[Sweep<'_>], off: f64, progress: &Progress) -> KeptSurfaces {
     let allowed = super::kept_gouge(program);
-    let shapes = kept(&program.part, &program.stock, program.finishes_edges());
+    let shapes = kept(&program.part, &program.stock, program.milled_turned());
     let (grids, covered) = cover(program, &shapes, sweeps, 0.0);
     let deepest = deepest(&covered, &grids, sweeps, (0.0, allowed - off), progress, "kept surfaces");
     let mut surfaces: Vec<(KeptReport, Vec<u32>)> = Vec::new();

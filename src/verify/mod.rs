@@ -137,7 +137,7 @@ pub fn certify_with(
     let samples = sample::sample(&program.part, SPACING);
     let sweeps: Vec<Sweep<'_>> = (0..motion.operations.len()).filter_map(|o| Sweep::new(program, motion, o)).collect();
     let bounds = limits(program).narrowed(chords);
-    let mut surfaces = surface::certify(&program.part, program.finishes_edges(), &sweeps, SPACING, &bounds, progress);
+    let mut surfaces = surface::certify(&program.part, program.milled_turned(), &sweeps, SPACING, &bounds, progress);
     splines::widen(&mut surfaces, chords);
     let kept = kept::check(program, &sweeps, chords, progress);
     let allowance = allowance::check(program, motion, progress);
@@ -252,7 +252,7 @@ impl measure::NarrowMeasure for Narrower<'_> {
         let chords = splines::widest(self.splines);
         let mut surfaces = surface::certify(
             &self.program.part,
-            self.program.finishes_edges(),
+            self.program.milled_turned(),
             &sweeps,
             SPACING,
             &limits(self.program).narrowed(chords),

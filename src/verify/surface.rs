@@ -16,7 +16,8 @@ use super::proof::piece::At;
 use super::proof::sweep::Sweep;
 use crate::part::{
     Part, SurfaceClass, SurfaceId,
-    chart::{self, Shape, charts},
+    chart::{Shape, charts},
+    kept::MilledTurned,
 };
 use crate::progress::{Progress, Work};
 use nalgebra::{Point3, Rotation3, Vector3};
@@ -87,19 +88,17 @@ pub struct SurfaceReport {
     pub corners: Vec<PatchCorners>,
 }
 
-/// Figures of all milled surfaces, in the order of surfaces; `edges` includes the edges of the vanes.
+/// Figures of all milled surfaces, in the order of surfaces, with the turned surfaces that operations finish.
 pub fn certify(
     part: &Part,
-    edges: bool,
+    turned: MilledTurned,
     sweeps: &[Sweep<'_>],
     spacing: f64,
     limits: &Limits,
     progress: &Progress,
 ) -> Vec<SurfaceReport> {
     let mut charts = charts(part);
-    if edges {
-        charts.extend(chart::edges(part));
-    }
+    charts.extend(turned.charts(part, true));
     let grids: Vec<Vec<Grid>> = charts.iter().map(|c| grids(c, spacing)).collect();
     let mut surfaces: Vec<(&[Grid], PlacedSurface<'_>)> = Vec::new();
     for sector in 0..part.vane_count {

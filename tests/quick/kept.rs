@@ -10,7 +10,11 @@ use impellerc::ir::{Contract, ContractKind, Motion, MoveKind, Operation, Operati
 use impellerc::kin::Chain;
 use impellerc::material::Material;
 use impellerc::operation::VaneAllowance;
-use impellerc::part::{BladeId, Clamping, Surface, SurfaceKind, chart::Shape, kept::kept};
+use impellerc::part::{
+    BladeId, Clamping, Surface, SurfaceKind,
+    chart::Shape,
+    kept::{MilledTurned, kept},
+};
 use impellerc::passes::pipeline;
 use impellerc::progress::Progress;
 use impellerc::units::{Mm, Mm3PerMin};
@@ -121,7 +125,7 @@ fn deep_holes_are_told_by_their_depth() {
 #[test]
 fn surfaces_of_vanes_have_their_closed_form() {
     let program = support::flank_only(&[0]);
-    let shapes = kept(&program.part, &program.stock, false);
+    let shapes = kept(&program.part, &program.stock, MilledTurned::default());
     let mut seen = 0;
     for shape in shapes.iter().filter(|s| !s.is_ring()) {
         let place = shape.place(0.5, 0.5);
@@ -143,7 +147,7 @@ fn kept_surfaces_lie_on_the_blank() {
     let part = &program.part;
     let (hub, shroud) = (part.hub.meridian(0.0).point, part.shroud.meridian(0.0).point);
     let inlet = (shroud - hub).normalize();
-    for shape in kept(part, &program.stock, false) {
+    for shape in kept(part, &program.stock, MilledTurned::default()) {
         for k in 0..=100 {
             let (x, y) = (f64::from(k % 11) / 10.0, f64::from(k / 11 % 10) / 9.0);
             let p = shape.place(x, y).position;

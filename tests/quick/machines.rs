@@ -138,7 +138,7 @@ fn the_verifier_samples_sweeps_of_every_kind() {
         let sweep = Sweep::through(tool, chain, poses).unwrap();
         let reports = surface::certify(
             &planned_for.part,
-            false,
+            impellerc::part::kept::MilledTurned::default(),
             &[sweep],
             2.0 * SPACING,
             &Limits::default(),

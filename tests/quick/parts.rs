@@ -194,7 +194,7 @@ fn flux(shape: &dyn Shape, times: f64) -> [f64; 2] {
 pub fn enclosed(program: &Program) -> [f64; 2] {
     let (part, sectors) = (&program.part, f64::from(program.part.vane_count));
     let milled = chart::charts(part);
-    let kept = kept::kept(part, &program.stock, false);
+    let kept = kept::kept(part, &program.stock, kept::MilledTurned::default());
     let milled = milled.iter().map(|shape| flux(shape, sectors));
     let kept = kept.iter().map(|shape| flux(shape, if shape.is_ring() { 1.0 } else { sectors }));
     milled.chain(kept).fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]])
@@ -249,7 +249,14 @@ fn the_verifier_measures_the_splitter() {
     let (program, motion) = jobs::small("siemens-840d").planned();
     let sweeps: Vec<Sweep<'_>> = (0..motion.operations.len()).filter_map(|o| Sweep::new(program, motion, o)).collect();
     let part = &SPLITTER.part;
-    let reports = surface::certify(part, true, &sweeps, 0.5, &Limits::default(), &Progress::default());
+    let reports = surface::certify(
+        part,
+        kept::MilledTurned { edges: true, tips: false },
+        &sweeps,
+        0.5,
+        &Limits::default(),
+        &Progress::default(),
+    );
     assert_eq!(reports.len(), 8 * (4 + 4 + 2 + 4));
     let samples = sample::sample(part, 0.25);
     for report in reports.iter().filter(|r| r.id.sector == 0) {

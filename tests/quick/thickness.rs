@@ -77,7 +77,7 @@ fn cells_of_all_surfaces_are_as_thick_as_proved() {
         for shape in &chart::charts(part) {
             compare(format!("{:?}", shape.kind), shape);
         }
-        for shape in &kept::kept(part, &program.stock, false) {
+        for shape in &kept::kept(part, &program.stock, kept::MilledTurned::default()) {
             compare(format!("kept {:?}", shape.kind), shape);
         }
         // A bound that is far above the surface would be of no use.

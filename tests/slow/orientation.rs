@@ -14,7 +14,7 @@ use impellerc::entity::PrimaryMap;
 use impellerc::ir::{Contract, Motion, MoveKind, OperationKind, Program};
 use impellerc::kin::Carried;
 use impellerc::method::{AxisMethod, Flank, FlankMethod, Lines, Spacing};
-use impellerc::part::{BladeId, SurfaceKind, sample};
+use impellerc::part::{BladeId, SurfaceKind, kept::MilledTurned, sample};
 use impellerc::passes::pipeline;
 use impellerc::progress::Progress;
 use impellerc::units::{Mm, MmPerMin, Rpm};
@@ -148,8 +148,14 @@ fn at_feed(program: &Program, motion: &Motion, feed: f64) -> Motion {
 /// Largest deviation, gouge or excess, mm, that a plan leaves on both faces of the vane of the first sector.
 fn left_on_faces(program: &Program, motion: &Motion) -> f64 {
     let sweep = sweep::Sweep::new(program, motion, 0).expect("a sweep");
-    let found =
-        surface::certify(&program.part, false, &[sweep], 1.0, &surface::Limits::default(), &Progress::default());
+    let found = surface::certify(
+        &program.part,
+        MilledTurned::default(),
+        &[sweep],
+        1.0,
+        &surface::Limits::default(),
+        &Progress::default(),
+    );
     let face = |r: &&surface::SurfaceReport| r.id.sector == 0 && matches!(r.id.kind, SurfaceKind::Face(_));
     found.iter().filter(face).map(|r| r.excess.value.max(r.gouge.value.abs())).fold(0.0, f64::max)
 }

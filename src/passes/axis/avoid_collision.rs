@@ -291,10 +291,11 @@ impl<'a> TiltedPass<'a> {
     /// Worst violation at a station, negative.
     fn violation(&self, p: &ClPoint) -> Option<f64> {
         let solid = self.solid();
-        // A ball on an edge that the lathe makes: nothing of the part is near the side of the cutter.
+        // A ball on an edge that the lathe makes or on a tip: nothing of the part is near the side of the cutter.
         let edge = match self.cc.drive {
             Drive::Contact(SurfaceKind::InletEdge(blade)) => self.program.part.edge(blade, 0).is_none(),
             Drive::Contact(SurfaceKind::OutletEdge(blade)) => self.program.part.edge(blade, 1).is_none(),
+            Drive::Contact(SurfaceKind::Tip(_)) => true,
             _ => false,
         };
         let beside = self.on_vane() && !(solid.cutter.ends_in_ball() && edge);

@@ -28,6 +28,10 @@ const SIDE: f64 = 0.5;
 /// of 100 mm is wider than the channels of one of 20 mm.
 const WHOLE_SIDE: f64 = 5.0;
 
+/// Shares of the distance beside the cutter that are enough on a pass where no axes with the whole distance lead along it: between
+/// two blades, or round an edge. The distance only keeps the flutes free; cuts into the part are judged in verification.
+const LESS_BESIDE: [f64; 2] = [0.4, 0.1];
+
 /// Angles from the middle at which axes are tried, degrees.
 const RINGS: [f64; 9] = [2.5, 5.0, 8.0, 11.0, 15.0, 20.0, 26.0, 33.0, 41.0];
 
@@ -122,6 +126,17 @@ impl<'a> ClearAxes<'a> {
 
     pub(crate) fn radius(&self) -> f64 {
         self.solid.cutter.tip_radius()
+    }
+
+    /// The same with less and less distance beside the cutter.
+    pub(crate) fn with_less_beside(&self) -> [Self; 2] {
+        let [side, shank, holder] = self.asked;
+        LESS_BESIDE.map(|share| Self { asked: [share * side, shank, holder], ..*self })
+    }
+
+    /// Required distance beside the cutter, mm.
+    pub(crate) fn beside_cutter(&self) -> f64 {
+        self.asked[0]
     }
 
     /// A length that suits usual tools, less in proportion for thin ones: such tools finish small wheels.

@@ -250,6 +250,37 @@ impl WayStations {
         }
         choice
     }
+
+    /// The axes of the cheapest sequence at the stops of the pass.
+    ///
+    /// # Errors
+    /// The place at which all sequences end.
+    fn axes(
+        mut self,
+        clear: &ClearAxes<'_>,
+        machine: &Machine,
+        costs: &Costs,
+    ) -> Result<(PassWay, Vec<Vector3<f64>>), Blocked> {
+        match self.cheapest(clear, machine, costs) {
+            // The other branch gives the same motion of the tool: `link-moves` chooses the branch.
+            Ok(choice) => {
+                let picked = choice.iter().zip(&self.candidates).map(|(k, station)| &station[*k]);
+                let axes = picked.map(|c| axis_of(&machine.chain, c)).collect();
+                Ok((self.way, axes))
+            }
+            Err(k) => {
+                let (about, length) = (self.middles[k], self.way.stops[k]);
+                let why = if !self.candidates[k].is_empty() {
+                    Gap::Apart
+                } else if clear.candidates(&self.way.ball(length), &about, 0.0).is_empty() {
+                    Gap::NoAxis
+                } else {
+                    Gap::NearPole
+                };
+                Err(Blocked { at: self.way.centre(length), about, why })
+            }
+        }
+    }
 }
 
 /// The cheapest sequences of clear axes; the axes of the passes give the direction of the channel. Each line stays
@@ -277,33 +308,25 @@ pub(crate) fn shortest(
     let (mut found, mut faults) = (Vec::with_capacity(passes.len()), Vec::new());
     let mut chosen: Vec<(Point3<f64>, Vector3<f64>)> = Vec::new();
     for (i, (pass, stations)) in passes.iter().zip(looked).enumerate() {
-        let Some(mut stations) = stations else {
+        let Some(stations) = stations else {
             found.push(pass.points.clone());
             continue;
         };
-        stations.tilt_towards(clear, machine, &chosen, on_floor);
-        let choice = stations.cheapest(clear, machine, &costs);
-        let WayStations { way, candidates, middles } = &stations;
-        match choice {
-            Ok(choice) => {
-                // The other branch gives the same motion of the tool: `link-moves` chooses the branch.
-                let picked = choice.iter().zip(candidates).map(|(k, station)| &station[*k]);
-                let axes: Vec<Vector3<f64>> = picked.map(|c| axis_of(&machine.chain, c)).collect();
+        let along = |clear: &ClearAxes<'_>, mut stations: WayStations| {
+            stations.tilt_towards(clear, machine, &chosen, on_floor);
+            stations.axes(clear, machine, &costs)
+        };
+        let with_less = || {
+            let tried = clear.with_less_beside();
+            tried.iter().find_map(|clear| along(clear, WayStations::new(clear, machine, pass)).ok())
+        };
+        match along(clear, stations).or_else(|blocked| with_less().ok_or(blocked)) {
+            Ok((way, axes)) => {
                 chosen.extend(way.stops.iter().map(|s| way.centre(*s)).zip(axes.iter().copied()));
                 let angles = rotary(&machine.chain, axes.into_iter());
                 found.push(way.between(&machine.chain, pass, &angles, clear.radius()));
             }
-            Err(k) => {
-                let about = middles[k];
-                let why = if !candidates[k].is_empty() {
-                    Gap::Apart
-                } else if clear.candidates(&way.ball(way.stops[k]), &about, 0.0).is_empty() {
-                    Gap::NoAxis
-                } else {
-                    Gap::NearPole
-                };
-                faults.push((i, Blocked { at: way.centre(way.stops[k]), about, why }));
-            }
+            Err(blocked) => faults.push((i, blocked)),
         }
     }
     if faults.is_empty() { Ok(found) } else { Err(faults) }

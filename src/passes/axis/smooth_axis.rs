@@ -18,6 +18,7 @@ use crate::method::AxisMethod;
 use crate::orient::inscribe::Proof;
 use crate::orient::{Corridor, Residual, Weights};
 use crate::passes::context::PassContext;
+use crate::units::trim;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
@@ -70,11 +71,19 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
         }
         let clear = ClearAxes::new(program, cx.obstacles, operation);
         let work = cx.progress.begin(format!("{}, smooth axes", operation.name), oriented.passes.len());
-        let smoothed: Vec<Result<Vec<ClPoint>, Fault>> =
-            oriented.passes.par_iter().map(|pass| work.step(smooth(&clear, &program.machine.chain, pass))).collect();
+        let tried = [&[clear][..], &clear.with_less_beside()].concat();
+        let smoothed: Vec<Result<(Vec<ClPoint>, usize), Fault>> = oriented
+            .passes
+            .par_iter()
+            .map(|pass| work.step(smooth_with_any(&tried, &program.machine.chain, pass)))
+            .collect();
+        let mut nearer = vec![0_usize; tried.len()];
         for (pass, result) in oriented.passes.iter_mut().zip(smoothed) {
             match result {
-                Ok(points) => pass.points = points,
+                Ok((points, k)) => {
+                    pass.points = points;
+                    nearer[k] += 1;
+                }
                 Err(fault) => {
                     failed = true;
                     report(cx, operation, pass, &clear, &fault);
@@ -96,6 +105,13 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
             program.machine.rotary[1].name,
             peak[1].to_degrees()
         ));
+        for (clear, count) in tried.iter().zip(nearer).skip(1).filter(|(_, count)| *count > 0) {
+            oriented.notes.push(format!(
+                "on {count} passes the side of the cutter keeps {} mm from the part instead of {} mm",
+                trim(clear.beside_cutter(), 3),
+                trim(tried[0].beside_cutter(), 3)
+            ));
+        }
     }
     if failed { Err(Aborted) } else { Ok(()) }
 }
@@ -144,6 +160,21 @@ fn turning(chain: &Chain, points: &[ClPoint]) -> [f64; 2] {
         }
     }
     most
+}
+
+/// Smooth axes of a pass with the first of these distances beside the cutter that has them, and its index.
+///
+/// # Errors
+/// The fault with the first of them.
+fn smooth_with_any(tried: &[ClearAxes<'_>], chain: &Chain, pass: &ClPass) -> Result<(Vec<ClPoint>, usize), Fault> {
+    let mut first = None;
+    for (k, clear) in tried.iter().enumerate() {
+        match smooth(clear, chain, pass) {
+            Ok(points) => return Ok((points, k)),
+            Err(fault) => first = first.or(Some(fault)),
+        }
+    }
+    Err(first.unwrap_or(Fault::NotProved(Point3::origin())))
 }
 
 fn smooth(clear: &ClearAxes<'_>, chain: &Chain, pass: &ClPass) -> Result<Vec<ClPoint>, Fault> {

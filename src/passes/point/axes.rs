@@ -1,4 +1,4 @@
-//! Tool axes at contacts of vane faces, fillets and edges, and the cutter locations for them.
+//! Tool axes at contacts of vane faces, fillets, edges and tips, and the cutter locations for them.
 
 use crate::geom::Revolution;
 use crate::ir::{CcPass, CcPoint, ClPoint, Operation, Program};
@@ -39,6 +39,7 @@ impl<'a> VaneAxis<'a> {
                     None => self.off_edge(blade, end as f64, tilt),
                 };
             }
+            SurfaceKind::Tip(blade) => return self.over_tip(blade, u, tilt),
             _ => return Vector3::z(),
         };
         let u = u.clamp(0.0, 1.0);
@@ -48,13 +49,7 @@ impl<'a> VaneAxis<'a> {
             AxisTilt::Along => return face.surface.ruling(u),
             AxisTilt::Away(tilt) => tilt,
         };
-        let (passage, wall) = self.part.passage_of(side);
-        let (channel, along) = (&self.channels[passage.index()], self.part.along_channel(side, u));
-        let along = if wall == 0 {
-            channel.tilted_ruling(along, 0.0, 0.0)
-        } else {
-            channel.second_turn().inverse() * channel.tilted_ruling(along, 1.0, 1.0)
-        };
+        let along = self.tilted_ruling(side, u);
         let along = (along - normal * along.dot(&normal)).normalize();
         along * libm::cos(tilt) + normal * libm::sin(tilt)
     }
@@ -93,6 +88,27 @@ impl<'a> VaneAxis<'a> {
     /// A text about a surface of a blade, with the name of the blade where a sector has several.
     pub(crate) fn of_blade(&self, blade: BladeId, text: String) -> String {
         if self.part.blades.len() == 1 { text } else { format!("{} {text}", self.part.blade(blade).name) }
+    }
+
+    /// Ruling of a face at u, tilted outward as far as the pole of the rotary axes requires.
+    fn tilted_ruling(&self, side: FaceId, u: f64) -> Vector3<f64> {
+        let (passage, wall) = self.part.passage_of(side);
+        let (channel, along) = (&self.channels[passage.index()], self.part.along_channel(side, u));
+        if wall == 0 {
+            channel.tilted_ruling(along, 0.0, 0.0)
+        } else {
+            channel.second_turn().inverse() * channel.tilted_ruling(along, 1.0, 1.0)
+        }
+    }
+
+    /// Axis over the tip of a blade at u: between the tilted rulings of both faces, and tilted towards Z. This tilt vanishes
+    /// where the rulings run along Z, so that the axis stays on its side of the pole.
+    fn over_tip(&self, blade: BladeId, u: f64, tilt: AxisTilt) -> Vector3<f64> {
+        let [a, b] = blade.faces().map(|side| self.tilted_ruling(side, u.clamp(0.0, 1.0)));
+        let ruling = (a + b).normalize();
+        let AxisTilt::Away(tilt) = tilt else { return ruling };
+        let up = Vector3::z() - ruling * ruling.z;
+        (ruling + up * libm::tan(tilt)).normalize()
     }
 
     /// Axis at (u, v) of an edge that is a surface of its own: along the line of equal u in its middle, away from the blade,

@@ -1,7 +1,7 @@
-//! Plan of the operation `point`: lines of constant scallop on faces, fillets and edges of vanes.
+//! Plan of the operation `point`: lines of constant scallop on faces, fillets, edges and tips of vanes.
 //!
 //! Before: an operation. After: lines along each surface: on faces from the shroud down to the fillet, on fillets from
-//! the face to the hub, on edges from face to face; surface by surface, or level by level on both faces. Both borders are lines. Where a surface is higher, as vanes are at
+//! the face to the hub, on edges and tips from face to face; surface by surface, or level by level on both faces. Both borders are lines. Where a surface is higher, as vanes are at
 //! the inlet, further lines begin and end on it. A ball with the radius of the fillet needs a single line in the
 //! fillet. A spiral runs round both faces and both edges of a vane without leaving it.
 
@@ -13,7 +13,7 @@ use crate::ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, Ope
 use crate::method::Lines;
 use crate::part::{
     BladeId, FaceSurface, Part, Surface, SurfaceKind,
-    chart::{Chart, Shape, charts, edges, edges_of},
+    chart::{Chart, Shape, charts, edges, edges_of, tips},
 };
 use crate::passes::context::{
     AxisTilt, PassContext, from_outlet,
@@ -48,7 +48,7 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
         check_fillet(cx, operation, why)?;
     }
     let mut all = charts(part);
-    all.extend(edges(part));
+    all.extend(edges(part).chain(tips(part)));
     let axes = VaneAxis::new(part);
     let surface_of = |cx: &mut PassContext<'_>, kind: SurfaceKind| drive_surface(cx, operation, (&all, &axes), kind);
     let (mut laid, mut notes) = (Vec::new(), Vec::new());
@@ -66,7 +66,7 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     for kind in surfaces.iter().filter(|kind| !round.contains(kind)) {
         let surface = surface_of(cx, *kind)?;
         let speed = [0.0, 1.0]
-            .map(|x| [0.0, 0.5, 1.0].map(|y| surface.speed(x, y, 0.0)).into_iter().fold(f64::INFINITY, f64::min));
+            .map(|x| [0.0, 0.5, 1.0].map(|y| surface.beyond(x, y).norm()).into_iter().fold(f64::INFINITY, f64::min));
         let side = match kind {
             SurfaceKind::Face(side) | SurfaceKind::Fillet(side) => Some(*side),
             _ => None,
@@ -114,6 +114,7 @@ fn drive_surface<'a>(
         SurfaceKind::Face(side) | SurfaceKind::Fillet(side) => (side, side.edge_end().is_some()),
         SurfaceKind::InletEdge(blade) => (blade.faces()[0], part.edge(blade, 0).is_some()),
         SurfaceKind::OutletEdge(blade) => (blade.faces()[0], part.edge(blade, 1).is_some()),
+        SurfaceKind::Tip(blade) => (blade.faces()[0], false),
         // No operation mills other surfaces.
         _ => return Err(Aborted),
     };

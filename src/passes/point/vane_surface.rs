@@ -1,4 +1,4 @@
-//! Faces, fillets and edges of a vane as drive surfaces for any cutter. The height of ridges follows from the
+//! Faces, fillets, edges and tips of a vane as drive surfaces for any cutter. The height of ridges follows from the
 //! fundamental forms of surface and cutter, and is measured as well.
 
 use super::axes::VaneAxis;
@@ -26,16 +26,19 @@ const LOOKS: [usize; 2] = [120, 12];
 /// Places on each side of a contact, in a direction, at which the surface is compared with the cutter.
 const BESIDE: usize = 24;
 
+/// Share of a tip over which its middle gives the direction of a lead.
+const LEAD_CHORD: f64 = 0.1;
+
 /// Lower bound of steps per unit across a surface: a ball in a fillet of its own radius has infinite steps.
 const LEAST_ACROSS: f64 = 1e-6;
 
 /// Tilt at which the side of a barrel touches, as a share of the angle of its arc.
 const BARREL_LEAN: f64 = 0.5;
 
-/// A face, fillet or edge of sector 0 under a cutter.
+/// A face, fillet, edge or tip of sector 0 under a cutter.
 pub(crate) struct VaneSurface<'a> {
     pub(crate) chart: &'a Chart<'a>,
-    /// Its face; for a fillet the face above it, for an edge either face.
+    /// Its face; for a fillet the face above it, for an edge or a tip either face.
     pub(crate) side: FaceId,
     /// True for an edge that is a surface of its own, and for the fillet round it: x goes round the edge.
     pub(crate) round_edge: bool,
@@ -72,6 +75,18 @@ impl VaneSurface<'_> {
             first: Matrix2::new(px.dot(&px), px.dot(&py), px.dot(&py), py.dot(&py)),
             bulge: Matrix2::new(px.dot(&nx), cross, cross, across),
         }
+    }
+
+    /// Motion per unit of x beyond an end of the chart. The borders of a tip meet at round edges, where they run square to the
+    /// blade: a lead runs on as the middle of the tip does.
+    pub(crate) fn beyond(&self, x: f64, y: f64) -> Vector3<f64> {
+        if !matches!(self.chart.kind, SurfaceKind::Tip(_)) {
+            return self.local(x, y).px;
+        }
+        let inward = if x > 0.5 { -LEAD_CHORD } else { LEAD_CHORD };
+        let chord = (self.chart.place(x + inward, 0.5).position - self.chart.place(x, 0.5).position) / inward;
+        let normal = self.chart.place(x, y).normal;
+        chord - normal * chord.dot(&normal)
     }
 
     /// Second fundamental form of the cutter at a contact.
@@ -196,6 +211,7 @@ impl DriveSurface for VaneSurface<'_> {
         let name = match self.chart.kind {
             SurfaceKind::InletEdge(_) => "inlet edge".to_owned(),
             SurfaceKind::OutletEdge(_) => "outlet edge".to_owned(),
+            SurfaceKind::Tip(_) => "tip".to_owned(),
             SurfaceKind::Fillet(side) => format!("{} fillet", side.name()),
             _ => format!("{} face", self.side.name()),
         };
@@ -224,7 +240,7 @@ impl DriveSurface for VaneSurface<'_> {
         if off == 0.0 {
             return on_surface;
         }
-        self.off_hub(CcPoint { position: place.position + self.local(inside, y).px * off, ..on_surface })
+        self.off_hub(CcPoint { position: place.position + self.beyond(inside, y) * off, ..on_surface })
     }
 
     /// A ball with the radius of the fillet touches the hub at the ends of the lowest line. A lead straight on, or an arc
@@ -244,12 +260,13 @@ impl DriveSurface for VaneSurface<'_> {
         CcPoint { position: at.position + hub.normal(u, libm::atan2(centre.y, centre.x)) * missing, ..at }
     }
 
-    /// Below an edge is the hub, beside an edge free space. Where a blade ends inside of the part, the surface goes on round
+    /// Below an edge is the hub, beside an edge and over a tip free space. Where a blade ends inside of the part, the surface goes on round
     /// its edge.
     fn open(&self) -> [bool; 2] {
         match self.chart.kind {
             _ if self.round_edge => [false; 2],
             SurfaceKind::InletEdge(_) | SurfaceKind::OutletEdge(_) => [false, true],
+            SurfaceKind::Tip(_) => [true; 2],
             _ => self.axes.free_ends(self.side.blade),
         }
     }
