@@ -13,6 +13,7 @@ use crate::diag::{Diag, codes::orientation};
 use crate::geom::EllipticCone;
 use crate::geom::elliptic_cone::frame_about;
 use crate::ir::{ClPoint, Operation, Program};
+use crate::part::Clamping;
 use crate::operation::Allowances;
 use crate::orient::inscribe::{Proof, inscribe};
 use crate::passes::context::{Ends, Obstacles, remedy};
@@ -106,6 +107,7 @@ impl StandingBall {
 pub(crate) struct ClearAxes<'a> {
     obstacles: &'a Obstacles,
     solid: &'a ToolSolid,
+    clamping: &'a Clamping,
     /// Required distances of the side of the cutter, of shank and of holder, mm.
     asked: [f64; 3],
     /// Largest angle between tool axis and Z within the travel of the rotary axes, radians.
@@ -119,6 +121,7 @@ impl<'a> ClearAxes<'a> {
         Self {
             obstacles,
             solid,
+            clamping: &program.stock.clamping,
             asked: [SIDE * share_of_size(solid), bound(Guarded::Shank), bound(Guarded::Holder)],
             most_lean: program.machine.most_lean(),
         }
@@ -157,18 +160,25 @@ impl<'a> ClearAxes<'a> {
         (cutter - side).min(least(&self.solid.shank) - shank).min(least(&self.solid.holder) - holder)
     }
 
-    /// True when every axis within the angle `cap` of this axis is within travel, touches with the lower half of the ball, and
-    /// is clear by at least `margin`.
+    /// True when every axis within the angle `cap` of this axis is within travel, touches with the lower half of the ball, is
+    /// clear by at least `margin`, and keeps shank and holder over the clamping.
     pub(crate) fn clear(&self, ball: &StandingBall, axis: &Vector3<f64>, cap: f64, margin: f64) -> bool {
         let StandingBall { centre, .. } = ball;
         let tip = centre - axis * self.radius();
         self.in_travel(axis, cap)
             && ball.above_the_middle(axis) + cap <= AT_THE_MIDDLE
+            && self.over_clamping(centre, &leaning_by(axis, cap))
             && self.obstacles.keeps(
                 (&tip, axis),
                 (|rho, s, _| self.slack(rho, s), Allowances::NONE),
                 (centre, cap, margin),
             )
+    }
+
+    /// True when shank and holder are over the clamping or beside it. The tool comes down as it leans, so that an axis which leans less
+    /// is over the clamping as well.
+    fn over_clamping(&self, centre: &Point3<f64>, axis: &Vector3<f64>) -> bool {
+        self.clamping.clears_body(self.solid, &(centre - axis * self.radius()), axis)
     }
 
     /// True when every axis within the angle `cap` of this axis is within the travel of the rotary axes.
@@ -219,7 +229,7 @@ impl<'a> ClearAxes<'a> {
 
     /// How much the tool lacks of the required distances, negative; 0 where it keeps them.
     fn lack(&self, ball: &StandingBall, axis: &Vector3<f64>, margin: f64) -> f64 {
-        if !self.in_travel(axis, 0.0) {
+        if !self.in_travel(axis, 0.0) || !self.over_clamping(&ball.centre, axis) {
             return f64::NEG_INFINITY;
         }
         let tip = ball.centre - axis * self.radius();
@@ -321,6 +331,17 @@ impl<'a> ClearAxes<'a> {
             .chain(rings(middle, &WIDER_RINGS))
             .any(|d| clear.clear(&StandingBall { centre: *centre, normal: None }, &d, 0.0, 0.0))
     }
+}
+
+/// An axis that leans by an angle more than another one, at most at a right angle to Z.
+fn leaning_by(axis: &Vector3<f64>, angle: f64) -> Vector3<f64> {
+    let level = libm::hypot(axis.x, axis.y);
+    if angle == 0.0 || level < NO_NORMAL {
+        return *axis;
+    }
+    let lean = libm::atan2(level, axis.z);
+    let (sin, cos) = libm::sincos((lean + angle).min(FRAC_PI_2.max(lean)));
+    Vector3::new(axis.x / level * sin, axis.y / level * sin, cos)
 }
 
 /// Share to which distances beside a tool shrink with its diameter.
