@@ -140,7 +140,7 @@ pub enum SurfaceClass {
     Fillet,
     /// The hub.
     Hub,
-    /// The turned tips and edges of the vanes, which no operation mills.
+    /// The tips and edges of the vanes, turned or milled.
     Edge,
 }
 

@@ -227,7 +227,7 @@ pub(super) fn report(program: &Program, motion: &Motion, found: &KeptSurfaces, s
         }
         sink.push(
             diag.note("no operation mills this surface; the strictest contract on gouge applies")
-                .help("use leads and links clear of this surface, or a thinner tool; for an edge of the vanes use an `edge` operation"),
+                .help("use leads and links clear of this surface, or a thinner tool; for an edge or a tip of the vanes use an operation `edge` or `tip`"),
         );
     }
 }

@@ -238,6 +238,8 @@ fn point_milling_names_its_surfaces_and_order() {
         ("point { COMMON  order levels  depth 4 mm }", "point", both.clone(), Lines::Zigzag),
         ("point { COMMON  lines one-way  order faces }", "point", both.clone(), Lines::OneWay),
         ("edge { COMMON  lines one-way }", "edge", vec![inlet, outlet], Lines::OneWay),
+        ("tip { COMMON }", "tip", vec![SurfaceKind::Tip(BladeId::MAIN)], Lines::Zigzag),
+        ("tip { COMMON  lines one-way }", "tip", vec![SurfaceKind::Tip(BladeId::MAIN)], Lines::OneWay),
     ] {
         let operation = kind(&format!("operation {}", text.replace("COMMON", common)));
         assert_eq!((operation.name.as_str(), operation.kind.keyword()), (name, name));
@@ -245,9 +247,9 @@ fn point_milling_names_its_surfaces_and_order() {
             panic!("{text}")
         };
         assert_eq!((surfaces, lines), (expected, order), "{text}");
-        // Climb milling unless the job says otherwise; lines of both directions and those along edges have no sense.
+        // Climb milling unless the job says otherwise; lines of both directions and those along edges and tips have no sense.
         let sense = match (name, order) {
-            ("edge", _) | (_, Lines::Zigzag) => None,
+            ("edge" | "tip", _) | (_, Lines::Zigzag) => None,
             _ if text.contains("conventional") => Some(Milling::Conventional),
             _ => Some(Milling::Climb),
         };
@@ -609,7 +611,7 @@ fn what_is_not_built_is_refused_by_name() {
         (
             "operation channel",
             "operation splitter",
-            "rough, plunge, groove, expand, flank, point, fillet, edge, channel",
+            "rough, plunge, groove, expand, flank, point, fillet, edge, tip, channel",
         ),
         ("stock turned", "stock casting", "turned"),
         ("pressure ruled", "pressure swept", "ruled, lofted"),

@@ -5,7 +5,7 @@ use crate::support;
 use impellerc::collide::Cutter;
 use impellerc::diag::Sink;
 use impellerc::entity::PrimaryMap;
-use impellerc::ir::{Contract, ContractKind, Operation, OperationKind, Program};
+use impellerc::ir::{ClPoint, Contract, ContractKind, Operation, OperationKind, Program};
 use impellerc::method::{AxisMethod, Lines, Milling};
 use impellerc::part::chart::{self, Shape};
 use impellerc::part::{BladeId, FaceId, SurfaceKind};
@@ -219,6 +219,49 @@ fn ball_leaves_the_scallop_on_edges() {
     let Left { gouge, excess, .. } = run(&program, &["inlet edge", "outlet edge"]);
     assert!(excess.iter().all(|e| *e <= 0.01), "{excess:?}");
     assert!(gouge <= 0.001, "{gouge}");
+}
+
+#[test]
+fn ball_leaves_the_scallop_on_tips() {
+    for method in [AxisMethod::Blend, AxisMethod::Corridor] {
+        let program = program(Cutter::Ball { radius: 2.0 }, vec![SurfaceKind::Tip(BladeId::MAIN)], 0.01, method);
+        let Left { gouge, excess, .. } = run(&program, &["tip"]);
+        assert!(excess.iter().all(|e| *e <= 0.01), "{excess:?}");
+        assert!(gouge <= 0.001, "{gouge}");
+    }
+}
+
+/// Tips between round edges, where both borders meet; a splitter ends inside of the part. By another measure, the distance from the shroud,
+/// the ball touches it at all stations but some of leads, which run straight on.
+#[test]
+fn tips_between_round_edges_are_finished() {
+    let mut program = support::jobs::program("splitter", None);
+    let tips: Vec<SurfaceKind> = program.part.blade_ids().map(SurfaceKind::Tip).collect();
+    let kind = OperationKind::Point {
+        surfaces: tips,
+        scallop: Mm(0.01),
+        lines: Lines::Zigzag,
+        milling: None,
+        levels: None,
+        method: AxisMethod::Blend,
+    };
+    let tool = program.operations.iter().next().unwrap().1.tool;
+    let radius = program.tools[tool].solid.cutter.tip_radius();
+    program.operations = PrimaryMap::new();
+    program.operations.push(support::operation("tip", kind, tool, vec![0], 3.0));
+    let mut sink = Sink::default();
+    let plan = pipeline::run(&program, &mut sink).expect("a plan");
+    let depth = |p: &ClPoint| radius - program.part.shroud.distance(&(p.tip + p.axis * radius));
+    let depths: Vec<f64> = plan.cl.operations[0].passes.iter().flat_map(|pass| &pass.points).map(depth).collect();
+    let touching = depths.iter().filter(|depth| depth.abs() <= 1e-9).count();
+    println!("{touching} of {} stations touch the shroud", depths.len());
+    assert!(20 * touching > 19 * depths.len());
+    let certificate = certify(&program, &plan.motion, &mut sink).expect("a certificate");
+    let of = |name: &&str| certificate.surfaces.iter().find(|s| s.surface == **name);
+    for report in ["vane 1 tip", "splitter 1.1 tip"].iter().map(|name| of(name).expect("a report")) {
+        println!("{}: {:.5}, {:.5}", report.surface, report.gouge_bound, report.excess_bound);
+        assert!(report.gouge_bound <= 0.002 && report.excess_bound <= 0.01, "{report:?}");
+    }
 }
 
 /// Before an edge is free room: the ball may be bigger than the fillet, which it does not touch.

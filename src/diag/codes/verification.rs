@@ -159,8 +159,8 @@ table.\n\nRemedy: use a longer reach, a smaller tilt angle of the tool, or mount
 (`[part] origin`).";
     KEPT = "IMP0736", "a cutter goes into a kept surface",
         "A kept surface is one that no operation mills, so it remains as the lathe made it: rim, back face, bore and \
-nose of the hub disc, the tips of the vanes, and their turned edges at inlet and outlet unless an `edge` operation \
-finishes them. No cutter may go deeper into a kept surface than the strictest contract on gouge allows. The depth is \
+nose of the hub disc, the tips of the vanes unless an operation `tip` finishes them, and their turned edges at inlet \
+and outlet unless an operation `edge` does. No cutter may go deeper into a kept surface than the strictest contract on gouge allows. The depth is \
 found and proved as for design surfaces, in cuts, links and rapids.\n\nExample: a lead-out that turns down over the \
 outlet and cuts a groove along the rim.\n\nRemedy: use leads and links that keep clear of the surface, or a thinner \
 tool.";
