@@ -244,6 +244,13 @@ impl OperationKind {
         blades.into_iter()
     }
 
+    /// The blades whose tips the operation finishes.
+    pub fn tips(&self) -> Vec<BladeId> {
+        let Self::Point { surfaces, .. } = self else { return Vec::new() };
+        let tip = |surface: &SurfaceKind| if let SurfaceKind::Tip(blade) = surface { Some(*blade) } else { None };
+        surfaces.iter().filter_map(tip).collect()
+    }
+
     /// Method for the tool axes, where the operation has this choice.
     pub fn axis_method(&self) -> Option<AxisMethod> {
         match self {

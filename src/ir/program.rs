@@ -250,15 +250,11 @@ impl Program {
 
     /// The turned surfaces of the blades that operations finish; the lathe makes the others.
     pub fn milled_turned(&self) -> MilledTurned {
-        let finished = |of: fn(&SurfaceKind) -> bool| {
-            let by =
-                |o: &Operation| matches!(&o.kind, OperationKind::Point { surfaces, .. } if surfaces.iter().any(of));
-            self.operations.iter().any(|(_, o)| by(o))
-        };
-        MilledTurned {
-            edges: finished(|s| matches!(s, SurfaceKind::InletEdge(_) | SurfaceKind::OutletEdge(_))),
-            tips: finished(|s| matches!(s, SurfaceKind::Tip(_))),
-        }
+        let edge = |s: &SurfaceKind| matches!(s, SurfaceKind::InletEdge(_) | SurfaceKind::OutletEdge(_));
+        let edges =
+            |o: &Operation| matches!(&o.kind, OperationKind::Point { surfaces, .. } if surfaces.iter().any(edge));
+        let operations = || self.operations.iter().map(|(_, o)| o);
+        MilledTurned { edges: operations().any(edges), tips: operations().any(|o| !o.kind.tips().is_empty()) }
     }
 
     /// Sectors, from 0, whose channels an operation enters but the roughing of the job leaves full; with the operation that

@@ -7,11 +7,13 @@ use crate::diag::codes::geometry as codes;
 use crate::diag::{Aborted, Diag, Sink};
 use crate::geom::NurbsCurve;
 use crate::geom::proximity::Patch;
+use crate::ir::Program;
 use crate::job::model::{BladeForm, Job, PartSpec, RevolvedSpec};
 use crate::part::{Blade, BladeId, FaceId, Part, RulingEnd, Surface};
 use crate::source::Span;
 use crate::units::length;
 use nalgebra::{Point3, Rotation3, Vector2, Vector3};
+use std::collections::BTreeSet;
 
 /// Cosine of normals along a ruling at which the face has turned by a right angle.
 const TURNED: f64 = 1e-9;
@@ -384,6 +386,23 @@ pub(super) fn off_hub(spec: &PartSpec, part: &Part, sink: &mut Sink) {
                 .help(format!("the compiler extends or trims the face along its rulings to end on the {what}")),
             );
         }
+    }
+}
+
+/// Warns of blades whose tips keep stock: the blank stands over the shroud, and no operation finishes them.
+pub(super) fn tips_left(job: &Job, program: &Program, sink: &mut Sink) {
+    let over = job.stock.over_shroud;
+    if over.get() <= 0.0 || job.stock.left.is_some() {
+        return;
+    }
+    let finished: BTreeSet<BladeId> = program.operations.iter().flat_map(|(_, o)| o.kind.tips()).collect();
+    for blade in program.part.blade_ids().filter(|blade| !finished.contains(blade)) {
+        let name = &program.part.blade(blade).name;
+        sink.push(
+            Diag::warning(codes::TIPS_LEFT, format!("{over} of stock stay on the tips of `{name}`"))
+                .label(job.stock.span, "the blank stands over the shroud, and no operation finishes these tips")
+                .help("add an operation `tip`, or turn the blank to `over shroud 0 mm`"),
+        );
     }
 }
 

@@ -78,6 +78,7 @@ pub fn lower(job: &Job, sink: &mut Sink) -> Result<Program, Aborted> {
         data: data(job),
         memory: DEFAULT_MEMORY,
     };
+    checks::tips_left(job, &program, sink);
     if sink.has_errors() { Err(Aborted) } else { Ok(program) }
 }
 

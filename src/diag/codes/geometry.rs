@@ -38,5 +38,6 @@ face. For a face that an operation mills by points with a ball, the remark compa
 the same tool with the scallops.\n\nRemedy: none is needed if the contracts allow the error. Otherwise use more `strips` or a smaller cutter; if \
 three strips are not enough, use point milling.";
     CONCAVE = "IMP0354", "smallest concave radius of a face or edge", include_str!("pages/IMP0354.md");
+    TIPS_LEFT = "IMP0355", "stock stays on the tips of blades", include_str!("pages/IMP0355.md");
     TWIST = "IMP0352", "twist of a face", include_str!("pages/IMP0352.md");
 }

@@ -37,11 +37,11 @@ impl CutterPose {
 pub(crate) fn highest_ridge(
     cutter: &Cutter,
     lines: &[SurfaceLine],
-    poses: impl Fn(&SurfaceLine) -> Vec<CutterPose>,
+    poses: impl Fn(&SurfaceLine) -> Vec<CutterPose> + Sync,
     walls: impl Fn(f64) -> (f64, f64) + Sync,
     place: impl Fn(f64, f64) -> Point3<f64> + Sync,
 ) -> Option<f64> {
-    let poses: Vec<Vec<CutterPose>> = lines.iter().map(poses).collect();
+    let poses: Vec<Vec<CutterPose>> = lines.par_iter().map(&poses).collect();
     let rows = RIDGES * lines.len().max(2);
     let columns: Vec<f64> = (0..=COLUMNS).map(|i| i as f64 / COLUMNS as f64).collect();
     let highest = |x: &f64| {
