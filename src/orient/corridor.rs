@@ -44,7 +44,8 @@ pub struct Weights {
     pub third: f64,
     /// Squares of the largest turns of each rotary axis per mm.
     pub peak: f64,
-    /// Least angle of axis 1, radians; at smaller angles axis 2 turns fast.
+    /// Least angle of axis 1 to both sides of zero, radians, where the pole is at zero: nearer to it axis 2 turns fast. Zero where
+    /// the pole is elsewhere.
     pub least_tilt: f64,
 }
 
@@ -156,8 +157,10 @@ impl Corridor {
                 rows.at_most(&[(axis * n + k, 1.0)], value + trust);
                 rows.at_most(&[(axis * n + k, -1.0)], trust - value);
             }
-            // Always feasible: angles that start below the least tilt may only rise.
-            rows.at_most(&[(k, -1.0)], -weights.least_tilt.min(angles[0].abs()) * angles[0].signum());
+            // Always feasible: angles that start nearer to zero than the least tilt may only go away from it.
+            if weights.least_tilt > 0.0 {
+                rows.at_most(&[(k, -angles[0].signum())], -weights.least_tilt.min(angles[0].abs()));
+            }
             if k + 1 < n {
                 for axis in 0..2 {
                     let (p, q) = (axis * n + k, axis * n + k + 1);

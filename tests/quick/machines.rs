@@ -436,9 +436,13 @@ fn generic_tables_cut_the_same() {
 
 /// Finishing of the faces of the reduced job in sector 3 on the shipped A/C machine with other travels of A and C.
 fn flank_with_travels(a: &str, c: &str) -> (tempfile::TempDir, Outcome) {
+    flank_on(&with_text(&[("[\"-100 deg\", \"100 deg\"]", a), ("[\"-180 deg\", \"180 deg\"]", c)]))
+}
+
+/// The same on another machine.
+fn flank_on(text: &str) -> (tempfile::TempDir, Outcome) {
     let folder = tempfile::tempdir().unwrap();
-    let text = with_text(&[("[\"-100 deg\", \"100 deg\"]", a), ("[\"-180 deg\", \"180 deg\"]", c)]);
-    let mut options = job_on(folder.path(), "limited", &text);
+    let mut options = job_on(folder.path(), "limited", text);
     let job =
         include_str!("../../jobs/reduced/reduced.imp").replace("5mc850-c", "limited").replace("sectors 1", "sectors 3");
     let (head, rest) = job.split_once("operation groove").unwrap();
@@ -509,6 +513,20 @@ fn travels_that_cannot_be_kept_are_refused() {
         "{error:?}"
     );
     assert!(error.place.is_some() && !folder.path().join("part.nc").exists(), "{error:?}");
+}
+
+/// Where X, Y or Z leave their travel with every winding of C, the error names this axis: a winding that leaves the travel of C is none
+/// that anybody would choose.
+#[test]
+fn the_axis_that_no_winding_keeps_within_travel_is_named() {
+    let (_, outcome) = flank_on(&with_text(&[
+        ("[\"-250 mm\", \"250 mm\"]", "[\"-22 mm\", \"22 mm\"]"),
+        ("[\"-180 deg\", \"180 deg\"]", "[\"-200 deg\", \"200 deg\"]"),
+    ]));
+    let errors = jobs::errors(&outcome);
+    assert!(errors.iter().all(|e| e.code.id() == "IMP0601") && errors.len() == 1, "{errors:?}");
+    assert!(errors[0].message.starts_with("`flank` needs Y = "), "{errors:?}");
+    assert!(errors[0].help.as_ref().is_some_and(|help| help.contains("a machine on which Y travels to")), "{errors:?}");
 }
 
 /// A head that cannot stand upright gives the tool no direction around the axis of the part.

@@ -400,6 +400,23 @@ fn a_smooth_run_stays_in_its_corridor() {
     assert!(run.windows(2).all(|w| (w[1][1] - w[0][1]).abs() < 0.1));
 }
 
+/// Both branches of a table give the same tool axes: negative angles of axis 1 keep away from the pole as positive ones do.
+#[test]
+fn a_smooth_run_on_the_other_branch_has_the_same_axes() {
+    let chain = Chain::tilting_table();
+    let axis_at = |angles: [f64; 2]| chain.tool_axis(angles);
+    let rough: Vec<[f64; 2]> =
+        (0..40).map(|k| f64::from(k)).map(|s| [0.3 + 0.04 * (s * 1.9).sin(), 0.02 * s]).collect();
+    let other: Vec<[f64; 2]> = rough.iter().map(|q| [-q[0], q[1] + PI]).collect();
+    let directions: Vec<Vector3<f64>> = rough.iter().map(|q| axis_at(*q)).collect();
+    let corridor = tube(&directions, 6.0_f64.to_radians());
+    let [one, two] = [&rough, &other].map(|start| corridor.smooth(start, &WEIGHTS, &axis_at).unwrap());
+    for (p, q) in one.iter().zip(&two) {
+        assert!((p[0] + q[0]).abs() < 1e-4 && (p[1] + PI - q[1]).abs() < 1e-4, "{p:?} {q:?}");
+        assert!(axis_at(*p).angle(&axis_at(*q)) < 1e-4);
+    }
+}
+
 #[test]
 fn a_corridor_without_a_way_is_told() {
     // Neighbouring cones 60 deg apart in A with a tilt that may not fall below its least: the last one points down.

@@ -43,8 +43,23 @@ const MARGIN: f64 = 0.06;
 /// Shares of the turn to the axis of the pass before that are tried.
 const SHARES: [f64; 4] = [1.0, 0.75, 0.5, 0.25];
 
+/// Least angle of axis 1 where the pole is at zero, radians.
+const LEAST_ANGLE: f64 = 0.1;
+
+/// Sine of the angle between the tool at zero and rotary axis 2 below which the pole is at zero.
+const AT_POLE: f64 = 1e-9;
+
 /// Weights of the minimised terms.
-const WEIGHTS: Weights = Weights { first: 0.02, second: 1.0, third: 1.0, peak: 3.0, least_tilt: 0.1 };
+fn weights(chain: &Chain) -> Weights {
+    let pole_at_zero = libm::sin(chain.polar_angle(0.0)) < AT_POLE;
+    Weights {
+        first: 0.02,
+        second: 1.0,
+        third: 1.0,
+        peak: 3.0,
+        least_tilt: if pole_at_zero { LEAST_ANGLE } else { 0.0 },
+    }
+}
 
 /// Why a pass was not smoothed.
 enum Fault {
@@ -119,7 +134,7 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
 /// Turns each pass by the same angles at all stations, so that it begins with the axis with which the pass before it
 /// ends; by a share of these angles where the clearance of the whole turn is not proved.
 fn follow(clear: &ClearAxes<'_>, chain: &Chain, passes: &mut [ClPass]) {
-    let radius = clear.radius();
+    let (radius, least) = (clear.radius(), weights(chain).least_tilt);
     for i in 1..passes.len() {
         let (before, pass) = passes.split_at_mut(i);
         let (Some(end), points) = (before[i - 1].points.last(), &mut pass[0].points) else { continue };
@@ -138,7 +153,7 @@ fn follow(clear: &ClearAxes<'_>, chain: &Chain, passes: &mut [ClPass]) {
                 })
                 .collect();
             let end = |k: usize| RotaryPose { tip: places[k].tip, rotary: poses[k] };
-            let fits = poses.iter().all(|a| a[0].abs() >= WEIGHTS.least_tilt)
+            let fits = poses.iter().all(|a| a[0].abs() >= least)
                 && places.iter().all(|p| clear.in_travel(&p.axis, 0.0))
                 && (1..places.len()).into_par_iter().all(|k| clear.proved(&[end(k - 1), end(k)]));
             fits.then_some(places)
@@ -239,7 +254,7 @@ fn laid_about(
         cones.push(cone.ok_or(Fault::NoAxis(place.centre, wanted))?);
     }
     let found = Corridor { cones, spacing, length: clear.scaled(LENGTH) }
-        .smooth(run, &WEIGHTS, &|angles| chain.tool_axis(angles));
+        .smooth(run, &weights(chain), &|angles| chain.tool_axis(angles));
     found.map_err(|residual| Fault::NoRun(places[residual.station].centre, residual))
 }
 

@@ -10,6 +10,8 @@ const AT_LIMIT: f64 = 1e-10;
 /// Why a sequence has no joints within travel.
 pub(crate) struct OutOfTravel {
     pub(crate) index: usize,
+    /// True for X, Y or Z: another winding of the rotary axes does not help.
+    pub(crate) linear: bool,
     pub(crate) axis: String,
     pub(crate) value: f64,
     pub(crate) range: [f64; 2],
@@ -20,7 +22,8 @@ pub(crate) struct OutOfTravel {
 /// of the given length (mm). Of several solutions the one nearest to the present position `at` is taken.
 ///
 /// # Errors
-/// The first place out of travel, of the attempt that gets farthest.
+/// The first place out of travel, of the attempt that gets farthest: where only X, Y or Z leave their travel with some winding, of
+/// those attempts.
 pub(crate) fn solve(machine: &Machine, run: &[ClPoint], length: f64, at: Angles) -> Result<Vec<Angles>, OutOfTravel> {
     let mut best: Option<(f64, Vec<Angles>)> = None;
     let [first, last] = &machine.rotary;
@@ -41,7 +44,7 @@ pub(crate) fn solve(machine: &Machine, run: &[ClPoint], length: f64, at: Angles)
         for turns in [0.0, shift, shift - TAU, shift + TAU] {
             let moved: Vec<Angles> = angles.iter().map(|[first, second]| [first + of_first, second + turns]).collect();
             if let Some(miss) = out_of_travel(machine, run, length, &moved) {
-                if nearest_miss.as_ref().is_none_or(|n| miss.index > n.index) {
+                if nearest_miss.as_ref().is_none_or(|n| (miss.linear, miss.index) > (n.linear, n.index)) {
                     nearest_miss = Some(miss);
                 }
                 continue;
@@ -72,6 +75,41 @@ fn out_of_travel(machine: &Machine, run: &[ClPoint], length: f64, angles: &[Angl
         let k = [3, 4, 0, 1, 2].into_iter().find(beyond)?;
         let (unit, scale) = if k < 3 { ("mm", 1.0) } else { ("deg", 1.0_f64.to_degrees()) };
         let axis = machine.names()[k].to_owned();
-        Some(OutOfTravel { index, axis, value: positions[k] * scale, range: travel[k].map(|x| x * scale), unit })
+        Some(OutOfTravel {
+            index,
+            linear: k < 3,
+            axis,
+            value: positions[k] * scale,
+            range: travel[k].map(|x| x * scale),
+            unit,
+        })
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kin::{Chain, LinearAxis, RotaryAxis};
+    use nalgebra::{Point3, Vector3};
+
+    /// Y leaves its travel with every winding. From 340 deg on, the nearest winding of C leaves the travel of C at the first place too.
+    #[test]
+    fn the_axis_that_no_winding_helps_is_named() {
+        let mut linear = [LinearAxis::WIDE; 3];
+        (linear[1].min, linear[1].max) = (-1.0, 1.0);
+        let most = 350.0_f64.to_radians();
+        let c = RotaryAxis { min: -most, max: most, ..RotaryAxis::wide("C") };
+        let machine = Machine { linear, rotary: [RotaryAxis::wide("A"), c], ..Machine::wide(Chain::tilting_table()) };
+        for k in 0..8 {
+            let (sin, cos) = libm::sincos(TAU * f64::from(k) / 8.0);
+            let axis = Vector3::new(0.5 * cos, 0.5 * sin, 1.0).normalize();
+            let places = [30.0, 31.0].map(|r| ClPoint {
+                tip: Point3::new(r * (cos - sin), r * (sin + cos), -200.0),
+                axis,
+                contact: None,
+            });
+            let miss = solve(&machine, &places, 0.0, [0.5, 340.0_f64.to_radians()]).err().unwrap();
+            assert!(miss.linear && miss.axis == "Y", "{} {} {}", miss.axis, miss.value, miss.index);
+        }
+    }
 }
