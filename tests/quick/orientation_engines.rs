@@ -405,8 +405,7 @@ fn a_smooth_run_stays_in_its_corridor() {
 fn a_smooth_run_on_the_other_branch_has_the_same_axes() {
     let chain = Chain::tilting_table();
     let axis_at = |angles: [f64; 2]| chain.tool_axis(angles);
-    let rough: Vec<[f64; 2]> =
-        (0..40).map(|k| f64::from(k)).map(|s| [0.3 + 0.04 * (s * 1.9).sin(), 0.02 * s]).collect();
+    let rough: Vec<[f64; 2]> = (0..40).map(f64::from).map(|s| [0.3 + 0.04 * (s * 1.9).sin(), 0.02 * s]).collect();
     let other: Vec<[f64; 2]> = rough.iter().map(|q| [-q[0], q[1] + PI]).collect();
     let directions: Vec<Vector3<f64>> = rough.iter().map(|q| axis_at(*q)).collect();
     let corridor = tube(&directions, 6.0_f64.to_radians());
