@@ -2,8 +2,8 @@
 //! several sizes and kinds in the language.
 //!
 //! A wheel of a data set takes ten minutes on two cores, one in the language about a minute. Jobs of this folder without a test: the
-//! turbine wheel, `compressor72` and `pump209` take three minutes and more, `fan430` a quarter of an hour; all of them hold. `compressor520`
-//! is refused, and `pump260` was ended without a result (`docs/benchmarks.md`).
+//! turbine wheel, `compressor72` and `pump209` take three minutes and more, `pump260` and `fan430` a quarter of an hour; all of them hold.
+//! `compressor520` is refused: it goes out of the travel of its machine (`docs/benchmarks.md`).
 
 mod faces_alone;
 
