@@ -9,7 +9,7 @@
 //! last residuals. At the end each pass of the floor is turned towards the pass before it, as far as the proof allows, so
 //! that links between them turn little.
 
-use super::clear_axes::{ClearAxes, StandingBall};
+use super::clear_axes::{ClearAxes, LEAST_TILT, StandingBall};
 use super::run::{lengths, rotary, stretch};
 use crate::diag::{Aborted, Diag, codes::orientation};
 use crate::ir::{CcPlan, ClPass, ClPlan, ClPoint};
@@ -43,22 +43,13 @@ const MARGIN: f64 = 0.06;
 /// Shares of the turn to the axis of the pass before that are tried.
 const SHARES: [f64; 4] = [1.0, 0.75, 0.5, 0.25];
 
-/// Least angle of axis 1 where the pole is at zero, radians.
-const LEAST_ANGLE: f64 = 0.1;
-
 /// Sine of the angle between the tool at zero and rotary axis 2 below which the pole is at zero.
 const AT_POLE: f64 = 1e-9;
 
 /// Weights of the minimised terms.
 fn weights(chain: &Chain) -> Weights {
     let pole_at_zero = libm::sin(chain.polar_angle(0.0)) < AT_POLE;
-    Weights {
-        first: 0.02,
-        second: 1.0,
-        third: 1.0,
-        peak: 3.0,
-        least_tilt: if pole_at_zero { LEAST_ANGLE } else { 0.0 },
-    }
+    Weights { first: 0.02, second: 1.0, third: 1.0, peak: 3.0, least_tilt: if pole_at_zero { LEAST_TILT } else { 0.0 } }
 }
 
 /// Why a pass was not smoothed.
