@@ -1,7 +1,7 @@
 //! A machine as numbers: its axes, their limits, and the position of the part.
 
 use super::heights::{Ring, Swing, farthest};
-use super::{Angles, AxisLine, Carries, Chain};
+use super::{Angles, AxisLine, Carries, Chain, Pose};
 use crate::method::{LengthTo, ModuloWay, Planning};
 use nalgebra::{Point3, Rotation3, Vector3};
 use std::f64::consts::{PI, TAU};
@@ -204,6 +204,13 @@ impl Machine {
         [at.x, at.y]
     }
 
+    /// True when rotary axis 2 turns the part about its Z axis: places that are turned about this axis then have equal positions of
+    /// X, Y and Z.
+    pub fn turns_part_about_its_axis(&self) -> bool {
+        let table = &self.chain.axes()[1];
+        table.carries == Carries::Part && table.direction.z.abs() == 1.0 && self.table_axis() == [0.0; 2]
+    }
+
     /// Largest angle between the tool and the Z axis of the part up to which the rotary axes give the tool every direction,
     /// radians. Where axis 2 turns about Z, it is the largest angle at all: `link-moves` chooses branch and winding for each
     /// pass, and refuses what the travel does not permit. For other axes azimuths of 1 deg decide: between two of them a corner
@@ -245,6 +252,32 @@ impl Machine {
 
     /// Whether the rotary axes give the tool a direction within their travel, on either branch and any winding.
     pub fn reaches(&self, tool_axis: &Vector3<f64>) -> bool {
+        self.angles_within_travel(tool_axis).next().is_some()
+    }
+
+    /// Whether all axes stay within their travel with a tool of a length (mm) at a place, on either branch and any winding: X, Y
+    /// and Z by at least `slack` (mm).
+    pub fn reaches_place(&self, at: &Pose, length: f64, slack: f64) -> bool {
+        self.farthest_out(at, length).is_some_and(|(_, _, beyond)| beyond <= -slack)
+    }
+
+    /// Of X, Y and Z the one that goes farthest towards or beyond the end of its travel with a tool of a length (mm) at a place, on
+    /// the better branch: its index, its position (mm), and how far it is beyond the end, negative within the travel (mm). `None`
+    /// where the rotary axes do not give the direction.
+    pub fn farthest_out(&self, at: &Pose, length: f64) -> Option<(usize, f64, f64)> {
+        let of_branch = |rotary: Angles| {
+            let positions = self.positions(&self.joints(&at.tip, rotary), length);
+            let beyond = |k: usize| {
+                let LinearAxis { min, max, .. } = self.linear[k];
+                (k, positions[k], (min - positions[k]).max(positions[k] - max))
+            };
+            (1..3).map(beyond).fold(beyond(0), |a, b| if b.2 > a.2 { b } else { a })
+        };
+        self.angles_within_travel(&at.axis).map(of_branch).min_by(|a, b| a.2.total_cmp(&b.2))
+    }
+
+    /// The pairs of angles that give the tool a direction and have a winding within the travel of the rotary axes.
+    fn angles_within_travel(&self, tool_axis: &Vector3<f64>) -> impl Iterator<Item = Angles> + '_ {
         let within = |k: usize, angle: f64| {
             let RotaryAxis { min, max, .. } = self.rotary[k];
             // Whole turns that bring the angle over the lower end of the travel.
@@ -252,7 +285,7 @@ impl Machine {
         };
         let free = 0.0_f64.clamp(self.rotary[1].min, self.rotary[1].max);
         let pairs = self.chain.inverse(tool_axis, free);
-        pairs.is_some_and(|pairs| pairs.iter().any(|[first, second]| within(0, *first) && within(1, *second)))
+        pairs.into_iter().flatten().filter(move |[first, second]| within(0, *first) && within(1, *second))
     }
 
     /// Largest height, machine frame, mm, that a solid about the Z axis of the part reaches under any angles of the
@@ -391,6 +424,33 @@ mod tests {
             let bound = m.highest(&[[r, height]]);
             let most = reached(&m, [low, low + range], r, height);
             prop_assert!(most <= bound + 1e-9 && most > bound - 0.05, "{most} {bound}");
+        }
+
+        /// Joints within the travel give a place that is within it; with X, Y or Z moved beyond the end it is not, where the
+        /// angles are the only ones. A turn about the axis of the part changes nothing for a table about this axis.
+        #[test]
+        fn places_within_the_travel_are_reached(
+            xyz in [-99.0..99.0_f64, -99.0..99.0, -99.0..99.0], a in 0.2..1.5_f64, c in -3.0..3.0_f64, out in 1.0..50.0_f64,
+            k in 0..3_usize, turn in -3.0..3.0_f64
+        ) {
+            let lines = [line(Carries::Part, Vector3::x(), [0.0, 7.0, 5.0]), line(Carries::Part, Vector3::z(), [0.0; 3])];
+            let mut m = machine([0.1, 1.6], lines, [0.0, 0.0, 9.0]);
+            (m.rotary[1].min, m.rotary[1].max) = (-10.0, 10.0);
+            for axis in &mut m.linear {
+                (axis.min, axis.max) = (-100.0, 100.0);
+            }
+            let placed = |xyz: [f64; 3]| m.forward(&m.joints_at(&Vector3::from(xyz), [a, c], 30.0));
+            let at = placed(xyz);
+            prop_assert!(m.reaches_place(&at, 30.0, 0.0) && !m.reaches_place(&at, 30.0, 100.0));
+            let about = Rotation3::from_axis_angle(&Vector3::z_axis(), turn);
+            let turned = Pose { tip: about * at.tip, axis: about * at.axis };
+            prop_assert!(m.turns_part_about_its_axis());
+            let [one, other] = [at, turned].map(|at| m.farthest_out(&at, 30.0).map_or(f64::NAN, |x| x.2));
+            prop_assert!((one - other).abs() < 1e-9, "{one} {other}");
+            let mut beyond = xyz;
+            beyond[k] = 100.0 + out;
+            let (which, position, by) = m.farthest_out(&placed(beyond), 30.0).unwrap();
+            prop_assert!(which == k && (position - beyond[k]).abs() < 1e-9 && (by - out).abs() < 1e-9);
         }
 
         /// For other tables the height is an upper bound.

@@ -6,9 +6,9 @@ use impellerc::compare::{ComparedMotion, compare};
 use impellerc::diag::Sink;
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::entity::PrimaryMap;
-use impellerc::ir::Program;
+use impellerc::ir::{OperationKind, Program};
 use impellerc::kin::{Chain, Joints, Machine, RotaryPose};
-use impellerc::method::{LengthTo, ModuloWay};
+use impellerc::method::{AxisMethod, LengthTo, ModuloWay};
 use impellerc::passes::pipeline;
 use impellerc::post;
 use impellerc::post::motion_of::motion_of;
@@ -658,4 +658,27 @@ fn machine_files_that_cannot_direct_the_tool_are_refused() {
         let told = outcome.sink.diags();
         assert!(program.is_none() && told.iter().any(|d| d.message.contains(words)), "{words}: {told:?}");
     }
+}
+
+/// `corridor` takes other axes where the travel of Y is shorter than those that it would take without this limit.
+#[test]
+fn corridors_stay_within_the_travel() {
+    let mut program = support::channel_only(1.0);
+    let mut operation = program.operations.iter().next().unwrap().1.clone();
+    let OperationKind::Channel { method, .. } = &mut operation.kind else { panic!() };
+    *method = AxisMethod::Corridor;
+    program.operations = PrimaryMap::new();
+    program.operations.push(operation);
+    let ends = |program: &Program| -> Result<[f64; 2], String> {
+        let mut sink = Sink::default();
+        let plan = pipeline::run(program, &mut sink).map_err(|_| format!("{:?}", sink.diags()))?;
+        let y = plan.motion.operations.iter().flat_map(|o| &o.moves).map(|m| m.joints.xyz.y);
+        Ok(y.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], y| [least.min(y), most.max(y)]))
+    };
+    let wide = ends(&program).unwrap();
+    // On the other branch Y goes as far to the other side.
+    program.machine.linear[1].min = wide[0] + 1.0;
+    assert!(-wide[1] < program.machine.linear[1].min);
+    let narrow = ends(&program).unwrap();
+    assert!(narrow[0] >= program.machine.linear[1].min, "{narrow:?} {wide:?}");
 }

@@ -9,10 +9,14 @@
 
 use crate::collide::{Section, ToolSolid};
 use crate::contract::Guarded;
-use crate::diag::{Diag, codes::orientation};
+use crate::diag::{
+    Diag,
+    codes::{kinematics, orientation},
+};
 use crate::geom::EllipticCone;
 use crate::geom::elliptic_cone::frame_about;
 use crate::ir::{ClPoint, Operation, Program};
+use crate::kin::Pose;
 use crate::operation::Allowances;
 use crate::orient::inscribe::{Proof, inscribe};
 use crate::part::Clamping;
@@ -112,10 +116,15 @@ pub(crate) struct ClearAxes<'a> {
     asked: [f64; 3],
     /// Largest angle between tool axis and Z within the travel of the rotary axes, radians.
     most_lean: f64,
+    program: &'a Program,
+    /// Sectors in which the axes are to stay within their travel: one of them where all have equal positions of X, Y and Z.
+    sectors: &'a [u32],
 }
 
 impl<'a> ClearAxes<'a> {
-    pub(crate) fn new(program: &'a Program, obstacles: &'a Obstacles, operation: &Operation) -> Self {
+    pub(crate) fn new(program: &'a Program, obstacles: &'a Obstacles, operation: &'a Operation) -> Self {
+        let alike = program.machine.turns_part_about_its_axis();
+        let sectors = if alike { operation.sectors.get(..1).unwrap_or_default() } else { &operation.sectors };
         let bound = |body: Guarded| program.clearance_asked(body).unwrap_or(program.clearance.get());
         let solid = &program.tools[operation.tool].solid;
         Self {
@@ -124,6 +133,8 @@ impl<'a> ClearAxes<'a> {
             clamping: &program.stock.clamping,
             asked: [SIDE * share_of_size(solid), bound(Guarded::Shank), bound(Guarded::Holder)],
             most_lean: program.machine.most_lean(),
+            program,
+            sectors,
         }
     }
 
@@ -160,13 +171,14 @@ impl<'a> ClearAxes<'a> {
         (cutter - side).min(least(&self.solid.shank) - shank).min(least(&self.solid.holder) - holder)
     }
 
-    /// True when every axis within the angle `cap` of this axis is within travel, touches with the lower half of the ball, is
+    /// True when every axis within the angle `cap` of this axis is within travel (of X, Y and Z: about), touches with the lower half of the ball, is
     /// clear by at least `margin`, and keeps shank and holder over the clamping.
     pub(crate) fn clear(&self, ball: &StandingBall, axis: &Vector3<f64>, cap: f64, margin: f64) -> bool {
         let StandingBall { centre, .. } = ball;
         let tip = centre - axis * self.radius();
-        self.in_travel(axis, cap)
+        self.leans_within_travel(axis, cap)
             && ball.above_the_middle(axis) + cap <= AT_THE_MIDDLE
+            && self.in_linear_travel(&tip, axis, cap)
             && self.over_clamping(centre, &leaning_by(axis, cap))
             && self.obstacles.keeps(
                 (&tip, axis),
@@ -182,8 +194,28 @@ impl<'a> ClearAxes<'a> {
     }
 
     /// True when every axis within the angle `cap` of this axis is within the travel of the rotary axes.
-    pub(crate) fn in_travel(&self, axis: &Vector3<f64>, cap: f64) -> bool {
+    fn leans_within_travel(&self, axis: &Vector3<f64>, cap: f64) -> bool {
         libm::atan2(libm::hypot(axis.x, axis.y), axis.z) + cap <= self.most_lean
+    }
+
+    /// True when X, Y and Z stay within their travel too, in all sectors. An angle of `cap` moves them by about this angle times
+    /// the lengths of tool and part; the links between passes decide.
+    fn in_linear_travel(&self, tip: &Point3<f64>, axis: &Vector3<f64>, cap: f64) -> bool {
+        let Program { machine, part, .. } = self.program;
+        let length = self.solid.length();
+        self.sectors.iter().all(|sector| {
+            let turn = part.sector_rotation(*sector);
+            machine.reaches_place(
+                &Pose { tip: turn * tip, axis: turn * axis },
+                length,
+                cap * (length + tip.coords.norm()),
+            )
+        })
+    }
+
+    /// True when all axes of the machine stay within their travel, in all sectors.
+    pub(crate) fn in_travel(&self, at: &ClPoint) -> bool {
+        self.leans_within_travel(&at.axis, 0.0) && self.in_linear_travel(&at.tip, &at.axis, 0.0)
     }
 
     /// True when the tool is clear over a whole piece of motion.
@@ -229,10 +261,11 @@ impl<'a> ClearAxes<'a> {
 
     /// How much the tool lacks of the required distances, negative; 0 where it keeps them.
     fn lack(&self, ball: &StandingBall, axis: &Vector3<f64>, margin: f64) -> f64 {
-        if !self.in_travel(axis, 0.0) || !self.over_clamping(&ball.centre, axis) {
+        let tip = ball.centre - axis * self.radius();
+        let reached = self.in_travel(&ClPoint { tip, axis: *axis, contact: None });
+        if !reached || !self.over_clamping(&ball.centre, axis) {
             return f64::NEG_INFINITY;
         }
-        let tip = ball.centre - axis * self.radius();
         let distance = |rho: f64, s: f64| self.slack(rho, s) - margin;
         let above = -self.radius() * ball.above_the_middle(axis);
         self.obstacles.nearest((&tip, axis), distance, 0.0).map(|(least, _)| least).fold(above.min(0.0), f64::min)
@@ -306,6 +339,9 @@ impl<'a> ClearAxes<'a> {
         at: &Point3<f64>,
         (about, direction): (&Vector3<f64>, &str),
     ) -> Diag {
+        if let Some(diag) = self.no_travel((operation, tool), at, about) {
+            return diag;
+        }
         let [side, shank, holder] = self.asked;
         Diag::error(
             orientation::NO_AXIS,
@@ -316,6 +352,41 @@ impl<'a> ClearAxes<'a> {
             ),
         )
         .help(self.remedy(at, about))
+    }
+
+    /// The error where axes about a direction are clear of the part, but each of them takes X, Y or Z out of its travel.
+    fn no_travel(&self, (operation, tool): (&str, &str), centre: &Point3<f64>, about: &Vector3<f64>) -> Option<Diag> {
+        let anywhere = Self { sectors: &[], ..*self };
+        let ball = StandingBall { centre: *centre, normal: None };
+        let machine = &self.program.machine;
+        let worst = |axis: Vector3<f64>| {
+            let tip = centre - axis * self.radius();
+            let in_sector = |sector: &u32| {
+                let turn = self.program.part.sector_rotation(*sector);
+                machine.farthest_out(&Pose { tip: turn * tip, axis: turn * axis }, self.solid.length())
+            };
+            self.sectors.iter().filter_map(in_sector).max_by(|a, b| a.2.total_cmp(&b.2))
+        };
+        let clear = around(about).chain(rings(about, &WIDER_RINGS)).filter(|d| anywhere.clear(&ball, d, 0.0, 0.0));
+        let (k, position, beyond) = clear.filter_map(worst).min_by(|a, b| a.2.total_cmp(&b.2))?;
+        if beyond <= 0.0 {
+            return None;
+        }
+        let (name, [least, most]) = (machine.names()[k], machine.travel()[k]);
+        Some(
+            Diag::error(
+                kinematics::OUT_OF_TRAVEL,
+                format!(
+                    "`{operation}` needs {name} = {position:.3} mm here, or more; the travel of this axis of {} is {least:.3} to \
+                     {most:.3} mm",
+                    machine.name
+                ),
+            )
+            .note(format!("every tool axis that keeps {tool} clear of the part here takes X, Y or Z out of its travel"))
+            .help(format!(
+                "use a machine on which {name} travels to {position:.3} mm, or mount the part at another position"
+            )),
+        )
     }
 
     /// Describes tools with which some axis about a direction is clear, where no axis is clear with this tool.

@@ -145,7 +145,7 @@ fn follow(clear: &ClearAxes<'_>, chain: &Chain, passes: &mut [ClPass]) {
                 .collect();
             let end = |k: usize| RotaryPose { tip: places[k].tip, rotary: poses[k] };
             let fits = poses.iter().all(|a| a[0].abs() >= least)
-                && places.iter().all(|p| clear.in_travel(&p.axis, 0.0))
+                && places.iter().all(|p| clear.in_travel(p))
                 && (1..places.len()).into_par_iter().all(|k| clear.proved(&[end(k - 1), end(k)]));
             fits.then_some(places)
         };
