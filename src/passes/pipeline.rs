@@ -5,7 +5,7 @@ use super::channel::middle::Middles;
 use super::context::limits::{check_memory, check_points, check_size};
 use super::context::{Obstacles, PassContext};
 use super::feed::{equal_sectors, exact_stops, removal_feeds, time_feeds};
-use super::link::{fast_leads, link_moves, rest_machining};
+use super::link::{fast_leads, first_travel, link_moves, rest_machining};
 use super::rough::{Roughings, channel_levels, expand, groove, plunge, roughings, short_reach};
 use super::{channel, copy_sectors, fit_splines, flank, point, round_to_words, sample_to_tolerance};
 use crate::analysis::cost::{self, Stations};
@@ -54,6 +54,8 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
     cx.holds("plan", |program| validate::cc(program, &cc))?;
     let mut cl = orient_tool::run(&mut cx, &cc)?;
     cx.holds("orient-tool", |program| validate::cl(program, &cl, ClStage::Oriented))?;
+    // A machine that is too small is told before the axes of finishing are planned.
+    first_travel::check(&mut cx, &cl)?;
     // Collision avoidance and smoothing need all stations; thinning and links need the final axes.
     avoid_collision::run(&mut cx, short_reach::refusal, &cc, &mut cl)?;
     cx.holds("avoid-collision", |program| validate::cl(program, &cl, ClStage::Oriented))?;

@@ -1,8 +1,11 @@
 //! Roughing jobs that cannot be done: each is refused at once, for the true reason, with a way out.
 //! `tests/slow/refused_roughing.rs` follows the ways out to a plan.
 
-use crate::support::jobs::{errors, number_behind, rough_with};
-use impellerc::diag::codes::{geometry, orientation, planning};
+use crate::support::jobs::{self, errors, number_behind, rough_with};
+use impellerc::diag::codes::{geometry, kinematics, orientation, planning};
+use impellerc::diag::{Severity, Sink};
+use impellerc::ir::Program;
+use impellerc::passes::pipeline;
 
 const T1: &str = "tool t1 = flat { diameter 2 mm";
 const T2: &str = "tool t2 = ball { diameter 2 mm";
@@ -70,4 +73,27 @@ fn no_tool_reaches_the_floor() {
 #[test]
 fn a_holder_that_does_not_go_into_the_channel() {
     is_refused_for_its_holder(&[(BODY, "flute 4 mm  reach 8 mm"), ("er16-mini", "er32")]);
+}
+
+/// A machine that is too small for the part is told before finishing is planned, with the travel that the program needs.
+#[test]
+fn a_machine_that_is_too_small() {
+    let mut program = jobs::program("rough", None);
+    let needed = |program: &Program| {
+        let mut sink = Sink::default();
+        let planned = pipeline::run(program, &mut sink).is_ok();
+        let error = sink.diags().iter().find(|d| d.severity == Severity::Error).cloned();
+        assert!(planned == error.is_none(), "{error:?}");
+        error.map(|error| {
+            assert!(
+                error.code == kinematics::OUT_OF_TRAVEL && error.message.starts_with("`rough` needs Y = "),
+                "{error:?}"
+            );
+            number_behind(error.help.as_ref().unwrap(), "a machine on which Y travels to")
+        })
+    };
+    (program.machine.linear[1].min, program.machine.linear[1].max) = (-10.0, 10.0);
+    let most = needed(&program).unwrap().abs();
+    (program.machine.linear[1].min, program.machine.linear[1].max) = (-most, most);
+    assert!(most > 30.0 && needed(&program).is_none(), "{most}");
 }

@@ -253,7 +253,7 @@ fn append(
 }
 
 /// Reports the pass of an operation that goes farthest out of the travel.
-fn report(cx: &mut PassContext<'_>, operation: &ClOperation, misses: &[(Point3<f64>, usize, OutOfTravel)]) {
+pub(super) fn report(cx: &mut PassContext<'_>, operation: &ClOperation, misses: &[(Point3<f64>, usize, OutOfTravel)]) {
     let beyond = |miss: &OutOfTravel| (miss.linear, (miss.range[0] - miss.value).max(miss.value - miss.range[1]));
     let farthest = misses.iter().reduce(|a, b| if beyond(&b.2) > beyond(&a.2) { b } else { a });
     let Some((tip, pass, miss)) = farthest else { return };

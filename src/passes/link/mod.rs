@@ -7,6 +7,7 @@ mod clearance_surface;
 mod cleared;
 mod direct_link;
 pub(crate) mod fast_leads;
+pub(crate) mod first_travel;
 pub(crate) mod link_moves;
 mod pieces;
 pub mod rest_machining;
