@@ -4,14 +4,14 @@
 //! operation. The tool comes down along its axis to the start of a pass, runs the pass, leaves along its axis to the
 //! clearance surface, and goes over it to the next pass (see [`super::clearance_surface`]). Where a finishing pass begins
 //! near the end of its predecessor, a direct link replaces this (see [`super::direct_link`]). Passes with direct links
-//! between them keep one branch and do not unwind. Where the travel does not allow this, the tool goes over the surface in
+//! between them keep one branch and do not unwind; branch and winding of all sequences of an operation are chosen together. Where the travel does not allow this, the tool goes over the surface in
 //! the middle of them. Branch and winding change only there. Where the travel does not allow a single pass, the tool leaves
 //! within it along its axis to the surface, turns, and comes back to the same place ([`super::pieces`]).
 //!
 //! A tool that leaves along its own axis sweeps only space that it already occupied. After rest machining, passes begin
 //! and end in space without stock, and nothing above the cutter is thinner than the cutter.
 
-use super::branch::{self, OutOfTravel};
+use super::branch::{self, OnBranch, OutOfTravel, Winding};
 use super::clearance_surface::ClearanceSurface;
 use super::direct_link::DirectLinks;
 use super::pieces::{self, LinkMove, Solved};
@@ -50,27 +50,21 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<Motion, Abort
         let length = cx.program.tools[operation.tool].length();
         let links = Links::new(cx, operation, &planned.passes);
         let (mut moves, mut faults) = (Vec::new(), Faults::default());
-        // The last sequence is at the top of the stack.
-        let mut open = links.runs();
-        open.reverse();
-        while let Some(run) = open.pop() {
-            let linked = links.linked(run.clone());
-            let places: Vec<ClPoint> = linked.iter().map(|m| m.to).collect();
-            let solved = match branch::solve(machine, &places, length, at) {
-                Ok(rotary) => vec![Solved { moves: linked, rotary }],
-                Err(_) if run.len() > 1 => {
-                    let middle = run.start + run.len() / 2;
-                    open.extend([middle..run.end, run.start..middle]);
-                    continue;
+        // Branches count their windings from where the operation begins.
+        let start = at;
+        for part in links.parts(machine, length, start) {
+            let solved = match part {
+                Part::Runs(runs) => links.over(machine, &runs, [start, at]),
+                Part::OutOfTravel { pass, place, miss } => {
+                    let pieces = links.in_pieces(machine, pass, length, at);
+                    let turns = pieces.iter().flatten().skip(1).filter_map(|piece| piece.moves.get(1));
+                    faults.turns.extend(turns.map(|m| (m.pass, m.to.tip)));
+                    if pieces.is_none() {
+                        faults.misses.push((place, pass, miss));
+                    }
+                    pieces.unwrap_or_default()
                 }
-                Err(miss) => links.in_pieces(machine, run.start, length, at).unwrap_or_else(|| {
-                    faults.misses.extend(linked.get(miss.index).map(|m| (m.to.tip, m.pass as usize, miss)));
-                    Vec::new()
-                }),
             };
-            faults
-                .turns
-                .extend(solved.iter().skip(1).filter_map(|piece| piece.moves.get(1)).map(|m| (m.pass, m.to.tip)));
             for piece in &solved {
                 append(machine, &links.surface, operation, piece, &mut moves);
                 at = piece.rotary.last().copied().unwrap_or(at);
@@ -89,6 +83,14 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<Motion, Abort
         motion.operations.push(MotionOperation { operation: planned.operation, labels, moves, splines: Vec::new() });
     }
     if failed { Err(Aborted) } else { Ok(motion) }
+}
+
+/// A part of an operation.
+enum Part {
+    /// Sequences of passes, each with the branches on which it stays within the travel.
+    Runs(Vec<(Range<usize>, Vec<OnBranch>)>),
+    /// A pass that no branch and winding keep within the travel in one go: its index, with the place out of travel.
+    OutOfTravel { pass: usize, place: Point3<f64>, miss: OutOfTravel },
 }
 
 /// What an operation cannot do in one go, or not at all.
@@ -131,6 +133,44 @@ impl<'a> Links<'a> {
             }
         }
         runs
+    }
+
+    /// The operation as sequences that stay within the travel, for a tool of the given length (mm). Sequences that do not are halved.
+    fn parts(&self, machine: &Machine, length: f64, at: Angles) -> Vec<Part> {
+        let mut parts = Vec::new();
+        // The last sequence is at the top of the stack.
+        let mut open = self.runs();
+        open.reverse();
+        while let Some(run) = open.pop() {
+            let linked = self.linked(run.clone());
+            let places: Vec<ClPoint> = linked.iter().map(|m| m.to).collect();
+            match (branch::on_branches(machine, &places, length, at), parts.last_mut()) {
+                (Ok(found), Some(Part::Runs(runs))) => runs.push((run, found)),
+                (Ok(found), _) => parts.push(Part::Runs(vec![(run, found)])),
+                (Err(_), _) if run.len() > 1 => {
+                    let middle = run.start + run.len() / 2;
+                    open.extend([middle..run.end, run.start..middle]);
+                }
+                (Err(miss), _) => {
+                    let place = places.get(miss.index).map_or(Point3::origin(), |p| p.tip);
+                    parts.push(Part::OutOfTravel { pass: run.start, place, miss });
+                }
+            }
+        }
+        parts
+    }
+
+    /// Sequences of passes on the branches and windings between which the rotary axes turn least. `start` is where the operation begins,
+    /// `at` where the first of these sequences begins.
+    fn over(&self, machine: &Machine, runs: &[(Range<usize>, Vec<OnBranch>)], [start, at]: [Angles; 2]) -> Vec<Solved> {
+        let found: Vec<&[OnBranch]> = runs.iter().map(|(_, found)| found.as_slice()).collect();
+        let windings = branch::shortest(machine, &found, at);
+        let solved = |((run, _), winding): (&(Range<usize>, Vec<OnBranch>), Winding)| {
+            let moves = self.linked(run.clone());
+            let places: Vec<ClPoint> = moves.iter().map(|m| m.to).collect();
+            Solved { rotary: winding.angles(machine, &places, start), moves }
+        };
+        runs.iter().zip(windings).map(solved).collect()
     }
 
     /// The moves of passes with direct links between them, from the clearance surface and back to it.
