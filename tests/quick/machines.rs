@@ -669,16 +669,22 @@ fn corridors_stay_within_the_travel() {
     *method = AxisMethod::Corridor;
     program.operations = PrimaryMap::new();
     program.operations.push(operation);
-    let ends = |program: &Program| -> Result<[f64; 2], String> {
+    let ends = |program: &Program| -> Result<[f64; 2], Sink> {
         let mut sink = Sink::default();
-        let plan = pipeline::run(program, &mut sink).map_err(|_| format!("{:?}", sink.diags()))?;
+        let Ok(plan) = pipeline::run(program, &mut sink) else { return Err(sink) };
         let y = plan.motion.operations.iter().flat_map(|o| &o.moves).map(|m| m.joints.xyz.y);
         Ok(y.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], y| [least.min(y), most.max(y)]))
     };
-    let wide = ends(&program).unwrap();
+    let wide = ends(&program).ok().unwrap();
     // On the other branch Y goes as far to the other side.
     program.machine.linear[1].min = wide[0] + 1.0;
     assert!(-wide[1] < program.machine.linear[1].min);
-    let narrow = ends(&program).unwrap();
+    let narrow = ends(&program).ok().unwrap();
     assert!(narrow[0] >= program.machine.linear[1].min, "{narrow:?} {wide:?}");
+    // Where no clear axis stays within the travel, the error names the axis of the machine, not the tool.
+    program.machine.linear[1].min = 200.0;
+    let sink = ends(&program).err().unwrap();
+    let first = &sink.diags()[0];
+    assert!(first.code.id() == "IMP0601" && first.message.starts_with("`channel` needs Y = "), "{first:?}");
+    assert!(first.notes.iter().any(|note| note.contains("keeps t2 clear of the part")), "{first:?}");
 }
