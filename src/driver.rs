@@ -1,6 +1,7 @@
 //! The pipeline on one page: from a job file to verified NC, stage by stage. Only the driver reads files.
 
 mod import;
+mod job_check;
 mod library;
 mod nc_check;
 mod nc_diff;
@@ -34,6 +35,7 @@ use crate::verify::Verified;
 use crate::verify::certificate::{Certificate, ContractReport};
 use crate::{analysis, job, lower};
 pub use import::{Import, import};
+pub use job_check::check;
 pub use library::DiskFiles;
 pub use nc_check::{NcCheck, verify};
 pub use nc_diff::{NcDiff, diff};
@@ -147,7 +149,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         return Ok(());
     }
 
-    let (post, mut outputs) = check_before_planning(options, &program, sources, stages, sink)?;
+    let (post, mut outputs) = check_before_planning(options, &program, analysis::check, sources, stages, sink)?;
     let plan = stages.watched("plan", |progress| pipeline::run_with(&program, progress, sink))?;
     if let Some(text) = print_plan(options.emit, &program, &plan) {
         *emitted = Some(text);
@@ -217,11 +219,12 @@ fn or_reported<T>(made: Result<T, Diag>, sink: &mut Sink) -> Result<T, Aborted> 
     })
 }
 
-/// Refuses before planning, which takes about a minute, whatever can be refused then. Only the dialect and the writing
-/// of the outputs are left.
+/// Refuses before planning, which takes about a minute, whatever can be refused then, with these facts about the part. Only the
+/// dialect and the writing of the outputs are left.
 fn check_before_planning(
     options: &Options,
     program: &Program,
+    facts: fn(&Program, &mut Sink),
     sources: &SourceMap,
     stages: &mut Stages,
     sink: &mut Sink,
@@ -244,7 +247,7 @@ fn check_before_planning(
     analysis::cost::check(program, sink)?;
     // Tools that cannot do their work are reported here, where the reason is known; planning would only report that it
     // finds no collision-free path.
-    stages.run("facts", || analysis::check(program, sink));
+    stages.run("facts", || facts(program, sink));
     if sink.has_errors() { Err(Aborted) } else { Ok((post, outputs)) }
 }
 

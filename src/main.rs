@@ -3,7 +3,7 @@
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 use impellerc::diag::junit::junit;
 use impellerc::diag::sarif::sarif;
 use impellerc::diag::{Code, Exit, render};
@@ -15,8 +15,9 @@ use impellerc::import::{self, Axis, FaceChoice, FaceRole, Handedness, LengthUnit
 use impellerc::output::interrupt;
 use impellerc::sections::ThicknessDirection;
 use impellerc::sections::outline::Side;
+use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Exit codes, for the help.
@@ -29,6 +30,13 @@ If several apply, the largest is returned. A run writes all outputs or none. An 
 
 /// Values of `--emit` that are written to the file of `-o`.
 const PART_FORMS: [(&str, &str); 4] = [("emit", "step"), ("emit", "stl"), ("emit", "3mf"), ("emit", "sections")];
+
+/// Exit codes of a check, for the help.
+const CHECK_CODES: &str = "Exit codes:
+  0  no error; warnings and remarks do not count
+  1  the control cannot have this machine, or cannot do what the job asks for
+  2  job, library or command line has a fault, or the facts show that no program can be planned
+  3  a file cannot be read";
 
 /// Exit codes of an import, for the help.
 const IMPORT_CODES: &str = "Exit codes:
@@ -165,6 +173,40 @@ enum Command {
     Explain {
         /// Code such as IMP0206 or 206; without a code, all codes are listed
         code: Option<String>,
+    },
+    /// Judges a job without planning it: text, machine, post, memory, and facts about the part
+    #[command(after_help = CHECK_CODES)]
+    Check {
+        /// Job file
+        job: PathBuf,
+
+        /// Post file of the library instead of the post of the job
+        #[arg(long, value_name = "NAME")]
+        post: Option<String>,
+
+        /// Use this machine of the library instead of the machine of the job
+        #[arg(long, value_name = "NAME")]
+        machine: Option<String>,
+
+        /// Search this folder first for machine, tool and post files (subfolders `machines`, `tools` and `posts`)
+        #[arg(long, value_name = "DIR")]
+        library: Option<PathBuf>,
+
+        /// Allow `spline from` to read curve files in this folder too, not only in the folder of the job
+        #[arg(long, value_name = "DIR")]
+        curves: Option<PathBuf>,
+
+        /// Largest memory that planning may need, such as 4GB; default 2GB
+        #[arg(long, value_name = "SIZE", value_parser = memory, allow_hyphen_values = true)]
+        memory: Option<f64>,
+
+        /// Print the time of each stage; has no effect with the formats `sarif` and `junit`
+        #[arg(long)]
+        timings: bool,
+
+        /// Format of errors, warnings and remarks
+        #[arg(long, value_enum, default_value = "human", value_name = "FORMAT")]
+        error_format: ErrorFormat,
     },
     /// Verifies NC text from any source against a job, a certificate or both
     #[command(after_help = EXIT_CODES)]
@@ -437,12 +479,21 @@ enum ProtocolArgument {
 }
 
 fn main() -> ExitCode {
+    if let Some(text) = misspelt_command(std::env::args_os().nth(1)) {
+        say(&text);
+        return ended(Exit::Text);
+    }
     let arguments = Arguments::parse();
     let part = arguments.part_options();
     let Arguments { command, job, output, post, emit, certificate, picture, source_map, setup_sheet, run, .. } =
         arguments;
     match command {
         Some(Command::Explain { code }) => explain(code.as_deref()),
+        Some(Command::Check { job, post, machine, library, curves, memory, timings, error_format }) => {
+            let run = RunOptions { library, curves, post, machine, memory, ..RunOptions::default() };
+            let options = Options { job, run, ..Options::default() };
+            finish(error_format, timings, |stages| driver::check(&options, stages))
+        }
         Some(Command::Verify { nc, job, post, certificate, source_map, run }) => {
             let (format, timings) = (run.error_format, run.timings);
             let check = NcCheck { nc, job, certificate, source_map, run: run.options(post) };
@@ -486,6 +537,23 @@ fn main() -> ExitCode {
             finish(format, timings, |stages| driver::compile(&options, stages))
         }
     }
+}
+
+/// Most letters by which a word differs from the command that was meant.
+const MISSPELT: usize = 2;
+
+/// What to say of a first word that is no file and nearly a command.
+fn misspelt_command(word: Option<OsString>) -> Option<String> {
+    let word = word?.into_string().ok().filter(|word| !word.starts_with('-') && !Path::new(word).exists())?;
+    let names: Vec<String> = Arguments::command().get_subcommands().map(|c| c.get_name().to_owned()).collect();
+    if names.contains(&word) || word == "help" {
+        return None;
+    }
+    let near = names.iter().map(|name| (strsim::osa_distance(name, &word.to_lowercase()), name));
+    let (_, name) = near.filter(|(letters, _)| *letters <= MISSPELT).min()?;
+    Some(format!(
+        "there is no file `{word}`; did you mean the command `{name}`? `impellerc --help` lists all commands\n"
+    ))
 }
 
 /// Millimetres of a chord error such as `10um` or `0.01 mm`.

@@ -26,6 +26,15 @@ const STRAIGHT: f64 = 1e-4;
 
 /// Reports the facts that matter to a programmer; facts that no plan can overcome are errors.
 pub fn check(program: &Program, sink: &mut Sink) {
+    report(program, true, sink);
+}
+
+/// The facts of [`check`] but for what flank milling would leave: fits of the tool to all faces take most of the time.
+pub fn check_without_fits(program: &Program, sink: &mut Sink) {
+    report(program, false, sink);
+}
+
+fn report(program: &Program, fits: bool, sink: &mut Sink) {
     let part = &program.part;
     let throats = throat::all(part, &program.data);
     let twists = part.faces().map(|side| (side, twist::measure(part, side)));
@@ -92,7 +101,9 @@ pub fn check(program: &Program, sink: &mut Sink) {
             .place(format!("{name} at u = {u:.3}, v = {v:.3}"), concave.point),
         );
     }
-    flank::report(program, sink);
+    if fits {
+        flank::report(program, sink);
+    }
     retract::check(program, sink);
     stock_height::check(program, sink);
     reach::check(program, &throats, sink);

@@ -1,7 +1,7 @@
 //! A machine as numbers: its axes, their limits, and the position of the part.
 
 use super::heights::{Ring, Swing, farthest};
-use super::{Angles, AxisLine, Carries, Chain, Pose};
+use super::{Angles, AxisLine, Carries, Chain};
 use crate::method::{LengthTo, ModuloWay, Planning};
 use nalgebra::{Point3, Rotation3, Vector3};
 use std::f64::consts::{PI, TAU};
@@ -255,29 +255,8 @@ impl Machine {
         self.angles_within_travel(tool_axis).next().is_some()
     }
 
-    /// Whether all axes stay within their travel with a tool of a length (mm) at a place, on either branch and any winding: X, Y
-    /// and Z by at least `slack` (mm).
-    pub fn reaches_place(&self, at: &Pose, length: f64, slack: f64) -> bool {
-        self.farthest_out(at, length).is_some_and(|(_, _, beyond)| beyond <= -slack)
-    }
-
-    /// Of X, Y and Z the one that goes farthest towards or beyond the end of its travel with a tool of a length (mm) at a place, on
-    /// the better branch: its index, its position (mm), and how far it is beyond the end, negative within the travel (mm). `None`
-    /// where the rotary axes do not give the direction.
-    pub fn farthest_out(&self, at: &Pose, length: f64) -> Option<(usize, f64, f64)> {
-        let of_branch = |rotary: Angles| {
-            let positions = self.positions(&self.joints(&at.tip, rotary), length);
-            let beyond = |k: usize| {
-                let LinearAxis { min, max, .. } = self.linear[k];
-                (k, positions[k], (min - positions[k]).max(positions[k] - max))
-            };
-            (1..3).map(beyond).fold(beyond(0), |a, b| if b.2 > a.2 { b } else { a })
-        };
-        self.angles_within_travel(&at.axis).map(of_branch).min_by(|a, b| a.2.total_cmp(&b.2))
-    }
-
     /// The pairs of angles that give the tool a direction and have a winding within the travel of the rotary axes.
-    fn angles_within_travel(&self, tool_axis: &Vector3<f64>) -> impl Iterator<Item = Angles> + '_ {
+    pub(super) fn angles_within_travel(&self, tool_axis: &Vector3<f64>) -> impl Iterator<Item = Angles> + '_ {
         let within = |k: usize, angle: f64| {
             let RotaryAxis { min, max, .. } = self.rotary[k];
             // Whole turns that bring the angle over the lower end of the travel.
@@ -383,6 +362,7 @@ impl Machine {
 mod tests {
     use super::*;
     use crate::kin::AxisLine;
+    use crate::kin::Pose;
     use nalgebra::{Point3, Unit};
     use proptest::prelude::*;
 

@@ -1,6 +1,6 @@
 //! Forward and inverse transformation between joints and cutter locations.
 
-use super::{Angles, Machine};
+use super::{Angles, LinearAxis, Machine};
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 
 /// Joint positions: mm and radians, ISO sense.
@@ -90,6 +90,27 @@ impl Machine {
         let mut moved = *joints;
         moved.xyz.z = z + self.hanging(joints.rotary, length).z;
         moved
+    }
+
+    /// Whether all axes stay within their travel with a tool of a length (mm) at a place, on either branch and any winding: X, Y
+    /// and Z by at least `slack` (mm).
+    pub fn reaches_place(&self, at: &Pose, length: f64, slack: f64) -> bool {
+        self.farthest_out(at, length).is_some_and(|(_, _, beyond)| beyond <= -slack)
+    }
+
+    /// Of X, Y and Z the one that goes farthest towards or beyond the end of its travel with a tool of a length (mm) at a place, on
+    /// the better branch: its index, its position (mm), and how far it is beyond the end, negative within the travel (mm). `None`
+    /// where the rotary axes do not give the direction.
+    pub fn farthest_out(&self, at: &Pose, length: f64) -> Option<(usize, f64, f64)> {
+        let of_branch = |rotary: Angles| {
+            let positions = self.positions(&self.joints(&at.tip, rotary), length);
+            let beyond = |k: usize| {
+                let LinearAxis { min, max, .. } = self.linear[k];
+                (k, positions[k], (min - positions[k]).max(positions[k] - max))
+            };
+            (1..3).map(beyond).fold(beyond(0), |a, b| if b.2 > a.2 { b } else { a })
+        };
+        self.angles_within_travel(&at.axis).map(of_branch).min_by(|a, b| a.2.total_cmp(&b.2))
     }
 
     /// Positions of all axes but for constants of X, Y and Z: for speeds, accelerations and jerks.

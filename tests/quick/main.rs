@@ -17,6 +17,7 @@ mod bull_noses;
 mod carried;
 mod channel_floor;
 mod circles;
+mod command_line;
 mod contracts;
 mod cost;
 mod engagement;

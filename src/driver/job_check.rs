@@ -1,0 +1,57 @@
+//! A job judged without planning it: what the front end, the machine, the frames of the post, the memory that a plan
+//! needs, and the facts about the part show. Without fits of the tool to the faces it takes well under a second.
+
+use super::{Options, Outcome, Stages, check_before_planning, front};
+use crate::analysis;
+use crate::diag::{Aborted, Severity};
+use crate::ir::Program;
+
+/// Checks a job. Options that name outputs and a stage are of no effect. Faults go to the sink of the outcome.
+pub fn check(options: &Options, stages: &mut Stages) -> Outcome {
+    let options = Options {
+        output: None,
+        picture: None,
+        source_map: None,
+        setup_sheet: None,
+        certificate: None,
+        emit: None,
+        ..options.clone()
+    };
+    let mut outcome = Outcome::default();
+    // The reason is in the sink.
+    let _ = judge(&options, stages, &mut outcome);
+    outcome
+}
+
+fn judge(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<(), Aborted> {
+    let Some(program) = front(options, stages, outcome)? else { return Ok(()) };
+    let Outcome { sources, sink, emitted, .. } = outcome;
+    check_before_planning(options, &program, analysis::check_without_fits, sources, stages, sink)?;
+    let warnings = sink.diags().iter().filter(|diag| diag.severity == Severity::Warning).count();
+    *emitted = Some(verdict(&program, warnings));
+    Ok(())
+}
+
+/// What the check found of a job without errors, and what it cannot find.
+fn verdict(program: &Program, warnings: usize) -> String {
+    let warned = match warnings {
+        0 => String::new(),
+        1 => ", one warning".to_owned(),
+        count => format!(", {count} warnings"),
+    };
+    let operations = program.operations.iter().count();
+    let required = program.contracts.len();
+    format!(
+        "{}: no fault found before planning{warned}; {} on {}, post {}\n\
+         what flank milling leaves, collisions, travel and {} are judged only when the job is compiled\n",
+        program.name,
+        if operations == 1 { "one operation".to_owned() } else { format!("{operations} operations") },
+        program.machine.name,
+        program.post.name,
+        match required {
+            0 => "the default requirements".to_owned(),
+            1 => "its requirement".to_owned(),
+            count => format!("its {count} requirements"),
+        },
+    )
+}
