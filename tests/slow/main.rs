@@ -22,4 +22,5 @@ mod refused_roughing;
 mod rough;
 mod step_import;
 mod stock;
+mod tutorial;
 mod wheels;
