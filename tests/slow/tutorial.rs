@@ -1,4 +1,5 @@
-//! `docs/tutorial.md`: every command of the page runs, in its order, with the texts of the page.
+//! What a new user does: every command of `docs/tutorial.md` runs, in its order, with the texts of the page, and the job of the first page
+//! compiles.
 
 use std::process::Command;
 
@@ -48,4 +49,29 @@ fn the_tutorial_gives_verified_nc() {
     assert!(
         made("wheel.nc").contains("TRAORI") && made("sheet.html").contains("<html") && made("wheel.html").len() > 1000
     );
+}
+
+/// The job of the first page compiles as it is pasted, and is refused with the change that the page describes.
+#[test]
+fn the_job_of_the_first_page_compiles() {
+    let page = include_str!("../../README.md");
+    let job = page.split("```\n").find(|block| block.starts_with("edition 2026")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let compiled = |job: &str, output: &str| {
+        std::fs::write(folder.path().join("blade.imp"), job).unwrap();
+        let run = Command::new(env!("CARGO_BIN_EXE_impellerc"))
+            .current_dir(folder.path())
+            .args(["blade.imp", "-o", output])
+            .output()
+            .unwrap();
+        (run.status.code(), String::from_utf8(run.stderr).unwrap())
+    };
+    let (code, said) = compiled(job, "blade.nc");
+    assert_eq!(code, Some(0), "{said}");
+    assert!(folder.path().join("blade.nc").exists());
+    assert!(page.contains("change `excess` to `<= 40 um`") && job.contains("excess    <= 60 um"));
+    let (code, said) = compiled(&job.replace("excess    <= 60 um", "excess    <= 40 um"), "refused.nc");
+    assert_eq!(code, Some(1), "{said}");
+    assert!(said.contains("allowed excess 40.00 um") && said.contains("help:"), "{said}");
+    assert!(!folder.path().join("refused.nc").exists());
 }
