@@ -1,5 +1,5 @@
 //! A job judged without planning it: what the front end, the machine, the frames of the post, the memory that a plan
-//! needs, and the facts about the part show. Without fits of the tool to the faces it takes well under a second.
+//! needs, and the facts about the part show. Fits of the tool to the faces are left out, since they take most of the time.
 
 use super::{Options, Outcome, Stages, check_before_planning, front};
 use crate::analysis;

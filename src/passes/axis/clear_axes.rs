@@ -171,8 +171,9 @@ impl<'a> ClearAxes<'a> {
         (cutter - side).min(least(&self.solid.shank) - shank).min(least(&self.solid.holder) - holder)
     }
 
-    /// True when every axis within the angle `cap` of this axis is within travel (of X, Y and Z: about), touches with the lower half of the ball, is
-    /// clear by at least `margin`, and keeps shank and holder over the clamping.
+    /// True when every axis within the angle `cap` of this axis is within the travel of the rotary axes, touches with the lower half of
+    /// the ball, is clear by at least `margin`, and keeps shank and holder over the clamping. X, Y and Z stay within their travel at this
+    /// axis, and about so at the others.
     pub(crate) fn clear(&self, ball: &StandingBall, axis: &Vector3<f64>, cap: f64, margin: f64) -> bool {
         let StandingBall { centre, .. } = ball;
         let tip = centre - axis * self.radius();
