@@ -167,6 +167,26 @@ impl RunArguments {
     }
 }
 
+/// What the commands take that read a job and plan nothing.
+#[derive(Args)]
+struct ReadingArguments {
+    /// Search this folder first for machine, tool and post files (subfolders `machines`, `tools` and `posts`)
+    #[arg(long, value_name = "DIR")]
+    library: Option<PathBuf>,
+
+    /// Allow `spline from` to read curve files in this folder too, not only in the folder of the job
+    #[arg(long, value_name = "DIR")]
+    curves: Option<PathBuf>,
+
+    /// Print the time of each stage; has no effect with the formats `sarif` and `junit`
+    #[arg(long)]
+    timings: bool,
+
+    /// Format of errors, warnings and remarks
+    #[arg(long, value_enum, default_value = "human", value_name = "FORMAT")]
+    error_format: ErrorFormat,
+}
+
 #[derive(Subcommand)]
 enum Command {
     /// Explains the code of a message, such as IMP0206: meaning, consequence at the machine, example, remedy
@@ -188,25 +208,12 @@ enum Command {
         #[arg(long, value_name = "NAME")]
         machine: Option<String>,
 
-        /// Search this folder first for machine, tool and post files (subfolders `machines`, `tools` and `posts`)
-        #[arg(long, value_name = "DIR")]
-        library: Option<PathBuf>,
-
-        /// Allow `spline from` to read curve files in this folder too, not only in the folder of the job
-        #[arg(long, value_name = "DIR")]
-        curves: Option<PathBuf>,
-
         /// Largest memory that planning may need, such as 4GB; default 2GB
         #[arg(long, value_name = "SIZE", value_parser = memory, allow_hyphen_values = true)]
         memory: Option<f64>,
 
-        /// Print the time of each stage; has no effect with the formats `sarif` and `junit`
-        #[arg(long)]
-        timings: bool,
-
-        /// Format of errors, warnings and remarks
-        #[arg(long, value_enum, default_value = "human", value_name = "FORMAT")]
-        error_format: ErrorFormat,
+        #[command(flatten)]
+        reading: ReadingArguments,
     },
     /// Verifies NC text from any source against a job, a certificate or both
     #[command(after_help = EXIT_CODES)]
@@ -259,21 +266,8 @@ enum Command {
         #[arg(long, value_name = "NAME")]
         machine: Option<String>,
 
-        /// Search this folder first for machine, tool and post files (subfolders `machines`, `tools` and `posts`)
-        #[arg(long, value_name = "DIR")]
-        library: Option<PathBuf>,
-
-        /// Allow `spline from` to read curve files in this folder too, not only in the folder of the job
-        #[arg(long, value_name = "DIR")]
-        curves: Option<PathBuf>,
-
-        /// Print the time of each stage; has no effect with the formats `sarif` and `junit`
-        #[arg(long)]
-        timings: bool,
-
-        /// Format of errors, warnings and remarks
-        #[arg(long, value_enum, default_value = "human", value_name = "FORMAT")]
-        error_format: ErrorFormat,
+        #[command(flatten)]
+        reading: ReadingArguments,
     },
 }
 
@@ -489,7 +483,8 @@ fn main() -> ExitCode {
         arguments;
     match command {
         Some(Command::Explain { code }) => explain(code.as_deref()),
-        Some(Command::Check { job, post, machine, library, curves, memory, timings, error_format }) => {
+        Some(Command::Check { job, post, machine, memory, reading }) => {
+            let ReadingArguments { library, curves, timings, error_format } = reading;
             let run = RunOptions { library, curves, post, machine, memory, ..RunOptions::default() };
             let options = Options { job, run, ..Options::default() };
             finish(error_format, timings, |stages| driver::check(&options, stages))
@@ -504,7 +499,8 @@ fn main() -> ExitCode {
             let options = arguments.options();
             finish(format, false, |stages| driver::import(&options, stages))
         }
-        Some(Command::Diff { first, second, job, other_machine, machine, library, curves, timings, error_format }) => {
+        Some(Command::Diff { first, second, job, other_machine, machine, reading }) => {
+            let ReadingArguments { library, curves, timings, error_format } = reading;
             let run = RunOptions { library, machine, curves, ..RunOptions::default() };
             let options = NcDiff { nc: [first, second], job, other_machine, run };
             finish(error_format, timings, |stages| driver::diff(&options, stages))

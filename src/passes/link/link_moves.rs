@@ -54,8 +54,8 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<Motion, Abort
         let start = at;
         for part in links.parts(machine, length, start) {
             let solved = match part {
-                Part::Runs(runs) => links.over(machine, &runs, [start, at]),
-                Part::OutOfTravel { pass, place, miss } => {
+                OperationPart::Runs(runs) => links.over(machine, &runs, [start, at]),
+                OperationPart::OutOfTravel { pass, place, miss } => {
                     let pieces = links.in_pieces(machine, pass, length, at);
                     let turns = pieces.iter().flatten().skip(1).filter_map(|piece| piece.moves.get(1));
                     faults.turns.extend(turns.map(|m| (m.pass, m.to.tip)));
@@ -86,7 +86,7 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<Motion, Abort
 }
 
 /// A part of an operation.
-enum Part {
+enum OperationPart {
     /// Sequences of passes, each with the branches on which it stays within the travel.
     Runs(Vec<(Range<usize>, Vec<OnBranch>)>),
     /// A pass that no branch and winding keep within the travel in one go: its index, with the place out of travel.
@@ -136,7 +136,7 @@ impl<'a> Links<'a> {
     }
 
     /// The operation as sequences that stay within the travel, for a tool of the given length (mm). Sequences that do not are halved.
-    fn parts(&self, machine: &Machine, length: f64, at: Angles) -> Vec<Part> {
+    fn parts(&self, machine: &Machine, length: f64, at: Angles) -> Vec<OperationPart> {
         let mut parts = Vec::new();
         // The last sequence is at the top of the stack.
         let mut open = self.runs();
@@ -145,15 +145,15 @@ impl<'a> Links<'a> {
             let linked = self.linked(run.clone());
             let places: Vec<ClPoint> = linked.iter().map(|m| m.to).collect();
             match (branch::on_branches(machine, &places, length, at), parts.last_mut()) {
-                (Ok(found), Some(Part::Runs(runs))) => runs.push((run, found)),
-                (Ok(found), _) => parts.push(Part::Runs(vec![(run, found)])),
+                (Ok(found), Some(OperationPart::Runs(runs))) => runs.push((run, found)),
+                (Ok(found), _) => parts.push(OperationPart::Runs(vec![(run, found)])),
                 (Err(_), _) if run.len() > 1 => {
                     let middle = run.start + run.len() / 2;
                     open.extend([middle..run.end, run.start..middle]);
                 }
                 (Err(miss), _) => {
                     let place = places.get(miss.index).map_or(Point3::origin(), |p| p.tip);
-                    parts.push(Part::OutOfTravel { pass: run.start, place, miss });
+                    parts.push(OperationPart::OutOfTravel { pass: run.start, place, miss });
                 }
             }
         }
