@@ -2,9 +2,12 @@
 
 mod import;
 mod job_check;
+mod job_format;
 mod library;
+mod library_list;
 mod nc_check;
 mod nc_diff;
+mod new_job;
 mod part_file;
 mod reading;
 mod report;
@@ -36,9 +39,12 @@ use crate::verify::certificate::{Certificate, ContractReport};
 use crate::{analysis, job, lower};
 pub use import::{Import, import};
 pub use job_check::check;
+pub use job_format::{Format, format};
 pub use library::DiskFiles;
+pub use library_list::{LibraryKind, list_library};
 pub use nc_check::{NcCheck, verify};
 pub use nc_diff::{NcDiff, diff};
+pub use new_job::{BEGINNINGS, Beginning, new_job};
 pub use stages::{Emit, PartForm, Stages};
 use std::path::{Path, PathBuf};
 

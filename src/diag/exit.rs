@@ -1,7 +1,7 @@
 //! Exit codes of the program, from the codes of its diagnostics.
 
 use super::code::Code;
-use super::codes::{files, post, verification};
+use super::codes::{files, post, syntax, verification};
 use super::{Severity, Sink};
 
 /// Result of a run. Of several results the last in this order is reported: a file that cannot be read or written comes
@@ -38,6 +38,9 @@ const NO_FINDINGS: &[Code] = &[
     post::USAGE,
 ];
 
+/// Codes of the stage of the text that are findings.
+const FINDINGS: &[Code] = &[syntax::NOT_FORMATTED];
+
 /// Codes of the stage of files where the remedy is a change of a text.
 const NO_FILES: &[Code] = &[files::NOT_IN_LIBRARY, files::MEETS, files::INTERNAL];
 
@@ -45,6 +48,7 @@ impl Exit {
     /// The class of an error with this code.
     pub fn of(code: Code) -> Self {
         match code.id().get(3..5) {
+            _ if FINDINGS.contains(&code) => Self::Finding,
             Some("07" | "08") if !NO_FINDINGS.contains(&code) => Self::Finding,
             Some("09") if !NO_FILES.contains(&code) => Self::File,
             _ => Self::Text,

@@ -125,6 +125,66 @@ impl DiskFiles {
     }
 }
 
+/// A file of the library.
+#[derive(Debug)]
+pub(super) struct Listed {
+    /// Its name in jobs.
+    pub(super) name: String,
+    /// What it says of itself.
+    pub(super) about: String,
+    /// Where it comes from.
+    pub(super) origin: Origin,
+    /// Its folder, where it is on the disk.
+    pub(super) folder: Option<PathBuf>,
+}
+
+/// First sentence of the comment that a library file begins with.
+fn about(text: &str) -> String {
+    let comment =
+        text.lines().map_while(|line| line.strip_prefix('#')).map(str::trim).take_while(|line| !line.is_empty());
+    let words = comment.collect::<Vec<_>>().join(" ");
+    // A stop before a small letter or a figure is that of an abbreviation.
+    let ends = words.match_indices(". ").find(|(at, _)| words[at + 2..].starts_with(|c: char| c.is_ascii_uppercase()));
+    ends.map_or(words.as_str(), |(at, _)| &words[..at]).trim_end_matches('.').to_owned()
+}
+
+impl DiskFiles {
+    /// All files of a kind in the order of their names; of several files of one name, the one that a job gets.
+    pub(super) fn list(&self, kind: &str) -> Vec<Listed> {
+        let mut found: Vec<Listed> = Vec::new();
+        for (library, origin) in &self.libraries {
+            let folder = library.join(kind);
+            let entries = std::fs::read_dir(&folder).into_iter().flatten().flatten();
+            for path in entries.map(|entry| entry.path()) {
+                let name = path.file_name().and_then(|n| n.to_str()?.strip_suffix(".toml").map(str::to_owned));
+                let Some(name) = name.filter(|name| found.iter().all(|file| file.name != *name)) else { continue };
+                let about = match read(&path, &name, MAX_LIBRARY, *origin) {
+                    Ok(file) => about(&file.text),
+                    Err(missing) => format!("cannot be read: {}", missing.reason),
+                };
+                found.push(Listed { name, about, origin: *origin, folder: Some(folder.clone()) });
+            }
+        }
+        let shipped = match kind {
+            "machines" => shipped::MACHINES,
+            "tools" => shipped::TOOLS,
+            _ => shipped::POSTS,
+        };
+        for (name, text) in shipped {
+            if found.iter().all(|file| file.name != *name) {
+                found.push(Listed {
+                    name: (*name).to_owned(),
+                    about: about(text),
+                    origin: Origin::Shipped,
+                    folder: None,
+                });
+            }
+        }
+        found.sort_by(|a, b| a.name.cmp(&b.name));
+        found
+    }
+}
+
 fn unreadable(reason: String) -> MissingFile {
     MissingFile { fault: Fault::Unreadable, reason, ..MissingFile::default() }
 }

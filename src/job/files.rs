@@ -137,6 +137,11 @@ pub mod shipped {
     pub const MACHINES: &[(&str, &str)] = &[
         ("5mc850-c", include_str!("../../jobs/_lib/machines/5mc850-c.toml")),
         ("5mc850-c-linuxcnc", include_str!("../../jobs/_lib/machines/5mc850-c-linuxcnc.toml")),
+        ("generic-ab-head", include_str!("../../jobs/_lib/machines/generic-ab-head.toml")),
+        ("generic-ac-table", include_str!("../../jobs/_lib/machines/generic-ac-table.toml")),
+        ("generic-b-head-c-table", include_str!("../../jobs/_lib/machines/generic-b-head-c-table.toml")),
+        ("generic-bc-table", include_str!("../../jobs/_lib/machines/generic-bc-table.toml")),
+        ("generic-nutating-head", include_str!("../../jobs/_lib/machines/generic-nutating-head.toml")),
         ("linuxcnc-xyzac-trt", include_str!("../../jobs/_lib/machines/linuxcnc-xyzac-trt.toml")),
         ("linuxcnc-xyzbc-trt", include_str!("../../jobs/_lib/machines/linuxcnc-xyzbc-trt.toml")),
     ];

@@ -4,8 +4,10 @@
 //! in one item does not affect the others, and a run reports every independent fault.
 
 pub mod ast;
+mod format;
 mod parse;
 pub mod print;
 mod scan;
 
+pub use format::{Unformatted, format};
 pub use parse::parse;

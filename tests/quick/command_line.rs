@@ -64,3 +64,78 @@ fn words_that_are_nearly_a_command_are_named() {
     let found = run(folder.path(), &["blade"]);
     assert_eq!(found.status.code(), Some(3), "{}", text(&found.stderr));
 }
+
+/// A job to begin with has the name of its file, is judged without an error, and replaces no file.
+#[test]
+fn a_new_job_is_one_that_can_be_checked() {
+    let folder = tempfile::tempdir().unwrap();
+    for kind in ["vanes", "pump", "turbo"] {
+        let file = format!("my_{kind}.imp");
+        let made = run(folder.path(), &["new", &format!("my_{kind}"), "--kind", kind]);
+        assert!(made.status.success(), "{}", text(&made.stderr));
+        assert!(text(&made.stdout).contains(&format!("impellerc check {file}")), "{}", text(&made.stdout));
+        let job = std::fs::read_to_string(folder.path().join(&file)).unwrap();
+        assert!(job.starts_with("//") && job.contains(&format!("\npart my_{kind} {{\n")), "{job}");
+    }
+    let checked = run(folder.path(), &["check", "my_vanes.imp"]);
+    assert!(checked.status.success(), "{}", text(&checked.stderr));
+    assert!(text(&checked.stdout).starts_with("my_vanes: no fault found before planning"), "{}", text(&checked.stdout));
+    let again = run(folder.path(), &["new", "my_vanes.imp"]);
+    assert_eq!(again.status.code(), Some(3));
+    assert!(text(&again.stderr).contains("exists already"), "{}", text(&again.stderr));
+    assert_eq!(run(folder.path(), &["new", "other", "--kind", "propeller"]).status.code(), Some(2));
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3);
+}
+
+/// The job of the first page is the one of `impellerc new`.
+#[test]
+fn the_job_of_the_first_page_is_a_job_to_begin_with() {
+    let page = include_str!("../../README.md");
+    let sample = page.split("```\n").find(|block| block.starts_with("edition 2026")).unwrap();
+    assert!(include_str!("../../jobs/new/vanes.imp").ends_with(sample));
+}
+
+/// Every machine, tool library and post of the project is in the binary; a file beside the job comes first, and says so.
+#[test]
+fn the_library_is_listed_and_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    for kind in ["machines", "tools", "posts"] {
+        let listed = text(&run(folder.path(), &[kind]).stdout);
+        for file in std::fs::read_dir(Path::new("jobs/_lib").join(kind)).unwrap() {
+            let path = file.unwrap().path();
+            let name = path.file_stem().unwrap().to_str().unwrap().to_owned();
+            assert!(listed.contains(&format!("{name} ")), "{name} is not listed:\n{listed}");
+            let shown = text(&run(folder.path(), &[kind, &name]).stdout);
+            let own = std::fs::read_to_string(&path).unwrap();
+            assert_eq!(shown, format!("# from: shipped with the compiler\n{own}"));
+        }
+        assert!(listed.contains("from: shipped"), "{listed}");
+    }
+    let own = folder.path().join("_lib/machines");
+    std::fs::create_dir_all(&own).unwrap();
+    std::fs::write(own.join("generic-ac-table.toml"), "# Ours. With more.\n").unwrap();
+    let listed = text(&run(folder.path(), &["machines"]).stdout);
+    assert!(listed.contains("Ours\n") && listed.contains("_lib/machines\n"), "{listed}");
+    let absent = run(folder.path(), &["machines", "5mc950"]);
+    assert_eq!(absent.status.code(), Some(2));
+    assert!(text(&absent.stderr).contains("5mc850-c"), "{}", text(&absent.stderr));
+}
+
+#[test]
+fn shells_and_manual_know_every_command() {
+    let here = Path::new(".");
+    let page = text(&run(here, &["man"]).stdout);
+    let completions: Vec<String> =
+        ["bash", "zsh", "fish"].map(|shell| text(&run(here, &["completions", shell]).stdout)).into();
+    let help = text(&run(here, &["--help"]).stdout);
+    let commands = help.lines().skip_while(|l| *l != "Commands:").skip(1).take_while(|l| !l.is_empty());
+    let names: Vec<&str> = commands
+        .filter(|l| l.starts_with("  ") && !l.starts_with("   "))
+        .filter_map(|l| l.split_whitespace().next())
+        .collect();
+    assert!(names.len() > 10, "{names:?}");
+    for name in names {
+        assert!(completions.iter().all(|text| text.contains(name)), "{name}");
+        assert!(name == "help" || page.contains(&format!("impellerc\\-{name}")), "{name} is not in the manual page");
+    }
+}

@@ -6,8 +6,10 @@ use impellerc::driver::{self, Options, Outcome, Stages};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Codes whose example cannot be a small file, and the one that only the export of a part shows (`solids.rs`).
-const WITHOUT_EXAMPLE: [Code; 3] = [codes::syntax::TOO_LARGE, codes::syntax::TOO_MANY, codes::geometry::NO_SHELL];
+/// Codes whose example cannot be a small file, and those that only other commands show: the export of a part (`solids.rs`) and
+/// `fmt` (`job_format.rs`).
+const WITHOUT_EXAMPLE: [Code; 4] =
+    [codes::syntax::TOO_LARGE, codes::syntax::TOO_MANY, codes::syntax::NOT_FORMATTED, codes::geometry::NO_SHELL];
 
 fn examples() -> Vec<PathBuf> {
     let mut files: Vec<PathBuf> = std::fs::read_dir("jobs/_errors")

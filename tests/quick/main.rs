@@ -32,6 +32,7 @@ mod front;
 mod geom_oracles;
 mod golden;
 mod import;
+mod job_format;
 mod kept;
 mod language;
 mod larger_balls;

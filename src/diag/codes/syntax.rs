@@ -11,4 +11,5 @@ crate::codes! {
     UNKNOWN_ITEM = "IMP0108", "unknown item", include_str!("pages/IMP0108.md");
     TOO_LARGE = "IMP0109", "job too large", include_str!("pages/IMP0109.md");
     TOO_MANY = "IMP0110", "too many items, numbers or names", include_str!("pages/IMP0110.md");
+    NOT_FORMATTED = "IMP0111", "a job that is not in its usual form", include_str!("pages/IMP0111.md");
 }

@@ -3,18 +3,21 @@
 #![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+mod import_arguments;
+
+use clap::builder::PossibleValuesParser;
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
+use clap_complete::Shell;
 use impellerc::diag::junit::junit;
 use impellerc::diag::sarif::sarif;
 use impellerc::diag::{Code, Exit, render};
 use impellerc::driver::{
-    self, Emit, Import, NcCheck, NcDiff, Options, Outcome, PartForm, PartOptions, RunOptions, Stages,
+    self, BEGINNINGS, Emit, Format, LibraryKind, NcCheck, NcDiff, Options, Outcome, PartForm, PartOptions, RunOptions,
+    Stages,
 };
 use impellerc::export::step::StepProtocol;
-use impellerc::import::{self, Axis, FaceChoice, FaceRole, Handedness, LengthUnit, Start, job_frame::Zero};
 use impellerc::output::interrupt;
-use impellerc::sections::ThicknessDirection;
-use impellerc::sections::outline::Side;
+use import_arguments::ImportArguments;
 use std::ffi::OsString;
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -42,6 +45,13 @@ const CHECK_CODES: &str = "Exit codes:
 const IMPORT_CODES: &str = "Exit codes:
   0  the blades were read; warnings do not count
   2  a file or the command line has a fault, or leaves out what no option states
+  3  a file cannot be read or written";
+
+/// Exit codes of the commands that write or list texts, for the help.
+const TEXT_CODES: &str = "Exit codes:
+  0  done
+  1  `--check`: a job is not in its usual form
+  2  a text or the command line has a fault
   3  a file cannot be read or written";
 
 /// Exit codes of a comparison, for the help.
@@ -187,6 +197,22 @@ struct ReadingArguments {
     error_format: ErrorFormat,
 }
 
+/// What the commands take that list the library.
+#[derive(Args)]
+struct LibraryArguments {
+    /// Name of the file to show, without `.toml`
+    name: Option<String>,
+
+    /// Search this folder first (subfolders `machines`, `tools` and `posts`)
+    #[arg(long, value_name = "DIR")]
+    library: Option<PathBuf>,
+}
+
+/// The words of the jobs to begin with.
+fn beginnings() -> PossibleValuesParser {
+    BEGINNINGS.map(|b| clap::builder::PossibleValue::new(b.name).help(b.about)).into()
+}
+
 #[derive(Subcommand)]
 enum Command {
     /// Explains the code of a message, such as IMP0206: meaning, consequence at the machine, example, remedy
@@ -194,6 +220,48 @@ enum Command {
         /// Code such as IMP0206 or 206; without a code, all codes are listed
         code: Option<String>,
     },
+    /// Writes a commented job that compiles, to begin with
+    #[command(after_help = TEXT_CODES)]
+    New {
+        /// File to write; it must not exist. Its name becomes the name of the part
+        file: PathBuf,
+
+        /// What the job makes: `vanes`, eight ruled vanes from curves of points, all operations; `pump`, a wheel with five long
+        /// vanes, roughed with three tools; `turbo`, a compressor wheel with splitters, written by angles and thicknesses
+        #[arg(long, value_name = "KIND", default_value = BEGINNINGS[0].name, value_parser = beginnings())]
+        kind: String,
+    },
+    /// Writes jobs in their usual form: indentation and blanks; words, numbers and comments stay as they are
+    #[command(after_help = TEXT_CODES)]
+    Fmt {
+        /// Job files; `-` formats standard input to standard output
+        #[arg(required = true)]
+        jobs: Vec<PathBuf>,
+
+        /// Write nothing; tell which jobs are not in their usual form
+        #[arg(long)]
+        check: bool,
+
+        /// Format of errors, warnings and remarks
+        #[arg(long, value_enum, default_value = "human", value_name = "FORMAT")]
+        error_format: ErrorFormat,
+    },
+    /// Lists the machines that jobs can use, with where they come from, or shows the file of one
+    #[command(after_help = TEXT_CODES)]
+    Machines(LibraryArguments),
+    /// Lists the tool libraries that jobs can use, with where they come from, or shows the file of one
+    #[command(after_help = TEXT_CODES)]
+    Tools(LibraryArguments),
+    /// Lists the post files that jobs can use, with where they come from, or shows the file of one
+    #[command(after_help = TEXT_CODES)]
+    Posts(LibraryArguments),
+    /// Prints the completions of a shell: `impellerc completions bash > impellerc.bash`
+    Completions {
+        /// Shell
+        shell: Shell,
+    },
+    /// Prints the manual page in the format of `man`, with all commands
+    Man,
     /// Judges a job without planning it: text, machine, post, memory, and facts about the part
     #[command(after_help = CHECK_CODES)]
     Check {
@@ -271,160 +339,6 @@ enum Command {
     },
 }
 
-/// What the import takes.
-#[derive(Args)]
-struct ImportArguments {
-    /// Blade files, or a folder with them: .inf with its curve files, .geomTurbo, .ibl, .rtzt, .bgi, .step, tables of points
-    #[arg(required = true)]
-    files: Vec<PathBuf>,
-
-    /// Write the part to this file, and tables of its points beside it
-    #[arg(short, long, value_name = "FILE.imp")]
-    output: Option<PathBuf>,
-
-    /// Replace files that exist
-    #[arg(long)]
-    force: bool,
-
-    /// Format of the files, where their endings do not tell it: turbogrid, geomturbo, ibl, rtzt, bgi, step, table
-    #[arg(long, value_name = "NAME")]
-    format: Option<String>,
-
-    /// Unit of length of the files: mm, cm, m, in, ft
-    #[arg(long, value_name = "UNIT", value_parser = unit)]
-    unit: Option<LengthUnit>,
-
-    /// Axis of rotation in the files: x, y, z
-    #[arg(long, value_name = "AXIS", value_parser = axis)]
-    axis: Option<Axis>,
-
-    /// Handedness of the frame of the files: right, left
-    #[arg(long, value_name = "HAND", value_parser = handedness)]
-    handedness: Option<Handedness>,
-
-    /// Number of main blades of the whole row
-    #[arg(long, value_name = "NUMBER")]
-    blades: Option<u32>,
-
-    /// Columns of a table, such as x,rtheta,r
-    #[arg(long, value_name = "LIST", value_delimiter = ',')]
-    columns: Option<Vec<String>>,
-
-    /// Direction in which thicknesses are measured
-    #[arg(long, value_enum, value_name = "DIRECTION")]
-    thickness: Option<ThicknessArgument>,
-
-    /// Edge at which the points of sections begin, where there is no hub
-    #[arg(long, value_enum, value_name = "EDGE")]
-    start: Option<StartArgument>,
-
-    /// Side of the pressure face by the angle about the axis
-    #[arg(long = import::SIDE_OPTION, value_enum, value_name = "SIDE")]
-    side: Option<SideArgument>,
-
-    /// Face of a STEP file by its role: hub, shroud, pressure, suction, inlet, outlet, fillet, splitter1-pressure and so on.
-    /// ROLE=#NUMBER or ROLE=NAME; several times
-    #[arg(long = "face", value_name = "ROLE=FACE", value_parser = face)]
-    faces: Vec<FaceChoice>,
-
-    /// Place on the axis of rotation that becomes zero of the part
-    #[arg(long, value_enum, default_value = "file", value_name = "PLACE")]
-    zero: ZeroArgument,
-
-    /// Row of blades, where the files have several
-    #[arg(long, value_name = "NAME")]
-    row: Option<String>,
-
-    /// Format of errors, warnings and remarks
-    #[arg(long, value_enum, default_value = "human", value_name = "FORMAT")]
-    error_format: ErrorFormat,
-}
-
-impl ImportArguments {
-    /// The options in the form of the driver.
-    fn options(self) -> Import {
-        let options = import::Options {
-            format: self.format,
-            unit: self.unit,
-            axis: self.axis,
-            handedness: self.handedness,
-            blades: self.blades,
-            columns: self.columns,
-            thickness: self.thickness.map(|t| match t {
-                ThicknessArgument::Normal => ThicknessDirection::Normal,
-                ThicknessArgument::Tangential => ThicknessDirection::Tangential,
-            }),
-            start: self.start.map(|s| match s {
-                StartArgument::Leading => Start::LeadingEdge,
-                StartArgument::Trailing => Start::TrailingEdge,
-            }),
-            side: self.side.map(|s| match s {
-                SideArgument::Greater => Side::Greater,
-                SideArgument::Smaller => Side::Smaller,
-            }),
-            faces: self.faces,
-        };
-        let zero = match self.zero {
-            ZeroArgument::File => Zero::File,
-            ZeroArgument::Top => Zero::Top,
-        };
-        Import { files: self.files, output: self.output, row: self.row, force: self.force, zero, options }
-    }
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum ZeroArgument {
-    /// The origin of the files
-    File,
-    /// The height of the highest point of blades, hub and shroud
-    Top,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum ThicknessArgument {
-    /// Across the mean line
-    Normal,
-    /// Round the axis
-    Tangential,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum StartArgument {
-    /// At the leading edge
-    Leading,
-    /// At the trailing edge
-    Trailing,
-}
-
-#[derive(Clone, Copy, ValueEnum)]
-enum SideArgument {
-    /// At the greater angle
-    Greater,
-    /// At the smaller angle
-    Smaller,
-}
-
-/// The face that the command line picks.
-fn face(text: &str) -> Result<FaceChoice, String> {
-    FaceChoice::parsed(text)
-        .ok_or_else(|| format!("write ROLE=#NUMBER or ROLE=NAME; the roles are {}", FaceRole::FORMS))
-}
-
-/// The unit of a word of the command line.
-fn unit(word: &str) -> Result<LengthUnit, String> {
-    LengthUnit::named(word).ok_or_else(|| "the units are mm, cm, m, in and ft".to_owned())
-}
-
-/// The axis of a word of the command line.
-fn axis(word: &str) -> Result<Axis, String> {
-    Axis::named(word).ok_or_else(|| "the axes are x, y and z".to_owned())
-}
-
-/// The handedness of a word of the command line.
-fn handedness(word: &str) -> Result<Handedness, String> {
-    Handedness::named(word).ok_or_else(|| "a frame is right or left".to_owned())
-}
-
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum ErrorFormat {
     /// Text for people, with the lines of the job
@@ -483,6 +397,22 @@ fn main() -> ExitCode {
         arguments;
     match command {
         Some(Command::Explain { code }) => explain(code.as_deref()),
+        Some(Command::New { file, kind }) => {
+            let kind = BEGINNINGS.iter().find(|b| b.name == kind).unwrap_or(&BEGINNINGS[0]);
+            finish(ErrorFormat::Human, false, |_| driver::new_job(&file, kind))
+        }
+        Some(Command::Fmt { jobs, check, error_format }) => {
+            finish(error_format, false, |_| driver::format(&Format { jobs, only_check: check }))
+        }
+        Some(Command::Machines(arguments)) => listed(LibraryKind::Machines, &arguments),
+        Some(Command::Tools(arguments)) => listed(LibraryKind::Tools, &arguments),
+        Some(Command::Posts(arguments)) => listed(LibraryKind::Posts, &arguments),
+        Some(Command::Completions { shell }) => {
+            let mut text = Vec::new();
+            clap_complete::generate(shell, &mut Arguments::command(), "impellerc", &mut text);
+            printed(&text)
+        }
+        Some(Command::Man) => manual(),
         Some(Command::Check { job, post, machine, memory, reading }) => {
             let ReadingArguments { library, curves, timings, error_format } = reading;
             let run = RunOptions { library, curves, post, machine, memory, ..RunOptions::default() };
@@ -533,6 +463,33 @@ fn main() -> ExitCode {
             finish(format, timings, |stages| driver::compile(&options, stages))
         }
     }
+}
+
+/// Lists the library, or shows a file of it.
+fn listed(kind: LibraryKind, arguments: &LibraryArguments) -> ExitCode {
+    let LibraryArguments { name, library } = arguments;
+    finish(ErrorFormat::Human, false, |_| driver::list_library(kind, name.as_deref(), library.as_deref()))
+}
+
+/// Prints the manual page: that of the command, and behind it those of its commands.
+fn manual() -> ExitCode {
+    let mut command = Arguments::command();
+    command.build();
+    let mut text = Vec::new();
+    // Writing to memory does not fail.
+    let _ = clap_mangen::Man::new(command.clone()).render(&mut text);
+    for sub in command.get_subcommands().filter(|sub| sub.get_name() != "help") {
+        let name = format!("impellerc {}", sub.get_name());
+        let _ = clap_mangen::Man::new(sub.clone().display_name(name)).render(&mut text);
+    }
+    printed(&text)
+}
+
+/// Writes to standard output, with the exit code for the shell.
+fn printed(text: &[u8]) -> ExitCode {
+    let mut out = std::io::stdout().lock();
+    let written = out.write_all(text).and_then(|()| out.flush()).is_ok();
+    ended(if written { Exit::Holds } else { Exit::File })
 }
 
 /// Most letters by which a word differs from the command that was meant.

@@ -1,0 +1,88 @@
+//! `impellerc new`: a commented job that compiles, to begin with.
+
+use super::{Outcome, or_reported, shown_path};
+use crate::diag::codes::files;
+use crate::diag::{Aborted, Diag};
+use crate::output::Outputs;
+use std::path::{Path, PathBuf};
+
+/// A job to begin with.
+#[derive(Clone, Copy, Debug)]
+pub struct Beginning {
+    /// Its word on the command line.
+    pub name: &'static str,
+    /// What it is.
+    pub about: &'static str,
+    text: &'static str,
+}
+
+/// All jobs to begin with. The first one is the default.
+pub const BEGINNINGS: [Beginning; 3] = [
+    Beginning {
+        name: "vanes",
+        about: "eight ruled vanes from curves of points, all operations",
+        text: include_str!("../../jobs/new/vanes.imp"),
+    },
+    Beginning {
+        name: "pump",
+        about: "a pump wheel with five long vanes, roughed with three tools",
+        text: include_str!("../../jobs/pump/pump.imp"),
+    },
+    Beginning {
+        name: "turbo",
+        about: "a compressor wheel with splitters, written by angles and thicknesses",
+        text: include_str!("../../jobs/splitter/splitter.imp"),
+    },
+];
+
+/// Writes a job of this kind to a file that does not exist yet. Its part gets the name of the file.
+pub fn new_job(file: &Path, kind: &Beginning) -> Outcome {
+    let mut outcome = Outcome::default();
+    // The reason is in the sink.
+    let _ = run(file, kind, &mut outcome);
+    outcome
+}
+
+fn run(file: &Path, kind: &Beginning, outcome: &mut Outcome) -> Result<(), Aborted> {
+    let file = if file.extension().is_none() { file.with_extension("imp") } else { file.to_path_buf() };
+    if std::fs::symlink_metadata(&file).is_ok() {
+        outcome.sink.push(
+            Diag::error(files::CANNOT_WRITE, format!("{} exists already", shown_path(&file)))
+                .note("nothing was written; no file was changed")
+                .help("give a name that no file has"),
+        );
+        return Err(Aborted);
+    }
+    let text = named(kind.text, &file);
+    let mut outputs = Outputs::default();
+    or_reported(outputs.announce("new", &file), &mut outcome.sink)?;
+    or_reported(outputs.stage("new", &file, text.as_bytes()), &mut outcome.sink)?;
+    or_reported(outputs.commit(), &mut outcome.sink)?;
+    outcome.emitted = Some(next_steps(&file, kind));
+    Ok(())
+}
+
+/// The job with the stem of the file as the name of its part, where the stem is a name of the language.
+fn named(text: &str, file: &Path) -> String {
+    let stem = file.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
+    let letters = stem.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+    if !letters || !stem.starts_with(|c: char| c.is_ascii_alphabetic()) {
+        return text.to_owned();
+    }
+    let lines = text
+        .lines()
+        .map(|line| if line.starts_with("part ") { format!("part {stem} {{\n") } else { format!("{line}\n") });
+    lines.collect()
+}
+
+fn next_steps(file: &Path, kind: &Beginning) -> String {
+    let shown = |path: PathBuf| shown_path(&path);
+    let job = shown_path(file);
+    format!(
+        "wrote {job}: {}\n\
+         impellerc check {job}    judges text, machine and part without a plan\n\
+         impellerc {job} -o {}    plans, verifies and writes the NC program\n",
+        kind.about,
+        shown(file.with_extension("nc")),
+    )
+}
