@@ -3,6 +3,7 @@
 mod import;
 mod job_check;
 mod job_format;
+mod language_service;
 mod library;
 mod library_list;
 mod nc_check;
@@ -40,6 +41,7 @@ use crate::{analysis, job, lower};
 pub use import::{Import, import};
 pub use job_check::check;
 pub use job_format::{Format, format};
+pub use language_service::serve;
 pub use library::DiskFiles;
 pub use library_list::{LibraryKind, list_library};
 pub use nc_check::{NcCheck, verify};

@@ -50,6 +50,7 @@ pub mod import;
 pub mod ir;
 pub mod job;
 pub mod kin;
+pub mod language;
 pub mod lower;
 pub mod material;
 pub mod method;

@@ -246,6 +246,12 @@ enum Command {
         #[arg(long, value_enum, default_value = "human", value_name = "FORMAT")]
         error_format: ErrorFormat,
     },
+    /// Serves editors over standard input and output, by the language server protocol
+    Lsp {
+        /// Search this folder first for machine, tool and post files (subfolders `machines`, `tools` and `posts`)
+        #[arg(long, value_name = "DIR")]
+        library: Option<PathBuf>,
+    },
     /// Lists the machines that jobs can use, with where they come from, or shows the file of one
     #[command(after_help = TEXT_CODES)]
     Machines(LibraryArguments),
@@ -404,6 +410,7 @@ fn main() -> ExitCode {
         Some(Command::Fmt { jobs, check, error_format }) => {
             finish(error_format, false, |_| driver::format(&Format { jobs, only_check: check }))
         }
+        Some(Command::Lsp { library }) => language_server(library),
         Some(Command::Machines(arguments)) => listed(LibraryKind::Machines, &arguments),
         Some(Command::Tools(arguments)) => listed(LibraryKind::Tools, &arguments),
         Some(Command::Posts(arguments)) => listed(LibraryKind::Posts, &arguments),
@@ -461,6 +468,22 @@ fn main() -> ExitCode {
                 run: run.options(post),
             };
             finish(format, timings, |stages| driver::compile(&options, stages))
+        }
+    }
+}
+
+/// Serves an editor until it ends the service.
+fn language_server(library: Option<PathBuf>) -> ExitCode {
+    let (connection, threads) = lsp_server::Connection::stdio();
+    let served = driver::serve(&connection, library);
+    // The threads end when both ends of the connection are gone.
+    drop(connection);
+    let ended_well = served.and_then(|()| threads.join().map_err(|e| e.to_string()));
+    match ended_well {
+        Ok(()) => ended(Exit::Holds),
+        Err(reason) => {
+            say(&format!("the language service ended: {reason}\n"));
+            ended(Exit::File)
         }
     }
 }

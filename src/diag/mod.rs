@@ -79,6 +79,8 @@ pub struct Diag {
     pub fix: Option<Fix>,
     /// Place on the part.
     pub place: Option<Place>,
+    /// Words that are known where an unknown one stands. Editors offer them; reports leave them out.
+    pub known: Vec<String>,
 }
 
 /// A text of several lines for a terminal. Names and contents of files may hold characters that control the terminal;
@@ -98,6 +100,7 @@ impl Diag {
             notes: Vec::new(),
             fix: None,
             place: None,
+            known: Vec::new(),
         }
     }
 
@@ -127,6 +130,13 @@ impl Diag {
     #[must_use]
     pub fn help(mut self, help: impl Into<String>) -> Self {
         self.help = Some(help.into());
+        self
+    }
+
+    /// Sets the words that are known where an unknown one stands.
+    #[must_use]
+    pub fn known<'a>(mut self, words: impl IntoIterator<Item = &'a str>) -> Self {
+        self.known = words.into_iter().map(str::to_owned).collect();
         self
     }
 

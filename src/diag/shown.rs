@@ -49,6 +49,7 @@ pub(super) fn bounded(diag: &Diag) -> Diag {
         // A change of the text is kept only as a whole.
         fix: diag.fix.clone().filter(|f| f.replacement.len() <= LONGEST_TEXT),
         place: diag.place.as_ref().map(place),
+        known: diag.known.clone(),
     }
 }
 

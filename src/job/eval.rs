@@ -213,7 +213,7 @@ fn apply(
 /// The diagnostic for an unknown unit.
 pub(super) fn unknown_unit(unit: &Name) -> Diag {
     let units = unit_names();
-    let diag = Diag::error(codes::UNKNOWN_UNIT, format!("`{}` is not a unit", unit.text));
+    let diag = Diag::error(codes::UNKNOWN_UNIT, format!("`{}` is not a unit", unit.text)).known(units.iter().copied());
     match nearest(&unit.text, units.iter().copied()) {
         Some(near) => diag
             .label(unit.span, format!("did you mean `{near}`?"))
@@ -248,6 +248,7 @@ pub(super) fn unknown<'a>(text: &str, span: Span, kind: &str, known: impl Iterat
 
 /// Adds label, help and fix to a diagnostic about an unknown word.
 pub(super) fn suggest(diag: Diag, text: &str, span: Span, kind: &str, known: &[&str]) -> Diag {
+    let diag = diag.known(known.iter().copied());
     match nearest(text, known.iter().copied()) {
         Some(near) => {
             diag.label(span, format!("did you mean `{near}`?")).help(format!("write `{near}`")).fix(span, near)

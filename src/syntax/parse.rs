@@ -109,7 +109,8 @@ fn unknown_item(source: SourceId, piece: &ItemText, slice: &str, word: &str) -> 
     let start = piece.range.start;
     let length = if word.is_empty() { slice.chars().next().map_or(0, char::len_utf8) } else { word.len() };
     let shown = &slice[..length];
-    let diag = Diag::error(codes::UNKNOWN_ITEM, format!("`{shown}` is not the name of an item"));
+    let diag =
+        Diag::error(codes::UNKNOWN_ITEM, format!("`{shown}` is not the name of an item")).known(ITEMS.iter().copied());
     let span = Span::new(source, start..start + length);
     match ITEMS.iter().map(|i| (strsim::damerau_levenshtein(word, i), i)).min() {
         Some((distance, item)) if distance <= 2 && !word.is_empty() => {

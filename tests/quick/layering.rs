@@ -29,6 +29,7 @@ const MAY: &[(&str, &[&str])] = &[
     ("syntax", &[]),
     ("job", &["syntax", "import", "sections", "part", "stock"]),
     ("ir", &["part", "geom", "kin", "collide"]),
+    ("language", &["job", "syntax"]),
     ("lower", &["job", "ir", "part", "sections", "geom", "kin", "collide"]),
     ("analysis", &["envelope", "ir", "part", "geom", "kin", "collide"]),
     ("passes", &["analysis", "ir", "part", "geom", "kin", "collide", "stock", "envelope", "orient"]),

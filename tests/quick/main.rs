@@ -35,6 +35,7 @@ mod import;
 mod job_format;
 mod kept;
 mod language;
+mod language_service;
 mod larger_balls;
 mod layering;
 mod leads;

@@ -1,0 +1,40 @@
+//! What an editor asks about a text of the job language: diagnostics, words that fit a place, meanings, definitions, outline.
+//!
+//! Nothing here reads the disk or knows a protocol: files come through [`Files`], places are bytes of the text, and
+//! [`Positions`] turns them into lines and columns of an editor.
+
+mod complete;
+mod navigate;
+mod positions;
+
+pub use complete::words_at;
+pub use navigate::{Meaning, Outlined, definition, folds, meaning, outline};
+pub use positions::{Position, Positions};
+
+use crate::diag::{Diag, Sink};
+use crate::job::{self, Files};
+use crate::source::{SourceId, SourceMap};
+use crate::syntax::ast::File;
+
+/// A text as the front end sees it.
+#[derive(Debug)]
+pub struct Understood {
+    /// The texts; the first one is that of the job.
+    pub sources: SourceMap,
+    /// Its tree.
+    pub tree: File,
+    /// What the front end says of it.
+    pub diags: Vec<Diag>,
+}
+
+/// The text of the job in [`Understood`].
+pub const JOB: SourceId = SourceId(0);
+
+/// Reads a text with the front end, which needs some milliseconds.
+pub fn understand(name: &str, text: &str, files: &mut dyn Files) -> Understood {
+    let (mut sources, mut sink) = (SourceMap::default(), Sink::default());
+    let source = sources.add(name, text);
+    let tree = crate::syntax::parse(text, source, &mut sink);
+    job::understand(&tree, files, &mut sources, &mut sink);
+    Understood { sources, tree, diags: sink.diags().to_vec() }
+}
