@@ -33,7 +33,8 @@ struct Document {
 struct Judged {
     /// Version of the text that the editor has; `None` when the file was closed.
     version: Option<i64>,
-    wanted: bool,
+    /// The text that the editor had when it asked for the last time, where no thread has taken it yet.
+    wanted: Option<String>,
     running: bool,
 }
 
@@ -160,7 +161,7 @@ impl Service<'_> {
         let Some(document) = self.documents.get(uri) else { return };
         {
             let mut judged = lock(&document.judged);
-            judged.wanted = true;
+            judged.wanted = Some(document.text.clone());
             if judged.running {
                 return;
             }
@@ -171,17 +172,16 @@ impl Service<'_> {
         let (uri, shared, sender) = (uri.to_owned(), Arc::clone(&document.judged), self.connection.sender.clone());
         std::thread::spawn(move || {
             loop {
-                let version = {
+                let (version, text) = {
                     let mut judged = lock(&shared);
-                    judged.running = judged.wanted && judged.version.is_some();
-                    judged.wanted = false;
-                    match judged.version {
-                        Some(version) if judged.running => version,
-                        _ => return,
-                    }
+                    let next = judged.version.zip(judged.wanted.take());
+                    judged.running = next.is_some();
+                    let Some(next) = next else { return };
+                    next
                 };
                 let outcome = check(&options, &mut Stages::default());
-                let Some(file) = outcome.sources.get(JOB) else { continue };
+                // An editor can show a text that is not saved: places of the file are not places of this text.
+                let Some(file) = outcome.sources.get(JOB).filter(|file| file.text == text) else { continue };
                 let diags = diagnostics(outcome.sink.diags(), &outcome.sources, &file.text, &uri);
                 let judged = lock(&shared);
                 // The editor is gone when nothing can be sent.

@@ -20,6 +20,7 @@ mod circles;
 mod command_line;
 mod contracts;
 mod cost;
+mod documents;
 mod engagement;
 mod envelope;
 mod error_formats;
