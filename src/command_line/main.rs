@@ -510,9 +510,7 @@ fn manual() -> ExitCode {
 
 /// Writes to standard output, with the exit code for the shell.
 fn printed(text: &[u8]) -> ExitCode {
-    let mut out = std::io::stdout().lock();
-    let written = out.write_all(text).and_then(|()| out.flush()).is_ok();
-    ended(if written { Exit::Holds } else { Exit::File })
+    ended(if print(text) { Exit::Holds } else { Exit::File })
 }
 
 /// Most letters by which a word differs from the command that was meant.
@@ -577,7 +575,7 @@ fn finish(format: ErrorFormat, timings: bool, work: impl FnOnce(&mut Stages) -> 
     if timings && matches!(format, ErrorFormat::Human | ErrorFormat::Json) {
         say(&stages.report());
     }
-    let written = outcome.emitted.is_none_or(|text| print(&text));
+    let written = outcome.emitted.is_none_or(|text| print(text.as_bytes()));
     let exit = Exit::of_run(sink);
     ended(if written { exit } else { exit.max(Exit::File) })
 }
@@ -598,7 +596,7 @@ fn explain(code: Option<&str>) -> ExitCode {
             format!("{}: {}\n\n{}\n", found.id(), found.0.title, found.0.page.trim_end())
         }
     };
-    ended(if print(&text) { Exit::Holds } else { Exit::File })
+    printed(text.as_bytes())
 }
 
 /// The exit code for the shell.
@@ -607,9 +605,9 @@ fn ended(exit: Exit) -> ExitCode {
 }
 
 /// Writes to standard output; false when the output was closed, as by `head`.
-fn print(text: &str) -> bool {
+fn print(text: &[u8]) -> bool {
     let mut out = std::io::stdout().lock();
-    out.write_all(text.as_bytes()).and_then(|()| out.flush()).is_ok()
+    out.write_all(text).and_then(|()| out.flush()).is_ok()
 }
 
 /// Writes to standard error; a failure cannot be reported anywhere.

@@ -1,6 +1,6 @@
 //! `impellerc fmt`: jobs in their usual form.
 
-use super::{MAX_JOB, Outcome, read_job, shown_path};
+use super::{MAX_JOB, Outcome, read_job, save, shown_path};
 use crate::diag::codes::{files, syntax};
 use crate::diag::{Aborted, Diag, Sink};
 use crate::output::Outputs;
@@ -40,10 +40,7 @@ fn run(options: &Format, outcome: &mut Outcome) -> Result<(), Aborted> {
     let mut faults = false;
     for path in &options.jobs {
         match formatted(path, stdin, outcome) {
-            Ok((before, after)) if stdin && !options.only_check => {
-                drop(before);
-                outcome.emitted = Some(after);
-            }
+            Ok((_, after)) if stdin && !options.only_check => outcome.emitted = Some(after),
             Ok((before, after)) if before != after => changed.push((path, after)),
             Ok(_) => {}
             Err(Aborted) => faults = true,
@@ -108,8 +105,5 @@ fn written(changed: &[(&Path, String)]) -> Result<(), Diag> {
     for (path, _) in changed {
         outputs.announce("fmt", path)?;
     }
-    for (path, text) in changed {
-        outputs.stage("fmt", path, text.as_bytes())?;
-    }
-    outputs.commit()
+    save(outputs, changed.iter().map(|(path, text)| ("fmt", *path, text.as_bytes())))
 }

@@ -24,13 +24,13 @@ struct Document {
     understood: Understood,
     /// True when the text changed since the front end read it.
     changed: bool,
-    judged: Arc<Mutex<Judged>>,
+    judged: Arc<Mutex<FileJudgement>>,
 }
 
 /// What the thread that judges a file and the service share. Diagnostics are sent while it is locked, so that those of an
 /// older text never come last.
 #[derive(Debug, Default)]
-struct Judged {
+struct FileJudgement {
     /// Version of the text that the editor has; `None` when the file was closed.
     version: Option<i64>,
     /// The text that the editor had when it asked for the last time, where no thread has taken it yet.
@@ -45,7 +45,7 @@ struct Service<'c> {
     documents: BTreeMap<String, Document>,
 }
 
-fn lock(judged: &Mutex<Judged>) -> MutexGuard<'_, Judged> {
+fn lock(judged: &Mutex<FileJudgement>) -> MutexGuard<'_, FileJudgement> {
     judged.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

@@ -1,6 +1,6 @@
 //! `impellerc new`: a commented job that compiles, to begin with.
 
-use super::{Outcome, or_reported, shown_path};
+use super::{Outcome, or_reported, save, shown_path};
 use crate::diag::codes::files;
 use crate::diag::{Aborted, Diag};
 use crate::output::Outputs;
@@ -56,8 +56,8 @@ fn run(file: &Path, kind: &Beginning, outcome: &mut Outcome) -> Result<(), Abort
     let text = named(kind.text, &file);
     let mut outputs = Outputs::default();
     or_reported(outputs.announce("new", &file), &mut outcome.sink)?;
-    or_reported(outputs.stage("new", &file, text.as_bytes()), &mut outcome.sink)?;
-    or_reported(outputs.commit(), &mut outcome.sink)?;
+    let written = save(outputs, std::iter::once(("new", file.as_path(), text.as_bytes())));
+    or_reported(written, &mut outcome.sink)?;
     outcome.emitted = Some(next_steps(&file, kind));
     Ok(())
 }

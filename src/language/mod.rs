@@ -15,6 +15,7 @@ use crate::diag::{Diag, Sink};
 use crate::job::{self, Files};
 use crate::source::{SourceId, SourceMap};
 use crate::syntax::ast::File;
+use std::ops::Range;
 
 /// A text as the front end sees it.
 #[derive(Debug)]
@@ -29,6 +30,17 @@ pub struct Understood {
 
 /// The text of the job in [`Understood`].
 pub const JOB: SourceId = SourceId(0);
+
+/// The bytes of the word round a place. A place inside of a letter is the beginning of the letter.
+fn word_round(text: &str, at: usize, of_word: impl Fn(char) -> bool) -> Range<usize> {
+    let mut at = at.min(text.len());
+    while !text.is_char_boundary(at) {
+        at -= 1;
+    }
+    // Letters of words have one byte each.
+    let start = at - text[..at].chars().rev().take_while(|c| of_word(*c)).count();
+    start..at + text[at..].chars().take_while(|c| of_word(*c)).count()
+}
 
 /// Reads a text with the front end, which needs some milliseconds.
 pub fn understand(name: &str, text: &str, files: &mut dyn Files) -> Understood {

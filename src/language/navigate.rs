@@ -1,6 +1,6 @@
 //! Places of a text that belong together: names and their definitions, items, blocks.
 
-use super::{JOB, Understood};
+use super::{JOB, Understood, word_round};
 use crate::source::Span;
 use crate::syntax::ast::{File, Item, ItemKind, Name, ToolSource};
 use std::ops::Range;
@@ -32,13 +32,9 @@ fn given(item: &Item) -> Option<&Name> {
     }
 }
 
-/// The bytes of the word at a place.
+/// The bytes of the name at a place.
 fn word(text: &str, at: usize) -> Range<usize> {
-    let at = at.min(text.len());
-    let of_word = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_');
-    let Some(before) = text.get(..at) else { return at..at };
-    let start = at - before.chars().rev().take_while(|c| of_word(*c)).count();
-    start..at + text[at..].chars().take_while(|c| of_word(*c)).count()
+    word_round(text, at, |c| c.is_ascii_alphanumeric() || matches!(c, '-' | '_'))
 }
 
 /// The item that gives the name at a place, and the bytes of the name in it.

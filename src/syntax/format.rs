@@ -36,10 +36,10 @@ pub fn format(text: &str, source: SourceId, sink: &mut Sink) -> Result<String, U
         return Err(Unformatted::Faulty);
     }
     let tokens = tokens(text);
-    let lines = Layout { starts: starts(&before), text, tokens: &tokens }.lines();
+    let lines = JobLayout { starts: starts(&before), text, tokens: &tokens }.lines();
     let formatted = written(lines);
     let after = parse(&formatted, source, &mut Sink::default());
-    let texts = |text: &str, tokens: &[Token]| -> Vec<String> {
+    let texts = |text: &str, tokens: &[FormToken]| -> Vec<String> {
         tokens.iter().map(|token| text[token.range.clone()].to_owned()).collect()
     };
     let same = !after.faulty
@@ -55,7 +55,7 @@ fn without_places(file: &File) -> Vec<String> {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
+enum TokenKind {
     Comment,
     Text,
     Open(u8),
@@ -66,8 +66,8 @@ enum Kind {
 }
 
 #[derive(Clone, Debug)]
-struct Token {
-    kind: Kind,
+struct FormToken {
+    kind: TokenKind,
     range: Range<usize>,
     /// True when nothing stands between it and the token before.
     glued: bool,
@@ -76,22 +76,22 @@ struct Token {
 }
 
 /// Length of the token at the beginning of a text, and its kind.
-fn token(text: &str) -> (Kind, usize) {
+fn token(text: &str) -> (TokenKind, usize) {
     let bytes = text.as_bytes();
     let until_line_end = || text.find('\n').unwrap_or(text.len());
     match bytes[0] {
-        b'/' if bytes.get(1) == Some(&b'/') => (Kind::Comment, text[..until_line_end()].trim_end().len()),
+        b'/' if bytes.get(1) == Some(&b'/') => (TokenKind::Comment, text[..until_line_end()].trim_end().len()),
         // A text ends in its line; the parser refuses others.
-        b'"' => (Kind::Text, text[1..].find('"').map_or_else(until_line_end, |end| end + 2)),
-        open @ (b'{' | b'[' | b'(') => (Kind::Open(open), 1),
-        close @ (b'}' | b']' | b')') => (Kind::Close(close), 1),
-        b',' => (Kind::Comma, 1),
+        b'"' => (TokenKind::Text, text[1..].find('"').map_or_else(until_line_end, |end| end + 2)),
+        open @ (b'{' | b'[' | b'(') => (TokenKind::Open(open), 1),
+        close @ (b'}' | b']' | b')') => (TokenKind::Close(close), 1),
+        b',' => (TokenKind::Comma, 1),
         b'<' | b'>' | b'=' => {
-            (Kind::Relation, bytes.iter().take(2).take_while(|b| matches!(b, b'<' | b'>' | b'=')).count())
+            (TokenKind::Relation, bytes.iter().take(2).take_while(|b| matches!(b, b'<' | b'>' | b'=')).count())
         }
         _ => {
             let ends = |(i, c): (usize, char)| is_blank(c) || "{}[](),\"<>=".contains(c) || text[i..].starts_with("//");
-            (Kind::Word, text.char_indices().find(|at| ends(*at)).map_or(text.len(), |(i, _)| i))
+            (TokenKind::Word, text.char_indices().find(|at| ends(*at)).map_or(text.len(), |(i, _)| i))
         }
     }
 }
@@ -101,7 +101,7 @@ fn is_blank(c: char) -> bool {
     matches!(c, ' ' | '\t' | '\r' | '\n' | '\u{FEFF}')
 }
 
-fn tokens(text: &str) -> Vec<Token> {
+fn tokens(text: &str) -> Vec<FormToken> {
     let mut found = Vec::new();
     let mut at = 0;
     loop {
@@ -112,7 +112,7 @@ fn tokens(text: &str) -> Vec<Token> {
         let start = text.len() - rest.len();
         let (kind, length) = token(rest);
         let line_ends = text[at..start].matches('\n').count();
-        found.push(Token { kind, range: start..start + length, glued: at == start && at > 0, line_ends });
+        found.push(FormToken { kind, range: start..start + length, glued: at == start && at > 0, line_ends });
         at = start + length;
     }
 }
@@ -148,10 +148,10 @@ fn entries(block: &Block, found: &mut BTreeSet<u32>) {
 
 /// A token of a line.
 #[derive(Clone, Debug)]
-struct Piece<'a> {
+struct LinePiece<'a> {
     /// Blanks before it; of the first one of a line, none.
     gap: usize,
-    kind: Kind,
+    kind: TokenKind,
     text: &'a str,
     /// True when an item or entry begins with it.
     starts: bool,
@@ -161,8 +161,8 @@ struct Piece<'a> {
 type Opening = (usize, usize);
 
 #[derive(Debug)]
-struct Line<'a> {
-    pieces: Vec<Piece<'a>>,
+struct JobLine<'a> {
+    pieces: Vec<LinePiece<'a>>,
     blank_before: bool,
     /// The innermost bracket that is open where the line begins.
     within: Option<Opening>,
@@ -170,60 +170,60 @@ struct Line<'a> {
     goes_on: bool,
 }
 
-struct Layout<'a> {
+struct JobLayout<'a> {
     starts: BTreeSet<u32>,
     text: &'a str,
-    tokens: &'a [Token],
+    tokens: &'a [FormToken],
 }
 
-impl<'a> Layout<'a> {
+impl<'a> JobLayout<'a> {
     /// The lines with the blanks between their tokens.
-    fn lines(&self) -> Vec<Line<'a>> {
-        let mut lines: Vec<Line<'a>> = Vec::new();
+    fn lines(&self) -> Vec<JobLine<'a>> {
+        let mut lines: Vec<JobLine<'a>> = Vec::new();
         let mut open: Vec<(Opening, u8)> = Vec::new();
         for (k, token) in self.tokens.iter().enumerate() {
             let starts = u32::try_from(token.range.start).is_ok_and(|at| self.starts.contains(&at));
             if k == 0 || token.line_ends > 0 {
                 let inner = open.last().copied();
                 let in_block = inner.is_none_or(|(_, bracket)| bracket == b'{');
-                let goes_on = in_block && !starts && !matches!(token.kind, Kind::Comment | Kind::Close(_));
+                let goes_on = in_block && !starts && !matches!(token.kind, TokenKind::Comment | TokenKind::Close(_));
                 let after_opening =
-                    lines.last().and_then(|l| l.pieces.last()).is_none_or(|p| matches!(p.kind, Kind::Open(_)));
-                let closes = matches!(token.kind, Kind::Close(_));
+                    lines.last().and_then(|l| l.pieces.last()).is_none_or(|p| matches!(p.kind, TokenKind::Open(_)));
+                let closes = matches!(token.kind, TokenKind::Close(_));
                 let blank_before = token.line_ends > 1 && !after_opening && !closes;
-                lines.push(Line { pieces: Vec::new(), blank_before, within: inner.map(|(o, _)| o), goes_on });
+                lines.push(JobLine { pieces: Vec::new(), blank_before, within: inner.map(|(o, _)| o), goes_on });
             }
             let number = lines.len() - 1;
             let Some(line) = lines.last_mut() else { continue };
             let gap = line.pieces.last().map_or(0, |before| gap(before, token, starts));
             match token.kind {
-                Kind::Open(bracket) => open.push(((number, line.pieces.len()), bracket)),
-                Kind::Close(_) => {
+                TokenKind::Open(bracket) => open.push(((number, line.pieces.len()), bracket)),
+                TokenKind::Close(_) => {
                     open.pop();
                 }
                 _ => {}
             }
-            line.pieces.push(Piece { gap, kind: token.kind, text: &self.text[token.range.clone()], starts });
+            line.pieces.push(LinePiece { gap, kind: token.kind, text: &self.text[token.range.clone()], starts });
         }
         lines
     }
 }
 
 /// Blanks between two tokens of a line.
-fn gap(before: &Piece<'_>, token: &Token, starts: bool) -> usize {
+fn gap(before: &LinePiece<'_>, token: &FormToken, starts: bool) -> usize {
     match (before.kind, token.kind) {
-        (_, Kind::Comment) => WIDE,
-        (_, Kind::Comma) | (Kind::Open(b'[' | b'('), _) | (_, Kind::Close(b']' | b')')) => 0,
-        (Kind::Open(b'{'), _) => 1,
+        (_, TokenKind::Comment) => WIDE,
+        (_, TokenKind::Comma) | (TokenKind::Open(b'[' | b'('), _) | (_, TokenKind::Close(b']' | b')')) => 0,
+        (TokenKind::Open(b'{'), _) => 1,
         _ if starts => WIDE,
-        (Kind::Comma | Kind::Relation | Kind::Close(b'}'), _)
-        | (_, Kind::Relation | Kind::Open(b'{') | Kind::Close(b'}')) => 1,
-        (Kind::Close(b']'), _) | (Kind::Close(b')'), Kind::Open(b'(')) => 1,
+        (TokenKind::Comma | TokenKind::Relation | TokenKind::Close(b'}'), _)
+        | (_, TokenKind::Relation | TokenKind::Open(b'{') | TokenKind::Close(b'}')) => 1,
+        (TokenKind::Close(b']'), _) | (TokenKind::Close(b')'), TokenKind::Open(b'(')) => 1,
         _ => usize::from(!token.glued),
     }
 }
 
-impl Line<'_> {
+impl JobLine<'_> {
     /// Columns from the first piece to the piece of a number, which is left out.
     fn width(&self, until: usize) -> usize {
         self.pieces[..until].iter().map(|piece| piece.gap + piece.text.chars().count()).sum()
@@ -232,10 +232,10 @@ impl Line<'_> {
     /// The piece that stands below that of the line before, and the word that both lines begin with.
     fn aligned(&self) -> Option<(&str, usize)> {
         let first = self.pieces.first().filter(|piece| piece.starts)?;
-        let find = |kind: Kind| self.pieces.iter().position(|piece| piece.kind == kind);
+        let find = |kind: TokenKind| self.pieces.iter().position(|piece| piece.kind == kind);
         match first.text {
-            "require" | "let" | "tool" => Some((first.text, find(Kind::Relation)?)),
-            "use" => Some((first.text, find(Kind::Text)?)),
+            "require" | "let" | "tool" => Some((first.text, find(TokenKind::Relation)?)),
+            "use" => Some((first.text, find(TokenKind::Text)?)),
             _ => {
                 let word = self.pieces.get(1)?.text;
                 ["spline", "revolve", "loop", "loops"].contains(&word).then_some((word, 1))
@@ -252,21 +252,22 @@ impl Line<'_> {
     /// The piece before which blanks move the entry of a number: its brace, where it is the first one of a block.
     fn entry(&self, number: usize) -> Option<usize> {
         let (piece, _) = self.pieces.iter().enumerate().filter(|(_, piece)| piece.starts).nth(number)?;
-        let brace = piece > 1 && self.pieces[piece - 1].kind == Kind::Open(b'{');
+        let brace = piece > 1 && self.pieces[piece - 1].kind == TokenKind::Open(b'{');
         Some(if brace { piece - 1 } else { piece })
     }
 
     /// First pieces of the coordinates, where the line is one point of a list.
     fn coordinates(&self) -> Option<Vec<Range<usize>>> {
         let (first, last) = (self.pieces.first()?, self.pieces.last()?);
-        let brackets = self.pieces.iter().filter(|p| matches!(p.kind, Kind::Open(_) | Kind::Close(_))).count();
-        if first.kind != Kind::Open(b'(') || last.kind != Kind::Close(b')') || brackets != 2 {
+        let brackets =
+            self.pieces.iter().filter(|p| matches!(p.kind, TokenKind::Open(_) | TokenKind::Close(_))).count();
+        if first.kind != TokenKind::Open(b'(') || last.kind != TokenKind::Close(b')') || brackets != 2 {
             return None;
         }
         let mut from = 1;
         let mut found = Vec::new();
         for k in 1..self.pieces.len() {
-            if self.pieces[k].kind == Kind::Comma || k + 1 == self.pieces.len() {
+            if self.pieces[k].kind == TokenKind::Comma || k + 1 == self.pieces.len() {
                 found.push(from..k);
                 from = k + 1;
             }
@@ -276,7 +277,10 @@ impl Line<'_> {
 }
 
 /// Runs of successive lines without a blank line between, in the same bracket, which `key` puts together.
-fn runs<'l, 't, K: PartialEq>(lines: &'l [Line<'t>], key: impl Fn(&'l Line<'t>) -> Option<K>) -> Vec<Range<usize>> {
+fn runs<'l, 't, K: PartialEq>(
+    lines: &'l [JobLine<'t>],
+    key: impl Fn(&'l JobLine<'t>) -> Option<K>,
+) -> Vec<Range<usize>> {
     let mut found: Vec<Range<usize>> = Vec::new();
     let mut before: Option<K> = None;
     for (k, line) in lines.iter().enumerate() {
@@ -294,8 +298,8 @@ fn runs<'l, 't, K: PartialEq>(lines: &'l [Line<'t>], key: impl Fn(&'l Line<'t>) 
 }
 
 /// Widens the gaps before a piece of each line so that these pieces stand below each other; the others of a run stay.
-fn below(lines: &mut [Line<'_>], piece: impl Fn(&Line<'_>) -> Option<usize>) {
-    let of = |line: &Line<'_>| piece(line).map(|piece| (piece, line.width(piece) + line.pieces[piece].gap));
+fn below(lines: &mut [JobLine<'_>], piece: impl Fn(&JobLine<'_>) -> Option<usize>) {
+    let of = |line: &JobLine<'_>| piece(line).map(|piece| (piece, line.width(piece) + line.pieces[piece].gap));
     let most = lines.iter().filter_map(of).map(|(_, column)| column).max().unwrap_or(0);
     for line in lines {
         if let Some((piece, column)) = of(line) {
@@ -306,14 +310,14 @@ fn below(lines: &mut [Line<'_>], piece: impl Fn(&Line<'_>) -> Option<usize>) {
 
 /// Puts below each other: the coordinates of points, the relations of requirements and the like, and the entries of lines
 /// that have the same entries.
-fn align(lines: &mut [Line<'_>]) {
+fn align(lines: &mut [JobLine<'_>]) {
     for run in runs(lines, |line| line.coordinates().map(|c| c.len())) {
-        let cell = |line: &Line<'_>, column: usize| {
+        let cell = |line: &JobLine<'_>, column: usize| {
             line.coordinates().and_then(|c| c.get(column).cloned()).filter(|cell| !cell.is_empty())
         };
         let columns = lines[run.start].coordinates().map_or(0, |c| c.len());
         for column in 0..columns {
-            let width = |line: &Line<'_>| {
+            let width = |line: &JobLine<'_>| {
                 cell(line, column)
                     .map(|c| (c.start, line.width(c.end) - line.width(c.start) - line.pieces[c.start].gap))
             };
@@ -328,7 +332,7 @@ fn align(lines: &mut [Line<'_>]) {
     for run in runs(lines, |line| line.aligned().map(|(word, _)| word.to_owned())) {
         below(&mut lines[run], |line| line.aligned().map(|(_, piece)| piece));
     }
-    for run in runs(lines, Line::words) {
+    for run in runs(lines, JobLine::words) {
         let entries = lines[run.start].words().map_or(0, |words| words.len());
         for number in 1..entries {
             below(&mut lines[run.clone()], |line| line.entry(number));
@@ -337,16 +341,16 @@ fn align(lines: &mut [Line<'_>]) {
 }
 
 /// Blanks before each line.
-fn indents(lines: &[Line<'_>]) -> Vec<usize> {
+fn indents(lines: &[JobLine<'_>]) -> Vec<usize> {
     let mut indents: Vec<usize> = Vec::new();
     for line in lines {
-        let closes = line.pieces.first().is_some_and(|piece| matches!(piece.kind, Kind::Close(_)));
+        let closes = line.pieces.first().is_some_and(|piece| matches!(piece.kind, TokenKind::Close(_)));
         let base = line.within.map_or(0, |(number, piece)| {
             let (outer, from) = (&lines[number], indents[number]);
             // A list that begins behind its bracket has its next lines below its first point.
-            let ends_line = outer.pieces.iter().rposition(|p| p.kind != Kind::Comment) == Some(piece);
+            let ends_line = outer.pieces.iter().rposition(|p| p.kind != TokenKind::Comment) == Some(piece);
             match outer.pieces[piece].kind {
-                Kind::Open(b'[' | b'(') if !ends_line => from + outer.width(piece) + outer.pieces[piece].gap + 1,
+                TokenKind::Open(b'[' | b'(') if !ends_line => from + outer.width(piece) + outer.pieces[piece].gap + 1,
                 _ if closes => from,
                 _ => from + LEVEL,
             }
@@ -357,9 +361,9 @@ fn indents(lines: &[Line<'_>]) -> Vec<usize> {
 }
 
 /// Puts the comments at the ends of successive lines below each other.
-fn align_comments(lines: &mut [Line<'_>], indents: &[usize]) {
+fn align_comments(lines: &mut [JobLine<'_>], indents: &[usize]) {
     let ends_in_comment =
-        |line: &Line<'_>| line.pieces.len() > 1 && line.pieces.last().is_some_and(|p| p.kind == Kind::Comment);
+        |line: &JobLine<'_>| line.pieces.len() > 1 && line.pieces.last().is_some_and(|p| p.kind == TokenKind::Comment);
     let mut k = 0;
     while k < lines.len() {
         let of_run = |i: &usize| ends_in_comment(&lines[*i]) && (*i == k || !lines[*i].blank_before);
@@ -376,7 +380,7 @@ fn align_comments(lines: &mut [Line<'_>], indents: &[usize]) {
 }
 
 /// The text of the lines.
-fn written(mut lines: Vec<Line<'_>>) -> String {
+fn written(mut lines: Vec<JobLine<'_>>) -> String {
     align(&mut lines);
     let indents = indents(&lines);
     align_comments(&mut lines, &indents);
