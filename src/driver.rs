@@ -565,7 +565,7 @@ impl Written {
         let Options { output, picture, certificate, run, source_map, setup_sheet, .. } = options;
         let image = picture.as_ref().map(|_| stages.run("picture", || picture::picture(shown.program, shown.motion)));
         let motion = shown.motion;
-        let shown = report::Shown { nc: Some(report::NcLines::written(&self.nc)), ..shown };
+        let shown = report::Shown { nc: Some(report::NcLines::written(&self.nc, &self.text)), ..shown };
         let html = run.report.as_ref().map(|_| report::html(&shown, stages, sink));
         let texts = [
             ("-o", output, Some(self.text.as_bytes())),

@@ -208,7 +208,7 @@ fn measure(
     let certificate = certificate?;
     contracts.clone_from(&certificate.contracts);
     let html = check.run.report.as_ref().map(|_| {
-        let nc = sources.get(source).map_or(0, |f| f.text.lines().count());
+        let nc = sources.get(source).map_or("", |f| f.text.as_str());
         let shown = report::Shown {
             program,
             motion: &motion.motion,

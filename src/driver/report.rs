@@ -17,8 +17,8 @@ pub(super) struct Shown<'a> {
     pub(super) notes: &'a [(String, String)],
     /// Stock after each operation.
     pub(super) stock: &'a [StockStage],
-    /// Lines of the NC text and the lines of its moves; `None` when a fault prevented the text.
-    pub(super) nc: Option<NcLines>,
+    /// The NC text and the lines of its moves; `None` when a fault prevented the text.
+    pub(super) nc: Option<NcLines<'a>>,
     pub(super) post: &'a str,
     pub(super) hash: &'a str,
 }
@@ -36,7 +36,7 @@ pub(super) fn html(shown: &Shown<'_>, stages: &mut Stages, sink: &Sink) -> Strin
             findings: sink.diags(),
             hash: shown.hash,
             post: shown.post,
-            nc_lines: shown.nc.as_ref().map(|nc| nc.count),
+            nc_text: shown.nc.as_ref().map(|nc| nc.text),
             lines: shown.nc.as_ref().map_or(&[], |nc| &nc.moves),
             notes: shown.notes,
             stock: shown.stock,
@@ -45,16 +45,16 @@ pub(super) fn html(shown: &Shown<'_>, stages: &mut Stages, sink: &Sink) -> Strin
 }
 
 /// Lines of the moves in NC text.
-pub(super) struct NcLines {
-    /// Number of lines of the text.
-    pub(super) count: usize,
+pub(super) struct NcLines<'a> {
+    /// The text.
+    pub(super) text: &'a str,
     /// Operation, move and line (from 1), in order.
     pub(super) moves: Vec<(u32, u32, u32)>,
 }
 
-impl NcLines {
+impl<'a> NcLines<'a> {
     /// Lines of a program that was written.
-    pub(super) fn written(nc: &NcProgram) -> Self {
+    pub(super) fn written(nc: &NcProgram, text: &'a str) -> Self {
         let mut moves = Vec::with_capacity(nc.lines.len());
         for (line, number) in nc.lines.iter().zip(1..) {
             let Some((operation, index)) = line.source else { continue };
@@ -63,16 +63,16 @@ impl NcLines {
             moves.extend(line.again.iter().map(|index| (operation, *index, number)));
         }
         moves.sort_unstable();
-        Self { count: nc.lines.len(), moves }
+        Self { text, moves }
     }
 
     /// Lines of a text that was read.
-    pub(super) fn read(nc: &NcMotion, count: usize) -> Self {
+    pub(super) fn read(nc: &NcMotion, text: &'a str) -> Self {
         let number = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         let of = |o: usize, lines: &[usize]| -> Vec<(u32, u32, u32)> {
             lines.iter().enumerate().map(|(i, line)| (number(o), number(i), number(*line))).collect()
         };
-        Self { count, moves: nc.lines.iter().enumerate().flat_map(|(o, lines)| of(o, lines)).collect() }
+        Self { text, moves: nc.lines.iter().enumerate().flat_map(|(o, lines)| of(o, lines)).collect() }
     }
 }
 

@@ -67,7 +67,7 @@ pub(super) fn simulated<T>(
             failed = outputs.stage("--stock", &path(folder, o, name), &mesh.stl(name)).err();
         }
         if let Some(stages) = &mut stages {
-            stages.push(stage(name, mesh, drawn.cell()));
+            stages.push(stage(o, name, mesh, drawn.cell()));
         }
     };
     let mut settings = Settings { cell, after: None };
@@ -87,12 +87,13 @@ pub(super) fn simulated<T>(
 /// What is left of the blank before the first operation, in the form of the report.
 pub(super) fn at_start(program: &Program) -> Option<StockStage> {
     let mesh = program.stock.left.as_deref()?.clone();
-    Some(StockStage { name: "at the start".to_owned(), positions: mesh.vertices, triangles: mesh.triangles, cell: 0.0 })
+    Some(StockStage { name: "at the start".to_owned(), positions: mesh.vertices, triangles: mesh.triangles, cell: 0.0, after: None })
 }
 
 /// Stock after an operation in the form of the report.
-fn stage(name: &str, mesh: Mesh, cell: f64) -> StockStage {
-    StockStage { name: format!("after {name}"), positions: mesh.vertices, triangles: mesh.triangles, cell }
+fn stage(operation: usize, name: &str, mesh: Mesh, cell: f64) -> StockStage {
+    let name = format!("after {name}");
+    StockStage { name, positions: mesh.vertices, triangles: mesh.triangles, cell, after: Some(operation) }
 }
 
 /// Mesh file of an operation. Its name begins with a number, so that a listing is in machining order.

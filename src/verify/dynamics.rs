@@ -24,7 +24,7 @@ mod active;
 mod by_linuxcnc;
 mod jerk;
 
-pub use active::{ActiveLimit, LimitRow, MotionLimit, rows};
+pub use active::{ActiveLimit, LimitRow, MotionLimit, MoveLimit, rows};
 
 use super::proof::piece::At;
 use crate::ir::motion::MotionOperation;
@@ -74,6 +74,9 @@ pub struct Run {
     pub programmed: [f64; 3],
     /// Time of cutting, links and rapids by active limit. The sum of all is `time`.
     pub limits: Vec<ActiveLimit>,
+    /// The limit of each move that takes time, in their order; not part of the file.
+    #[serde(skip)]
+    pub of_moves: Vec<MoveLimit>,
     /// Least share of the programmed feed that a cutting block reaches, and this block.
     pub slowest: Peak,
     /// Largest reached speed of X, Y, Z and the rotary axes, as a share of the limit.
@@ -244,6 +247,7 @@ impl Run {
         within_accelerations: [0.0; 3],
         programmed: [0.0; 3],
         limits: Vec::new(),
+        of_moves: Vec::new(),
         slowest: Peak { value: 1.0, at: None },
         speed: [Peak::NONE; 5],
         asked: [Peak::NONE; 5],
@@ -357,7 +361,7 @@ pub fn run(program: &Program, motion: &Motion, operation: usize, removal: &[f64]
     let operation = u32::try_from(operation).unwrap_or(u32::MAX);
     let mut errors = report.measure(&limits, &cells, &parts, operation, machine.cycle);
     let corner = |at: usize, rate: f64| jerk::corner_shares(&limits, &cells, at, rate * rate);
-    report.limits = ActiveTimes::of_run(&limits, &cells, &parts, corner).named(machine.names());
+    (report.limits, report.of_moves) = ActiveTimes::of_run(&limits, &cells, &parts, corner).named(machine.names());
     // Runs with a limit of jerk use smaller parts of the blocks, which may permit a faster run.
     for (least, time) in report.within_accelerations.iter_mut().zip(report.time) {
         *least = least.min(time);

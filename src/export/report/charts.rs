@@ -91,7 +91,7 @@ const AXIS_COLOURS: [[&str; 3]; 5] = [
 ];
 
 /// Colours of a limit and of the text on it.
-fn colour(limit: &str, names: [&str; 5]) -> (&'static str, &'static str) {
+pub(super) fn colour(limit: &str, names: [&str; 5]) -> (&'static str, &'static str) {
     let (axis, of) = limit.split_once(' ').unwrap_or((limit, ""));
     let tone = TONES.iter().position(|t| *t == of);
     match (names.iter().position(|n| *n == axis), tone) {

@@ -13,6 +13,13 @@ function bytes(id) {
   return out.buffer;
 }
 
+/** Bytes of an element with deflated data; nothing where there is none. */
+async function inflated(id) {
+  const packed = bytes(id);
+  if (!packed.byteLength) return packed;
+  return new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate'))).arrayBuffer();
+}
+
 const NOT_REACHED = 32767, NOT_MILLED = -32768;
 
 /** Deviation in um of a code. */
@@ -88,12 +95,13 @@ function placeGauge(joints, o) {
 }
 
 /** All moves: joints, tips, times, operation of each. */
-function loadMoves() {
-  const raw = new Float32Array(bytes('joints'));
-  const kinds = new Uint8Array(bytes('kinds'));
-  const indices = new Uint32Array(bytes('indices'));
-  const removal = new Float32Array(bytes('removal'));
-  const arcs = new Float32Array(bytes('arcs'));
+async function loadMoves() {
+  const raw = new Float32Array(await inflated('joints'));
+  const kinds = new Uint8Array(await inflated('kinds'));
+  const indices = new Uint32Array(await inflated('indices'));
+  const removal = new Float32Array(await inflated('removal'));
+  const arcs = new Float32Array(await inflated('arcs'));
+  const limiting = new Uint8Array(await inflated('limiting'));
   const count = kinds.length;
   const joints = [0, 1, 2, 3, 4].map(() => new Float32Array(count));
   const tips = new Float32Array(3 * count);
@@ -102,17 +110,23 @@ function loadMoves() {
   let time = 0;
   for (let i = 0; i < count; i++) {
     for (let k = 0; k < 5; k++) joints[k][i] = raw[6 * i + k];
-    tips.set(tipAt(...raw.subarray(6 * i, 6 * i + 5)), 3 * i);
+    const tip = tipAt(raw[6 * i], raw[6 * i + 1], raw[6 * i + 2], raw[6 * i + 3], raw[6 * i + 4]);
+    for (let k = 0; k < 3; k++) tips[3 * i + k] = tip[k];
     time += raw[6 * i + 5];
     end[i] = time;
   }
   data.paths.operations.forEach((o, k) => operation.fill(k, o.first, o.first + o.count));
   if (machine.rotary.some(([, , table]) => !table)) data.paths.operations.forEach(o => placeGauge(joints, o));
-  return { count, kinds, indices, removal, arcs, joints, tips, end, operation, total: time };
+  return { count, kinds, indices, removal, arcs, limiting, joints, tips, end, operation, total: time };
 }
 
 const part = loadPart();
-const moves = loadMoves();
+const NO_MOVES = {
+  count: 0, kinds: [], indices: [], removal: [], arcs: [], limiting: [], joints: [[], [], [], [], []], tips: [], end: [],
+  operation: [], total: 0,
+};
+/** The moves; none until the page has read them, which is after the first picture of the part. */
+let moves = NO_MOVES;
 
 /** Index of a move within its operation in the program. */
 const moveIndex = i => moves.indices.length ? moves.indices[i] : i - data.paths.operations[moves.operation[i]].first;
@@ -139,13 +153,30 @@ function entry(pairs, value) {
   return pairs[low - 1];
 }
 
+/** Index in its operation of the move of the program at a share of a move of the page, which may stand for several. */
+function programIndex(i, share) {
+  const to = moveIndex(i);
+  if (!moves.indices.length) return to;
+  const from = follows(i) ? moveIndex(i - 1) : -1;
+  return from + Math.max(1, Math.ceil((to - from) * share - 1e-6));
+}
+
+/** Line of the NC text of a move of the program, from 1; zero where there is none. */
+function lineOf(operation, index) {
+  const run = entry(data.paths.operations[operation].lines, index);
+  return run ? run[1] + index - run[0] : 0;
+}
+
+/** True when a move has one before it in its operation: the way to the first is the tool change. */
+const follows = i => i > 0 && moves.operation[i] === moves.operation[i - 1];
+
 /** Operation, pass, move and NC line of a move in words. */
-function describeMove(i) {
+function describeMove(i, share) {
   const o = data.paths.operations[moves.operation[i]];
   if (!o) return '';
-  const pass = entry(o.passes, i), index = moveIndex(i), run = entry(o.lines, index);
+  const pass = entry(o.passes, i), index = programIndex(i, share), line = lineOf(moves.operation[i], index);
   const kind = ['cut', 'link', 'rapid'][moves.kinds[i]];
-  return [o.name, pass && o.labels[pass[1]], `${kind}, move ${index}`, run && `NC line ${run[1] + index - run[0]}`]
+  return [o.name, pass && o.labels[pass[1]], `${kind}, move ${index}`, line && `NC line ${line}`]
     .filter(Boolean).join(' · ');
 }
 
@@ -161,14 +192,14 @@ function moveAt(time) {
 
 /** Joints at a share of a move; its end when it is the first of its operation. */
 function jointsOn(i, share) {
-  const first = i === 0 || moves.operation[i] !== moves.operation[i - 1];
+  const first = !follows(i);
   return moves.joints.map(j => first ? j[i] : j[i - 1] + (j[i] - j[i - 1]) * share);
 }
 
 /** Tip and axis at a share of a move: the tip straight, the rotary axes even. */
 function poseOn(i, share) {
   const q = jointsOn(i, share);
-  const first = i === 0 || moves.operation[i] !== moves.operation[i - 1];
+  const first = !follows(i);
   const tip = [0, 1, 2].map(k => {
     const to = moves.tips[3 * i + k];
     return first ? to : moves.tips[3 * i - 3 + k] + (to - moves.tips[3 * i - 3 + k]) * share;

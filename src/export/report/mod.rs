@@ -33,9 +33,16 @@ const ROUNDING: f64 = 1e-9;
 
 const TEMPLATE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
-/// In order: data, drawing, plots, then the response to the actions of the reader.
-const SCRIPTS: [&str; 4] =
-    [include_str!("data.js"), include_str!("scene.js"), include_str!("plots.js"), include_str!("page.js")];
+/// In order: data, drawing, plots, NC text, mouse and keys, then what the reader chooses and the start.
+const SCRIPTS: [&str; 7] = [
+    include_str!("data.js"),
+    include_str!("shaders.js"),
+    include_str!("scene.js"),
+    include_str!("plots.js"),
+    include_str!("nc.js"),
+    include_str!("pointer.js"),
+    include_str!("page.js"),
+];
 
 /// Share of the reached samples that the colour scale covers where no contract gives its end.
 const SCALE_SHARE: f64 = 0.99;
@@ -62,8 +69,8 @@ pub struct Input<'a> {
     pub hash: &'a str,
     /// Name of the dialect.
     pub post: &'a str,
-    /// Lines of the NC text; `None` when none was made.
-    pub nc_lines: Option<usize>,
+    /// NC text; `None` when none was made.
+    pub nc_text: Option<&'a str>,
     /// Operation, move and line (from 1) of the NC text, in order.
     pub lines: &'a [(u32, u32, u32)],
     /// Operation, and a decision of its planning.
@@ -176,8 +183,12 @@ struct MachineData<'a> {
 #[derive(Serialize)]
 struct Data<'a> {
     name: &'a str,
-    /// Ends of the scale: gouge and excess, mm.
+    /// Ends of the tolerance: gouge and excess, mm.
     scale: [f64; 2],
+    /// Whether a contract requires them; otherwise they follow from the part.
+    required: [bool; 2],
+    /// Colours of the limits of the feed.
+    limit_colours: Vec<&'static str>,
     part: &'a part::PartData,
     paths: &'a paths::PathData,
     machine: MachineData<'a>,
@@ -196,12 +207,17 @@ pub fn report(input: &Input<'_>) -> String {
     let scale = scale(input);
     let part =
         part::part(&program.part, input.samples, input.deviations, scale, input.certificate.spacing, turned(program));
-    let paths = paths::paths(program, input.motion, input.certificate.stock.as_ref(), input.lines);
+    let certificate = input.certificate;
+    let paths =
+        paths::paths(program, input.motion, (certificate.stock.as_ref(), &certificate.machine.runs), input.lines);
+    let nc = nc_text(input);
     let places = places::places(input);
     let stock: Vec<stock::StockData> = input.stock.iter().map(|s| stock::stock(s, input.stock.len())).collect();
     let data = Data {
         name: &program.name,
         scale,
+        required: ["gouge", "excess"].map(|kind| places::bound(input, kind).is_some_and(|b| b > 0.0)),
+        limit_colours: paths.limits.iter().map(|l| charts::colour(l, machine.names()).0).collect(),
         part: &part,
         paths: &paths,
         machine: MachineData {
@@ -218,23 +234,23 @@ pub fn report(input: &Input<'_>) -> String {
         cell: input.certificate.stock.as_ref().map(|s| s.cell),
         stock: &stock,
     };
-    let mut arrays = String::new();
-    let mut array = |name: &str, bytes: &pack::Bytes| {
-        // Writing to a string cannot fail.
-        let _ = writeln!(arrays, "<script type=\"text/plain\" id=\"{name}\">{}</script>", bytes.base64());
-    };
-    array("positions", &part.positions);
-    array("normals", &part.normals);
-    array("deviations", &part.deviations);
-    array("joints", &paths.joints);
-    array("kinds", &paths.kinds);
-    array("indices", &paths.indices);
-    array("removal", &paths.removal);
-    array("arcs", &paths.arcs);
+    // The part is not deflated: the page draws it before it has read the rest.
+    let [mut part_arrays, mut arrays] = [const { String::new() }; 2];
+    array(&mut part_arrays, "positions", &part.positions);
+    array(&mut part_arrays, "normals", &part.normals);
+    array(&mut part_arrays, "deviations", &part.deviations);
+    let mut deflated = |name: &str, bytes: &pack::Bytes| array(&mut arrays, name, &bytes.deflated());
+    deflated("joints", &paths.joints);
+    deflated("kinds", &paths.kinds);
+    deflated("indices", &paths.indices);
+    deflated("removal", &paths.removal);
+    deflated("arcs", &paths.arcs);
+    deflated("limiting", &paths.limiting);
     for (i, s) in stock.iter().enumerate() {
-        array(&format!("stock-positions-{i}"), &s.positions);
-        array(&format!("stock-indices-{i}"), &s.indices);
+        deflated(&format!("stock-positions-{i}"), &s.positions);
+        deflated(&format!("stock-indices-{i}"), &s.indices);
     }
+    array(&mut arrays, "nc-text", &nc);
     let (class, verdict) = tables::verdict(input);
     markup::filled(
         TEMPLATE,
@@ -250,15 +266,32 @@ pub fn report(input: &Input<'_>) -> String {
             ("arcs", &charts::arcs(input)),
             ("findings", &tables::findings(input, &places)),
             ("details", &tables::details(input, &places)),
-            ("accuracy", &accuracy(input, &part, &paths, &stock)),
+            ("inputs", &tables::inputs(input)),
+            ("accuracy", &accuracy(input, &part, &paths, &stock, nc.len() > 0)),
             ("json", &markup::json(&data)),
+            ("part-arrays", &part_arrays),
             ("arrays", &arrays),
             ("script", &SCRIPTS.concat()),
         ],
     )
 }
 
-/// Ends of the scale, mm: the bounds of the contracts, or else the deviation that [`SCALE_SHARE`] of the samples keep.
+/// Writes a typed array as an element of the page.
+fn array(out: &mut String, name: &str, bytes: &pack::Bytes) {
+    // Writing to a string cannot fail.
+    let _ = writeln!(out, "<script type=\"text/plain\" id=\"{name}\">{}</script>", bytes.base64());
+}
+
+/// Most bytes of the deflated NC text on the page.
+const MOST_TEXT: usize = 12_000_000;
+
+/// The NC text, deflated; empty when there is none, or when it is too long.
+fn nc_text(input: &Input<'_>) -> pack::Bytes {
+    let text = input.nc_text.map(|t| pack::Bytes::of_text(t).deflated());
+    text.filter(|t| t.len() <= MOST_TEXT).unwrap_or_default()
+}
+
+/// Ends of the tolerance, mm: the bounds of the contracts, or else the deviation that [`SCALE_SHARE`] of the samples keep.
 fn scale(input: &Input<'_>) -> [f64; 2] {
     let bound = |kind: &str| places::bound(input, kind);
     let within = |sign: f64| {
@@ -287,7 +320,13 @@ fn turned(program: &Program) -> Vec<Vec<[f64; 2]>> {
 }
 
 /// List of what was rounded, thinned or left out.
-fn accuracy(input: &Input<'_>, part: &part::PartData, paths: &paths::PathData, stock: &[stock::StockData]) -> String {
+fn accuracy(
+    input: &Input<'_>,
+    part: &part::PartData,
+    paths: &paths::PathData,
+    stock: &[stock::StockData],
+    has_text: bool,
+) -> String {
     let cells: usize = input.certificate.surfaces.iter().map(|s| s.samples).sum();
     let mut lines = vec![
         format!(
@@ -315,6 +354,9 @@ fn accuracy(input: &Input<'_>, part: &part::PartData, paths: &paths::PathData, s
             format!("All {} moves are drawn and plotted.", paths.moves)
         },
     ];
+    if input.nc_text.is_some() && !has_text {
+        lines.push("The NC text is too long for this page.".to_owned());
+    }
     if paths.nameless {
         lines.push("Names of passes were left out: there are too many.".to_owned());
     }

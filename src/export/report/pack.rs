@@ -1,6 +1,10 @@
-//! Numbers in the form of the page: little-endian typed arrays in base64, and the functions that round them.
+//! Numbers in the form of the page: little-endian typed arrays in base64, deflated where they are large, and the functions
+//! that round them.
 
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
 use nalgebra::Vector3;
+use std::io::Write as _;
 
 /// Least side of a frame, mm: a flat one has no other to scale by.
 const LEAST_SIZE: f64 = 1e-6;
@@ -97,6 +101,27 @@ impl Bytes {
         self.0.extend((v as f32).to_le_bytes());
     }
 
+    /// The bytes of a text.
+    pub(super) fn of_text(text: &str) -> Self {
+        Self(text.as_bytes().to_vec())
+    }
+
+    /// Number of bytes.
+    pub(super) fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Deflated, in the zlib format (RFC 1950). Nothing stays nothing.
+    pub(super) fn deflated(&self) -> Self {
+        if self.0.is_empty() {
+            return Self::default();
+        }
+        let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
+        // Writing to a vector cannot fail.
+        let _ = encoder.write_all(&self.0);
+        Self(encoder.finish().unwrap_or_default())
+    }
+
     /// Base64 with padding (RFC 4648).
     pub(super) fn base64(&self) -> String {
         const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -117,6 +142,7 @@ impl Bytes {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+    use std::io::Read as _;
 
     #[test]
     fn base64_is_that_of_the_standard() {
@@ -126,6 +152,17 @@ mod tests {
         {
             assert_eq!(encoded(text), expected);
         }
+    }
+
+    #[test]
+    fn deflated_bytes_come_back() {
+        let text = "N10 G1 X1.5 Y2.5\n".repeat(500);
+        let small = Bytes::of_text(&text).deflated();
+        assert!(small.len() * 10 < text.len(), "{} of {} bytes", small.len(), text.len());
+        let mut back = String::new();
+        flate2::read::ZlibDecoder::new(small.0.as_slice()).read_to_string(&mut back).unwrap();
+        assert_eq!(back, text);
+        assert_eq!(Bytes::default().deflated().len(), 0);
     }
 
     proptest! {

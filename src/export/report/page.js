@@ -1,4 +1,4 @@
-// What the reader does: scale, bodies, paths, places, mouse and keys.
+// What the reader chooses: scale, body, section, paths, playback, places.
 
 /** An element with a class and a text; texts of the job never become markup. */
 function make(tag, text, className) {
@@ -11,52 +11,71 @@ function make(tag, text, className) {
 // Colour bar.
 const um = v => `${+v.toPrecision(3)}`;
 
+/** Colour of a deviation in units of the tolerance, as the picture of the part has it. */
+function colourOfShare(t) {
+  const side = t < 0 ? 0 : 1, mix = (a, b, s) => rgb(a).map((v, k) => v + (rgb(b)[k] - v) * s);
+  let a = Math.abs(t), colour;
+  if (a <= 1) {
+    if (show.bands) a = Math.floor(a * 4) / 4;
+    colour = mix(COLOUR.neutral, COLOUR.shades[side], a * shaded()[side]);
+  } else {
+    let x = 2 * Math.min((a - 1) / (BEYOND - 1), 1);
+    if (show.bands) x = Math.min(Math.floor(x * 2) / 2, 2);
+    const ramp = side ? COLOUR.excess : COLOUR.gouge;
+    colour = x < 1 ? mix(ramp[0], ramp[1], x) : mix(ramp[1], ramp[2], x - 1);
+  }
+  return `rgb(${colour.map(v => Math.round(255 * v)).join(' ')})`;
+}
+
+/** Share of the bar from its middle to an end that the tolerance takes. */
+const INSIDE = 0.48;
+
 function drawScale() {
   const bar = $('scale'), scale = ratio(), context = bar.getContext('2d');
   bar.width = Math.round(bar.clientWidth * scale);
   bar.height = Math.round(bar.clientHeight * scale);
   context.setTransform(scale, 0, 0, scale, 0, 0);
-  const width = bar.clientWidth, edge = 16, inner = width - 2 * edge, high = 18;
-  const style = getComputedStyle(document.documentElement);
-  const mix = t => {
-    const at = (t + 1) * 3, i = Math.min(Math.max(Math.floor(at), 0), 5), s = at - i;
-    const [a, b] = [rgb(STOPS[i]), rgb(STOPS[i + 1])];
-    return `rgb(${a.map((v, k) => Math.round(255 * (v + (b[k] - v) * s))).join(' ')})`;
-  };
-  for (let x = 0; x < inner; x++) {
-    let t = 2 * (x + 0.5) / inner - 1;
-    if (show.bands) t = Math.sign(t) * (Math.min(Math.floor(Math.abs(t) * 5), 4) + 0.5) / 5;
-    context.fillStyle = mix(t);
-    context.fillRect(edge + x, 0, 1.5, high);
+  const width = bar.clientWidth, high = 20, [low, left] = show.scale;
+  for (let x = 0; x < width; x++) {
+    const s = 2 * (x + 0.5) / width - 1, a = Math.abs(s);
+    context.fillStyle = colourOfShare(Math.sign(s) * (a < INSIDE ? a / INSIDE : 1 + 1e-9 + (a - INSIDE) / (1 - INSIDE) * (BEYOND - 1)));
+    context.fillRect(x, 0, 1.5, high);
   }
-  context.fillStyle = SPECIAL.under;
-  context.fillRect(0, 0, edge - 2, high);
-  context.fillStyle = SPECIAL.over;
-  context.fillRect(width - edge + 2, 0, edge - 2, high);
   context.font = '12px system-ui, "Segoe UI", "DejaVu Sans", sans-serif';
-  context.textBaseline = 'alphabetic';
-  context.fillStyle = context.strokeStyle = style.getPropertyValue('--ink').trim();
-  const [low, left] = show.scale;
+  context.fillStyle = context.strokeStyle = getComputedStyle(document.documentElement).getPropertyValue('--ink').trim();
   context.beginPath();
-  // Labels between the ends only where there is room for them.
-  const room = inner / 4 - 6;
-  for (const [t, label, align] of [[-1, `−${um(low)}`, 'left'], [-0.5, `−${um(low / 2)}`, 'center'], [0, '0', 'center'], [0.5, um(left / 2), 'center'], [1, `${um(left)} µm`, 'right']]) {
-    const x = edge + (t + 1) / 2 * inner;
-    context.moveTo(x, high - 4);
-    context.lineTo(x, high + 4);
-    if (Math.abs(t) === 0.5 && 0.5 * context.measureText(label).width + context.measureText(t < 0 ? `−${um(low)}` : `${um(left)} µm`).width > room + edge) continue;
+  const at = s => (s + 1) / 2 * width;
+  for (const [s, label, align] of [[-1, `−${um(BEYOND * low)}`, 'left'], [-INSIDE, `−${um(low)}`, 'center'], [0, '0', 'center'], [INSIDE, um(left), 'center'], [1, `${um(BEYOND * left)} µm`, 'right']]) {
+    if (Math.abs(s) < 1) {
+      context.moveTo(at(s), high - 4);
+      context.lineTo(at(s), high + 4);
+    }
     context.textAlign = align;
-    context.fillText(label, align === 'left' ? 2 : align === 'right' ? width - 2 : x, high + 17);
+    context.fillText(label, align === 'left' ? 1 : align === 'right' ? width - 1 : at(s), high + 17);
   }
   context.stroke();
+  context.fillStyle = '#222';
+  context.textAlign = 'center';
+  context.fillText(show.required.some(r => r) ? 'inside tolerance' : 'inside the scale', at(0), 14);
+}
+
+/** Says where the ends of the tolerance come from. */
+function scaleNote() {
+  const [gouge, excess] = show.required, given = show.scale.some((v, k) => v !== data.scale[k] * 1e3);
+  if (given) return 'Tolerance as entered here.';
+  if (gouge && excess) return 'Tolerance as the contracts require.';
+  const free = gouge ? 'excess' : 'gouge';
+  return gouge || excess
+    ? `No contract bounds the ${free}: 99 % of what is finished lies inside that end.`
+    : 'No contract bounds gouge or excess: 99 % of what is finished lies inside the scale.';
 }
 
 function describeScale() {
   const list = $('legend');
   list.replaceChildren();
   const entries = [
-    [SPECIAL.under, `cut deeper than ${um(show.scale[0])} µm`], [SPECIAL.over, `left more than ${um(show.scale[1])} µm`],
-    [SPECIAL.unreached, 'not reached'], [SPECIAL.unmilled, 'turned'],
+    [COLOUR.neutral, 'inside tolerance'], [COLOUR.gouge[1], 'cut too deep'], [COLOUR.excess[1], 'too much left'],
+    [`repeating-linear-gradient(135deg, #404040 0 3px, #777 3px 6px)`, 'not reached'], [COLOUR.unmilled, 'turned'],
   ];
   for (const [colour, text] of entries) {
     const item = make('li'), swatch = make('i');
@@ -66,25 +85,28 @@ function describeScale() {
   }
   $('low').value = um(show.scale[0]);
   $('high').value = um(show.scale[1]);
+  $('scale-note').textContent = scaleNote();
 }
 
-function setScale(low, high) {
+function setScale(low, high, required) {
   const good = v => Number.isFinite(v) && v > 0;
-  if (good(low) && good(high)) show.scale = [low, high];
+  if (good(low) && good(high)) Object.assign(show, { scale: [low, high], required });
   describeScale();
   drawScale();
   redraw();
 }
 
 for (const id of ['low', 'high']) {
-  $(id).addEventListener('change', () => setScale(parseFloat($('low').value), parseFloat($('high').value)));
+  $(id).addEventListener('change', () => setScale(parseFloat($('low').value), parseFloat($('high').value), [true, true]));
 }
-$('scale-reset').addEventListener('click', () => setScale(...data.scale.map(v => v * 1e3)));
-$('bands').addEventListener('change', event => { show.bands = event.target.checked; drawScale(); redraw(); });
+$('scale-reset').addEventListener('click', () => setScale(...data.scale.map(v => v * 1e3), [...data.required]));
+for (const id of ['bands', 'shades']) {
+  $(id).addEventListener('change', event => { show[id] = event.target.checked; drawScale(); redraw(); });
+}
 
 // Bodies: the finished part, the blank, the stock after each operation.
-const bodies = [['part', 'finished part, by deviation'], ['blank', 'turned blank'],
-  ...data.stock.map((s, i) => [String(i), `stock ${s.name}`]), ['none', 'nothing, paths only']];
+const bodies = [['part', 'finished part, by deviation'], ...(data.stock.length ? [['follow', 'stock at the time of the tool']] : []),
+  ['blank', 'turned blank'], ...data.stock.map((s, i) => [String(i), `stock ${s.name}`]), ['none', 'nothing, paths only']];
 for (const [value, text] of bodies) {
   const option = make('option', text);
   option.value = value;
@@ -93,13 +115,42 @@ for (const [value, text] of bodies) {
 function setBody(value) {
   show.body = /^\d+$/.test(value) ? Number(value) : value;
   $('body').value = value;
-  const s = data.stock[show.body];
-  const drawn = s ? Math.max(s.cell, s.mesh_cell) : 0;
-  $('stock-note').textContent = data.stock.length === 0 ? 'The stock after each operation was not simulated.'
-    : s ? `Simulated in cells of ${data.cell} mm${drawn > data.cell ? `, drawn in cells of ${+drawn.toFixed(2)} mm` : ''}: edges look ragged by that much, and nothing smaller is sure to be seen. A smaller --stock-cell shows more.` : '';
+  describeStock();
   redraw();
 }
-$('body').addEventListener('change', event => setBody(event.target.value));
+
+/** Says how exact the stock is. */
+function describeStock() {
+  const shown = bodyNow(), s = data.stock[shown];
+  const drawn = s ? Math.max(s.cell, s.mesh_cell) : 0;
+  const which = show.body !== 'follow' ? '' : s ? `Stock ${s.name}. ` : 'Turned blank. ';
+  $('stock-note').textContent = data.stock.length === 0 ? (show.body === 'part' ? '' : 'The stock after each operation was not simulated.')
+    : s ? `${which}Simulated in cells of ${data.cell} mm${drawn > data.cell ? `, drawn in cells of ${+drawn.toFixed(2)} mm` : ''}. A smaller --stock-cell shows more.` : which;
+}
+$('body').addEventListener('change', event => { bodyChosen = true; setBody(event.target.value); });
+/** True when the reader has chosen a body; then playing does not change it. */
+let bodyChosen = false;
+
+// Section plane.
+function setSection(value) {
+  show.section = value;
+  $('section').value = value;
+  $('cut').hidden = !value;
+  const zs = data.blank.map(p => p[1]), r = outline();
+  const [low, high] = value === 'z' ? [Math.min(...zs), Math.max(...zs)] : value === 'tool' ? [-0.5 * r, 0.5 * r] : [-r, r];
+  $('offset').min = low;
+  $('offset').max = high;
+  $('offset').value = value === 'z' ? (low + high) / 2 : 0;
+  setOffset();
+}
+function setOffset() {
+  show.offset = Number($('offset').value);
+  $('offset-value').textContent = `${show.offset.toFixed(2)} mm`;
+  redraw();
+}
+$('section').addEventListener('change', event => setSection(event.target.value));
+$('offset').addEventListener('input', setOffset);
+$('other').addEventListener('change', event => { show.other = event.target.checked; redraw(); });
 
 // Paths by operation.
 const pathBoxes = data.paths.operations.map((o, k) => {
@@ -119,10 +170,17 @@ for (const box of document.querySelectorAll('[data-kind]')) {
 // The tool on its way.
 function setMove(i, share) {
   if (!moves.count) return;
+  const before = bodyNow();
   show.move = Math.min(Math.max(i, 0), moves.count - 1);
   show.share = Math.min(Math.max(share, 0), 1);
-  $('time').value = timeOf(show.move, show.share);
-  $('move').textContent = `${describeMove(show.move)}\n${figuresOf(show.move, show.share)}`;
+  const words = describeMove(show.move, show.share), time = timeOf(show.move, show.share);
+  $('time').value = time;
+  $('now').textContent = `${clock(time)} · ${words}`;
+  $('now').title = words;
+  $('move').textContent = `${words}\n${figuresOf(show.move, show.share)}`;
+  showLine(lineOf(moves.operation[show.move], programIndex(show.move, show.share)));
+  if (show.follow) { flight++; camera.target = poseOn(show.move, show.share).tip; }
+  if (bodyNow() !== before) describeStock();
   redraw();
   redrawPlots();
 }
@@ -130,30 +188,64 @@ function setTime(t) {
   const i = moveAt(t), before = i ? moves.end[i - 1] : 0, size = moves.end[i] - before;
   setMove(i, size > 0 ? (t - before) / size : 1);
 }
+
+/** Puts the tool at the end of a move of the program. */
+function setBlock(operation, index) {
+  const i = pageMove(operation, index), to = moveIndex(i), from = follows(i) ? moveIndex(i - 1) : to - 1;
+  setMove(i, to > from ? (index - from) / (to - from) : 1);
+}
+
+/** Puts the tool some blocks on, or back. */
+function step(blocks) {
+  if (!moves.count) return;
+  play(false);
+  showTool(true);
+  const operations = data.paths.operations;
+  let o = moves.operation[show.move], index = programIndex(show.move, show.share) + blocks;
+  // A tool that is on its way in a block first comes to its end.
+  if (blocks > 0 && !moves.indices.length && show.share < 1) index--;
+  const last = k => operations[k].count ? moveIndex(operations[k].first + operations[k].count - 1) : -1;
+  while (index > last(o) && o + 1 < operations.length) { index -= last(o) + 1; o++; }
+  while (index < 0 && o > 0) { o--; index += last(o) + 1; }
+  setBlock(o, Math.min(Math.max(index, 0), last(o)));
+}
 function showTool(on) {
   show.tool = on;
   $('tool').checked = on;
   redraw();
 }
-$('time').max = moves.total;
-$('time').addEventListener('input', event => { showTool(true); setTime(Number(event.target.value)); });
-$('tool').addEventListener('change', event => showTool(event.target.checked));
-let playing = false;
-function play(on) {
-  playing = on;
-  $('play').setAttribute('aria-pressed', String(on));
-  $('play').textContent = on ? 'stop' : 'play';
+function setFollow(on) {
+  show.follow = on;
+  $('follow').checked = on;
   if (!on || !moves.count) return;
   showTool(true);
+  const target = poseOn(show.move, show.share).tip;
+  if (scene) fly({ ...camera, target, distance: Math.min(camera.distance, 1.6 * outline()) });
+}
+$('time').addEventListener('input', event => { showTool(true); setTime(Number(event.target.value)); });
+$('tool').addEventListener('change', event => showTool(event.target.checked));
+$('follow').addEventListener('change', event => setFollow(event.target.checked));
+$('back').addEventListener('click', () => step(-1));
+$('next').addEventListener('click', () => step(1));
+let playing = false;
+function play(on) {
+  if (playing === on) return;
+  playing = on && moves.count > 0;
+  $('play').setAttribute('aria-pressed', String(playing));
+  $('play').textContent = playing ? 'stop' : 'play';
+  if (!playing) return;
+  showTool(true);
+  if (!bodyChosen && data.stock.length) setBody('follow');
+  if (show.move === moves.count - 1 && show.share >= 1) setTime(0);
   let last = performance.now();
-  const step = now => {
+  const frame = now => {
     if (!playing) return;
     const t = timeOf(show.move, show.share) + (now - last) / 1e3 * Number($('pace').value);
     last = now;
     setTime(Math.min(t, moves.total));
-    if (t < moves.total) requestAnimationFrame(step); else play(false);
+    if (t < moves.total) requestAnimationFrame(frame); else play(false);
   };
-  requestAnimationFrame(step);
+  requestAnimationFrame(frame);
 }
 $('play').addEventListener('click', () => play(!playing));
 
@@ -172,158 +264,58 @@ listed.forEach(([p, i]) => {
   $('places').append(button);
   placeButtons[i] = button;
 });
+
+/** Shows of each group the worst ones, as many as fit; all of them on request. */
+function fitPlaces() {
+  const list = $('places'), all = $('more').getAttribute('aria-expanded') === 'true';
+  list.classList.toggle('all', all);
+  const entries = [...list.querySelectorAll('button')];
+  const keep = most => {
+    let n = 0;
+    for (const element of list.children) {
+      n = element.tagName === 'H3' ? 0 : n + 1;
+      if (element.tagName === 'BUTTON') element.classList.toggle('beyond', n > most);
+    }
+  };
+  let most = 12;
+  for (keep(most); !all && most > 1 && list.scrollHeight > list.clientHeight + 1; keep(most)) most--;
+  const hidden = entries.filter(e => e.classList.contains('beyond')).length;
+  // With a row of each group too many, the last groups lie below the edge.
+  $('more').hidden = !hidden && !all && list.scrollHeight <= list.clientHeight + 1;
+  $('more').textContent = all ? 'the worst only' : `all ${entries.length} places`;
+}
+$('more').addEventListener('click', () => {
+  $('more').setAttribute('aria-expanded', String($('more').getAttribute('aria-expanded') !== 'true'));
+  fitPlaces();
+});
 if (!data.places.length) $('places').append(make('p', 'There are none.', 'small'));
 
 function showPlace(i) {
   const p = data.places[i];
   play(false);
+  setFollow(false);
   setBody('part');
   show.mark = p.point;
   placeButtons.forEach((b, k) => b.setAttribute('aria-current', String(k === i)));
   $('readout').textContent = [`${p.name}: ${p.value}`, p.program, `at ${p.point.map(v => v.toFixed(3)).join(', ')} mm`].filter(Boolean).join('\n');
   held = true;
-  if (p.at) {
-    setMove(pageMove(...p.at), 1);
+  if (p.at && moves.count) {
+    setBlock(...p.at);
     pathBoxes.forEach((box, k) => { show.operations[k] = box.checked = k === p.at[0] && moves.count > 0; });
-    const t = timeOf(show.move, 1), size = Math.min(span.to - span.from, 60);
+    const t = timeOf(show.move, show.share), size = Math.min(span.to - span.from, 60);
     setSpan(t - size / 2, t + size / 2);
   }
   if (scene) fly({ ...sight(p.point, p.normal), target: p.point, distance: 0.75 * outline() });
 }
-for (const button of document.querySelectorAll('[data-place]')) {
-  button.addEventListener('click', () => {
-    showPlace(Number(button.dataset.place));
-    canvas.scrollIntoView({ block: 'nearest' });
-  });
-}
-
-// Views and mouse.
-const VIEWS = {
-  all: HOME, top: { ...HOME, azimuth: -Math.PI / 2, elevation: Math.PI / 2 - 1e-4 },
-  front: { ...HOME, azimuth: -Math.PI / 2, elevation: 0 }, side: { ...HOME, azimuth: 0, elevation: 0 },
-};
-function forget() {
-  show.mark = null;
-  held = false;
-  $('readout').textContent = '';
-  placeButtons.forEach(b => b.removeAttribute('aria-current'));
-}
-for (const button of document.querySelectorAll('[data-view]')) {
-  button.addEventListener('click', () => { forget(); fly(VIEWS[button.dataset.view]); });
-}
-
-/** True while the readout tells of a place and not of what lies under the pointer. */
-let held = false;
-function turn(dx, dy) {
-  flight++;
-  camera.azimuth -= dx;
-  camera.elevation = Math.min(Math.max(camera.elevation + dy, -1.57), 1.57);
-  redraw();
-}
-function shift(dx, dy) {
-  flight++;
-  const { right, up } = frameOf(camera);
-  const size = 2 * FIELD * camera.distance / Math.max(canvas.clientHeight, 1);
-  camera.target = camera.target.map((v, k) => v - (dx * right[k] - dy * up[k]) * size);
-  redraw();
-}
-function zoom(factor) {
-  flight++;
-  camera.distance = Math.min(Math.max(camera.distance * factor, 0.5), 30 * RADIUS);
-  redraw();
-}
-const place = event => {
-  const box = event.currentTarget.getBoundingClientRect();
-  return [event.clientX - box.left, event.clientY - box.top];
-};
-let drag = null;
-canvas.addEventListener('contextmenu', event => event.preventDefault());
-canvas.addEventListener('pointerdown', event => {
-  canvas.setPointerCapture(event.pointerId);
-  drag = { at: place(event), shifts: event.button !== 0 || event.shiftKey };
-});
-canvas.addEventListener('pointermove', event => {
-  const at = place(event);
-  if (drag) {
-    const [dx, dy] = [at[0] - drag.at[0], at[1] - drag.at[1]];
-    if (drag.shifts) shift(dx, dy); else turn(dx * 0.008, dy * 0.008);
-    drag.at = at;
-  } else {
-    look(at);
+/** The figures of the tables lead to their places. */
+function placeButtonsOfTables() {
+  for (const button of document.querySelectorAll('[data-place]')) {
+    button.addEventListener('click', () => {
+      showPlace(Number(button.dataset.place));
+      canvas.scrollIntoView({ block: 'nearest' });
+    });
   }
-});
-for (const name of ['pointerup', 'pointercancel']) canvas.addEventListener(name, () => { drag = null; });
-canvas.addEventListener('pointerleave', () => { if (!held) $('readout').textContent = ''; });
-canvas.addEventListener('wheel', event => { event.preventDefault(); zoom(Math.exp(event.deltaY * 0.0012)); }, { passive: false });
-canvas.addEventListener('dblclick', event => {
-  const target = pick(...place(event), true);
-  if (target) fly({ ...camera, target, distance: camera.distance * 0.6 });
-});
-canvas.addEventListener('keydown', event => {
-  const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
-  if (step && event.shiftKey) shift(30 * step[0], 30 * step[1]);
-  else if (step) turn(0.12 * step[0], 0.12 * step[1]);
-  else if (event.key === '+' || event.key === '=') zoom(0.85);
-  else if (event.key === '-') zoom(1 / 0.85);
-  else if (event.key === '0') { forget(); fly(HOME); }
-  else return;
-  event.preventDefault();
-});
-
-/** Tells what lies under the pointer, once a frame. */
-let looking = null;
-function look(at) {
-  if (held || !scene) return;
-  const first = looking === null;
-  looking = at;
-  if (!first) return;
-  requestAnimationFrame(() => {
-    const found = pick(...looking, false);
-    looking = null;
-    if (held) return;
-    if (!found) { $('readout').textContent = ''; return; }
-    const surface = data.part.surfaces[found.surface];
-    const name = `${surface ? surface.name : 'surface'} ${found.sector}`;
-    const value = found.code === NOT_REACHED ? 'not reached' : found.code === NOT_MILLED ? 'turned, not milled'
-      : `${decode(found.code) < 0 ? 'cut' : 'left'} ${Math.abs(decode(found.code)).toFixed(2)} µm`;
-    $('readout').textContent = `${name}: ${value}`;
-  });
 }
-
-// Mouse and keys of the plots.
-let plotDrag = null;
-plots.addEventListener('wheel', event => {
-  event.preventDefault();
-  zoomSpan(Math.exp(event.deltaY * 0.0015), Math.min(Math.max((place(event)[0] - LEFT) / layout().width, 0), 1));
-}, { passive: false });
-plots.addEventListener('pointerdown', event => {
-  plots.setPointerCapture(event.pointerId);
-  plotDrag = { x: place(event)[0], from: span.from, moved: false };
-});
-plots.addEventListener('pointermove', event => {
-  if (!plotDrag) return;
-  const dx = place(event)[0] - plotDrag.x;
-  plotDrag.moved ||= Math.abs(dx) > 3;
-  const size = span.to - span.from;
-  if (plotDrag.moved) setSpan(plotDrag.from - dx / layout().width * size, plotDrag.from - dx / layout().width * size + size);
-});
-plots.addEventListener('pointerup', event => {
-  if (plotDrag && !plotDrag.moved) {
-    const share = Math.min(Math.max((place(event)[0] - LEFT) / layout().width, 0), 1);
-    showTool(true);
-    setTime(span.from + share * (span.to - span.from));
-  }
-  plotDrag = null;
-});
-plots.addEventListener('keydown', event => {
-  if (event.key === 'ArrowRight') setMove(show.move + 1, 1);
-  else if (event.key === 'ArrowLeft') setMove(show.move - 1, 1);
-  else if (event.key === '+' || event.key === '=') zoomSpan(0.7, 0.5);
-  else if (event.key === '-') zoomSpan(1 / 0.7, 0.5);
-  else if (event.key === 'Home') setSpan(0, moves.total);
-  else return;
-  event.preventDefault();
-});
 
 $('theme').addEventListener('click', () => {
   const root = document.documentElement;
@@ -333,7 +325,7 @@ $('theme').addEventListener('click', () => {
   drawPlots();
 });
 
-// Begin.
+// Begin: first the part alone, then what follows in the file.
 if (gl) {
   scene = build();
   canvas.addEventListener('webglcontextlost', event => { event.preventDefault(); scene = null; $('fault').hidden = false; });
@@ -342,9 +334,28 @@ if (gl) {
 }
 describeScale();
 setBody('part');
-setMove(0, 1);
-addEventListener('resize', () => { resize(); drawScale(); drawPlots(); });
+hints();
+fitPlaces();
 resize();
 drawScale();
-drawPlots();
-document.documentElement.dataset.drawn = 'yes';
+document.documentElement.dataset.part = String(Math.round(performance.now()));
+
+/** Reads what the first picture does not need. */
+async function loadRest() {
+  moves = await loadMoves();
+  prepareRows();
+  if (scene) { buildMoves(); await buildStock(); }
+  await loadProgram();
+  $('time').max = moves.total;
+  setMove(0, 1);
+  placeButtonsOfTables();
+  drawPlots();
+  drawProgram();
+  addEventListener('resize', () => { resize(); drawScale(); fitPlaces(); drawPlots(); drawProgram(); });
+  document.documentElement.dataset.drawn = 'yes';
+}
+const loaded = new Promise(done => {
+  if (document.readyState !== 'loading') done(); else document.addEventListener('DOMContentLoaded', done);
+});
+// A frame is shown before the rest is read.
+loaded.then(() => new Promise(done => { requestAnimationFrame(() => setTimeout(done)); setTimeout(done, 500); })).then(loadRest);

@@ -2,6 +2,7 @@
 
 use super::pack::Bytes;
 use crate::ir::{JointMove, Motion, MoveKind, Program};
+use crate::verify::dynamics::Run;
 use crate::verify::stock::{Engagement, StockReport};
 use serde::Serialize;
 
@@ -19,6 +20,9 @@ const ARM: f64 = 20.0;
 
 /// Longest run that is thinned as a whole; it bounds the computing time.
 const LONGEST_RUN: usize = 4096;
+
+/// Limit of a move that takes no time.
+const NO_LIMIT: u8 = u8::MAX;
 
 /// Most bytes of pass names; with more, only the operations are named.
 const MOST_NAMES: usize = 600_000;
@@ -68,6 +72,11 @@ pub(super) struct PathData {
     /// Largest arc of engagement over these moves, degrees.
     #[serde(skip)]
     pub(super) arcs: Bytes,
+    /// What limits the feed, in words.
+    pub(super) limits: Vec<String>,
+    /// For each move the index in `limits` of the limit that is active for the longest time.
+    #[serde(skip)]
+    pub(super) limiting: Bytes,
 }
 
 /// Tip and axis as one point: a straight line in these six coordinates is a straight move.
@@ -155,12 +164,12 @@ fn kept(program: &Program, motion: &Motion) -> (Vec<Vec<bool>>, f64) {
     }
 }
 
-/// The moves of a motion. `stock` gives the engagement when it was simulated; `lines` gives the NC line (from 1) of
-/// each operation and move.
+/// The moves of a motion. `stock` gives the engagement when it was simulated, `runs` the limits of each operation; `lines`
+/// gives the NC line (from 1) of each operation and move.
 pub(super) fn paths(
     program: &Program,
     motion: &Motion,
-    stock: Option<&StockReport>,
+    (stock, runs): (Option<&StockReport>, &[Run]),
     lines: &[(u32, u32, u32)],
 ) -> PathData {
     let (keep, tolerance) = kept(program, motion);
@@ -177,12 +186,15 @@ pub(super) fn paths(
         kinds: Bytes::default(),
         removal: Bytes::default(),
         arcs: Bytes::default(),
+        limits: Vec::new(),
+        limiting: Bytes::default(),
     };
     for (index, (operation, keep)) in motion.operations.iter().zip(&keep).enumerate() {
         let declared = &program.operations[operation.operation];
         let first = data.kept;
         let engagement = stock.and_then(|s| s.operations.get(index)).map_or(&[][..], |o| &o.moves);
         let passes = data.add_moves(&operation.moves, keep, engagement);
+        data.add_limits(&operation.moves, keep, runs.get(index));
         data.operations.push(OperationData {
             name: declared.name.clone(),
             tool: program.tools[declared.tool].name.clone(),
@@ -225,15 +237,52 @@ impl PathData {
                 self.removal.f32(if time > 0.0 { volume / time } else { 0.0 });
                 self.arcs.f32(arc);
             }
-            self.kinds.u8(match m.kind {
-                MoveKind::Cut => 0,
-                MoveKind::Link => 1,
-                MoveKind::Rapid => 2,
-            });
+            self.kinds.u8(kind_number(m.kind));
             (time, volume, arc) = (0.0, 0.0, 0.0);
             self.kept += 1;
         }
         passes
+    }
+
+    /// Adds for each move that stays the limit that is active for the longest time in the moves that it stands for.
+    fn add_limits(&mut self, moves: &[JointMove], keep: &[bool], run: Option<&Run>) {
+        let mut of_moves = run.map_or(&[][..], |r| &r.of_moves).iter().peekable();
+        let mut times: Vec<(u8, f64)> = Vec::new();
+        for (i, m) in moves.iter().enumerate() {
+            while let Some(own) = of_moves.next_if(|l| l.index as usize <= i) {
+                let kind = kind_number(m.kind);
+                let words = run.and_then(|r| r.limits.get(own.limit)).map(|l| l.words(usize::from(kind)));
+                let Some(limit) = words.map(|w| self.limit_number(w)).filter(|_| own.index as usize == i) else { continue };
+                match times.iter_mut().find(|t| t.0 == limit) {
+                    Some(time) => time.1 += m.time,
+                    None => times.push((limit, m.time)),
+                }
+            }
+            if keep[i] {
+                let longest = times.iter().copied().reduce(|a, b| if b.1 > a.1 { b } else { a });
+                self.limiting.u8(longest.map_or(NO_LIMIT, |l| l.0));
+                times.clear();
+            }
+        }
+    }
+
+    /// Index of a limit, which is added when it is new.
+    fn limit_number(&mut self, words: String) -> u8 {
+        let known = self.limits.iter().position(|l| *l == words);
+        let place = known.unwrap_or(self.limits.len());
+        if known.is_none() {
+            self.limits.push(words);
+        }
+        u8::try_from(place).unwrap_or(NO_LIMIT)
+    }
+}
+
+/// Number of a kind of moves on the page.
+fn kind_number(kind: MoveKind) -> u8 {
+    match kind {
+        MoveKind::Cut => 0,
+        MoveKind::Link => 1,
+        MoveKind::Rapid => 2,
     }
 }
 

@@ -1,6 +1,12 @@
 // Drawing of part, stock, paths and tool by WebGL2.
-const STOPS = ['#3b2fa3', '#2b6fd0', '#35b0c4', '#58b368', '#d3cc3c', '#ef8a26', '#d0251f'];
-const SPECIAL = { under: '#e11cc6', over: '#5c0d12', unreached: '#85789c', unmilled: '#b4b9c1' };
+// Neutral inside of the tolerance; outside orange for a cut too deep and blue for material left, which also readers who do
+// not see red or green tell apart. The shades are for the inside where no contract gives a tolerance, or on request.
+const COLOUR = {
+  neutral: '#dcdad4', unreached: '#5b5b5b', unmilled: '#8e959f',
+  gouge: ['#f5a54a', '#dd6410', '#7f2a04'], excess: ['#7fb4e2', '#2a6fbb', '#08285c'], shades: ['#f6dcb9', '#c4dbf0'],
+};
+/** Multiple of the tolerance at which the colour is full. */
+const BEYOND = 4;
 
 const canvas = $('scene');
 const gl = canvas.getContext('webgl2', { antialias: true, alpha: true, preserveDrawingBuffer: true });
@@ -8,9 +14,36 @@ const RADIUS = Math.max(...data.blank.map(([r, z]) => Math.hypot(r, z)), 1) || 1
 const HOME = { target: middle(), azimuth: -1.15, elevation: 0.80, distance: 3.9 * outline() };
 const camera = { ...HOME, target: [...HOME.target] };
 const show = {
-  body: 'part', bands: false, scale: data.scale.map(v => v * 1e3), tool: false, move: 0, share: 1, mark: null,
+  body: 'part', bands: false, shades: false, scale: data.scale.map(v => v * 1e3), required: [...data.required],
+  tool: false, follow: false, move: 0, share: 1, mark: null, section: '', offset: 0, other: false, measured: [],
   operations: data.paths.operations.map(() => false), kinds: [true, false, false],
 };
+
+/** 1 for the sides of the scale that have shades inside of the tolerance. */
+const shaded = () => show.required.map(r => show.shades || !r ? 1 : 0);
+
+/** The section plane: what lies beyond `offset` along its normal is left out. */
+function sectionPlane() {
+  const side = show.other ? -1 : 1;
+  if (show.section === 'tool') {
+    const { tip, axis } = moves.count ? poseOn(show.move, show.share) : { tip: [0, 0, 0], axis: [0, 0, 1] };
+    const normal = unit(Math.abs(axis[2]) < 0.999 ? cross(axis, [0, 0, 1]) : [1, 0, 0]).map(v => side * v);
+    return [...normal, dot(normal, tip) + side * show.offset];
+  }
+  const k = 'xyz'.indexOf(show.section);
+  if (!show.section || k < 0) return [0, 0, 0, 1];
+  return [...[0, 1, 2].map(i => i === k ? side : 0), side * show.offset];
+}
+
+/** Mesh of the stock at the time of the tool: that after the last operation that has ended. */
+function bodyNow() {
+  if (show.body !== 'follow') return show.body;
+  const running = moves.count ? moves.operation[show.move] : 0, o = data.paths.operations[running];
+  const ended = o && show.share >= 1 && show.move === o.first + o.count - 1 ? running : running - 1;
+  let best = -1;
+  data.stock.forEach((s, i) => { if ((s.after === null ? -1 : s.after) <= ended) best = i; });
+  return best < 0 ? 'blank' : best;
+}
 
 function middle() {
   const zs = data.blank.map(p => p[1]);
@@ -57,142 +90,8 @@ function projection(zoomTo) {
   m[13] = sy * e[1] + oy * e[2];
   m[14] = depth * e[2] + shift;
   m[15] = -e[2];
-  return { m, eye, near, farEnd };
+  return { m, eye, near, farEnd, plane: sectionPlane() };
 }
-
-const PART_VERTEX = `#version 300 es
-precision highp float;
-layout(location=0) in vec3 place;
-layout(location=1) in vec2 octahedral;
-layout(location=2) in float code;
-layout(location=3) in float surface;
-uniform mat4 camera; uniform vec3 low, size; uniform vec2 turn; uniform vec2 law;
-out vec3 normal, position; out float deviation; out float state; out float kind;
-vec3 turned(vec3 p) { return vec3(p.x * turn.x - p.y * turn.y, p.x * turn.y + p.y * turn.x, p.z); }
-void main() {
-  position = turned(low + place * size);
-  vec3 n = vec3(octahedral, 1.0 - abs(octahedral.x) - abs(octahedral.y));
-  float t = max(-n.z, 0.0);
-  n.xy -= t * vec2(n.x < 0.0 ? -1.0 : 1.0, n.y < 0.0 ? -1.0 : 1.0);
-  normal = turned(normalize(n));
-  state = code > 32766.5 ? 1.0 : code < -32767.5 ? -1.0 : 0.0;
-  deviation = state == 0.0 ? law.x * sinh(code / law.y) : 0.0;
-  kind = surface;
-  gl_Position = camera * vec4(position, 1.0);
-}`;
-
-const LIGHT = `
-vec3 lit(vec3 base, vec3 n, vec3 position) {
-  vec3 toEye = normalize(eye - position);
-  if (dot(n, toEye) < 0.0) n = -n;
-  vec3 key = normalize(toEye + 0.55 * upward - 0.35 * rightward);
-  float shine = pow(max(dot(n, normalize(key + toEye)), 0.0), 40.0);
-  return base * (0.40 + 0.50 * max(dot(n, key), 0.0) + 0.16 * max(dot(n, toEye), 0.0)) + 0.10 * shine;
-}`;
-
-const PART_COLOUR = `#version 300 es
-precision highp float;
-in vec3 normal, position; in float deviation, state, kind;
-uniform vec3 eye, upward, rightward; uniform vec2 scale; uniform vec3 stops[7], special[4]; uniform float bands;
-out vec4 colour;
-${LIGHT}
-vec3 ramp(float t) {
-  float x = (t + 1.0) * 3.0;
-  int i = int(clamp(floor(x), 0.0, 5.0));
-  return mix(stops[i], stops[i + 1], clamp(x - float(i), 0.0, 1.0));
-}
-void main() {
-  vec3 base;
-  if (state > 0.02) {
-    float stripe = step(0.5, fract((gl_FragCoord.x + gl_FragCoord.y) / 9.0));
-    base = special[2] * (0.86 + 0.22 * stripe);
-  } else if (state < -0.5) {
-    base = special[3];
-  } else {
-    float t = deviation < 0.0 ? deviation / scale.x : deviation / scale.y;
-    if (bands > 0.5) t = sign(t) * (min(floor(abs(t) * 5.0), 4.0) + 0.5) / 5.0 + (abs(t) > 1.0 ? sign(t) : 0.0);
-    base = t < -1.0 ? special[0] : t > 1.0 ? special[1] : ramp(t);
-  }
-  colour = vec4(lit(base, normalize(normal), position), 1.0);
-}`;
-
-const PICK_COLOUR = `#version 300 es
-precision highp float;
-in vec3 normal, position; in float deviation, state, kind;
-uniform float sector; uniform vec2 law; uniform float wantDepth;
-out vec4 colour;
-void main() {
-  if (wantDepth > 0.5) {
-    float d = floor(gl_FragCoord.z * 16777215.0);
-    colour = vec4(mod(d, 256.0), mod(floor(d / 256.0), 256.0), floor(d / 65536.0), 255.0) / 255.0;
-    return;
-  }
-  float code = state > 0.02 ? 32767.0 : state < -0.5 ? -32768.0 : floor(asinh(deviation / law.x) * law.y + 0.5);
-  code += 32768.0;
-  colour = vec4(mod(code, 256.0), floor(code / 256.0), floor(kind + 0.5), sector + 1.0) / 255.0;
-}`;
-
-const PLAIN_VERTEX = `#version 300 es
-precision highp float;
-layout(location=0) in vec3 place;
-uniform mat4 camera, model; uniform vec3 low, size;
-out vec3 position;
-void main() {
-  vec4 p = model * vec4(low + place * size, 1.0);
-  position = p.xyz;
-  gl_Position = camera * p;
-}`;
-
-const PLAIN_COLOUR = `#version 300 es
-precision highp float;
-in vec3 position;
-uniform vec3 eye, upward, rightward; uniform vec4 tint;
-out vec4 colour;
-${LIGHT}
-void main() {
-  vec3 n = normalize(cross(dFdx(position), dFdy(position)));
-  colour = vec4(lit(tint.rgb, n, position) * tint.a, tint.a);
-}`;
-
-const LINE_VERTEX = `#version 300 es
-precision highp float;
-layout(location=0) in vec3 place;
-layout(location=1) in float way;
-uniform mat4 camera; uniform float lift;
-out float along;
-void main() {
-  along = way;
-  gl_Position = camera * vec4(place, 1.0);
-  gl_Position.z -= lift * gl_Position.w;
-}`;
-
-const LINE_COLOUR = `#version 300 es
-precision highp float;
-in float along;
-uniform vec4 tint; uniform float dash;
-out vec4 colour;
-void main() {
-  if (dash > 0.0 && fract(along / dash) > 0.55) discard;
-  colour = vec4(tint.rgb * tint.a, tint.a);
-}`;
-
-const MARK_VERTEX = `#version 300 es
-precision highp float;
-uniform mat4 camera; uniform vec3 place; uniform float points;
-void main() { gl_Position = camera * vec4(place, 1.0); gl_PointSize = points; }`;
-
-const MARK_COLOUR = `#version 300 es
-precision highp float;
-uniform vec4 tint;
-out vec4 colour;
-void main() {
-  float r = length(gl_PointCoord - 0.5) * 2.0;
-  float ring = smoothstep(0.58, 0.66, r) * (1.0 - smoothstep(0.88, 0.96, r));
-  float halo = smoothstep(0.48, 0.56, r) * (1.0 - smoothstep(0.92, 1.0, r));
-  float centre = 1.0 - smoothstep(0.10, 0.16, r);
-  float a = max(max(ring, halo * 0.9), centre);
-  colour = vec4(mix(vec3(1.0), tint.rgb, max(ring, centre)) * a, a);
-}`;
 
 /** A program with its uniforms by name. */
 function compile(vertex, fragment) {
@@ -261,7 +160,7 @@ function plainMesh(floats) {
   return { array: vertexArray([[buffer(floats, gl.ARRAY_BUFFER), 0, 3, gl.FLOAT, false]]), count: floats.length / 3 };
 }
 
-/** Makes all that lies on the graphics card. */
+/** Makes what the first picture needs on the graphics card. */
 function build() {
   const programs = {
     part: compile(PART_VERTEX, PART_COLOUR), pick: compile(PART_VERTEX, PICK_COLOUR),
@@ -282,31 +181,6 @@ function build() {
       ], indices),
     });
   }
-  const way = new Float32Array(moves.count);
-  for (let i = 1; i < moves.count; i++) {
-    const d = [0, 1, 2].map(k => moves.tips[3 * i + k] - moves.tips[3 * i - 3 + k]);
-    // A whole number of dashes of 12 mm, so that the length stays small.
-    way[i] = (moves.kinds[i] === moves.kinds[i - 1] ? way[i - 1] : 0) + Math.hypot(...d);
-  }
-  const tips = buffer(moves.tips, gl.ARRAY_BUFFER), ways = buffer(way, gl.ARRAY_BUFFER);
-  const lines = data.paths.operations.map(o => [0, 1, 2].map(kind => {
-    const pairs = [];
-    for (let i = o.first + 1; i < o.first + o.count; i++) if (moves.kinds[i] === kind) pairs.push(i - 1, i);
-    const b = buffer(Uint32Array.from(pairs), gl.ELEMENT_ARRAY_BUFFER);
-    return {
-      array: vertexArray([[tips, 0, 3, gl.FLOAT, false], [ways, 1, 1, gl.FLOAT, false]], b), count: pairs.length,
-    };
-  }));
-  const tools = data.tools.map(t => ({
-    name: t.name, cutter: plainMesh(lathe([t.cutter], 48)), shank: plainMesh(lathe([t.shank], 48)),
-    holder: plainMesh(lathe([t.holder], 64)),
-  }));
-  const stock = data.stock.map((s, i) => ({
-    array: vertexArray(
-      [[buffer(new Uint16Array(bytes(`stock-positions-${i}`)), gl.ARRAY_BUFFER), 0, 3, gl.UNSIGNED_SHORT, true]],
-      buffer(new Uint16Array(bytes(`stock-indices-${i}`)), gl.ELEMENT_ARRAY_BUFFER)),
-    count: 3 * s.triangles, frame: s.frame,
-  }));
   const pick = gl.createFramebuffer();
   gl.bindFramebuffer(gl.FRAMEBUFFER, pick);
   const colours = gl.createRenderbuffer(), depths = gl.createRenderbuffer();
@@ -318,7 +192,45 @@ function build() {
   gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depths);
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   const closed = [...data.blank, data.blank[0]];
-  return { programs, sectors, lines, tools, stock, pick, turned: plainMesh(lathe(data.part.turned, 180)), blank: plainMesh(lathe([closed], 180)) };
+  return {
+    programs, sectors, pick, lines: [], tools: [], stock: [], ruler: gl.createBuffer(),
+    turned: plainMesh(lathe(data.part.turned, 180)), blank: plainMesh(lathe([closed], 180)),
+  };
+}
+
+/** Adds paths and tools, when the moves are read. */
+function buildMoves() {
+  const way = new Float32Array(moves.count);
+  for (let i = 1; i < moves.count; i++) {
+    const d = [0, 1, 2].map(k => moves.tips[3 * i + k] - moves.tips[3 * i - 3 + k]);
+    // A whole number of dashes of 12 mm, so that the length stays small.
+    way[i] = (moves.kinds[i] === moves.kinds[i - 1] ? way[i - 1] : 0) + Math.hypot(...d);
+  }
+  const tips = buffer(moves.tips, gl.ARRAY_BUFFER), ways = buffer(way, gl.ARRAY_BUFFER);
+  scene.lines = data.paths.operations.map(o => [0, 1, 2].map(kind => {
+    const list = [];
+    for (let i = o.first + 1; i < o.first + o.count; i++) if (moves.kinds[i] === kind) list.push(i - 1, i);
+    const pairs = Uint32Array.from(list), b = buffer(pairs, gl.ELEMENT_ARRAY_BUFFER);
+    return {
+      array: vertexArray([[tips, 0, 3, gl.FLOAT, false], [ways, 1, 1, gl.FLOAT, false]], b), count: pairs.length, pairs,
+    };
+  }));
+  scene.tools = data.tools.map(t => ({
+    name: t.name, cutter: plainMesh(lathe([t.cutter], 48)), shank: plainMesh(lathe([t.shank], 48)),
+    holder: plainMesh(lathe([t.holder], 64)),
+  }));
+}
+
+/** Adds the meshes of the stock. */
+async function buildStock() {
+  for (let i = 0; i < data.stock.length; i++) {
+    const positions = new Uint16Array(await inflated(`stock-positions-${i}`));
+    const indices = new Uint16Array(await inflated(`stock-indices-${i}`));
+    if (!scene) return;
+    const array = vertexArray([[buffer(positions, gl.ARRAY_BUFFER), 0, 3, gl.UNSIGNED_SHORT, true]],
+      buffer(indices, gl.ELEMENT_ARRAY_BUFFER));
+    scene.stock[i] = { array, count: 3 * data.stock[i].triangles, frame: data.stock[i].frame };
+  }
 }
 
 /** Sets what all programs that shade share. */
@@ -329,6 +241,9 @@ function use({ program, uniforms }, view) {
   if (uniforms.eye) gl.uniform3fv(uniforms.eye, view.eye);
   if (uniforms.upward) gl.uniform3fv(uniforms.upward, up);
   if (uniforms.rightward) gl.uniform3fv(uniforms.rightward, right);
+  if (uniforms.plane) gl.uniform4fv(uniforms.plane, view.plane);
+  if (uniforms.opened) gl.uniform1f(uniforms.opened, show.section ? 1 : 0);
+  if (uniforms.wantDepth) gl.uniform1f(uniforms.wantDepth, 0);
   return uniforms;
 }
 
@@ -365,6 +280,93 @@ function toolModel({ tip, axis }) {
   return new Float32Array([...side, 0, ...other, 0, ...axis, 0, ...tip, 1]);
 }
 
+/** Colours of part, blank and stock in the picture of the bodies. */
+const MATERIAL = [0.80, 0.66, 0.50, 1];
+
+/** Draws the body that is chosen. */
+function drawBody(view) {
+  const body = bodyNow();
+  if (body === 'part') {
+    return drawPart('part', view, (u, sector) => {
+      if (sector >= 0) return;
+      gl.uniform2fv(u.scale, show.scale);
+      gl.uniform2fv(u.shaded, shaded());
+      gl.uniform3fv(u.outside, [...COLOUR.gouge, ...COLOUR.excess].flatMap(rgb));
+      gl.uniform3fv(u.shades, COLOUR.shades.flatMap(rgb));
+      gl.uniform3fv(u.special, [COLOUR.neutral, COLOUR.unreached, COLOUR.unmilled].flatMap(rgb));
+      gl.uniform1f(u.bands, show.bands ? 1 : 0);
+      gl.uniform1f(u.beyond, BEYOND);
+    }) + drawPlain(use(scene.programs.plain, view), scene.turned, [...rgb(COLOUR.unmilled), 1]);
+  }
+  return drawStock(use(scene.programs.plain, view), body);
+}
+
+/** Draws the blank or a stock. */
+function drawStock(u, body) {
+  if (body === 'blank') return drawPlain(u, scene.blank, MATERIAL);
+  const s = scene.stock[body];
+  return s ? drawPlain(u, s, MATERIAL, null, s.frame, true) : 0;
+}
+
+/** Draws the paths that are chosen; of the operation that the stock follows only what is cut so far. */
+function drawPaths(view) {
+  let segments = 0;
+  const u = use(scene.programs.line, view);
+  gl.uniform1f(u.lift, 0.0004 * 3 * outline() / camera.distance);
+  scene.lines.forEach((kinds, k) => {
+    const running = show.body === 'follow' && show.tool && moves.operation[show.move] === k;
+    if (!show.operations[k] && !running) return;
+    kinds.forEach((line, kind) => {
+      const count = running ? 2 * before(line.pairs, show.move) : line.count;
+      if (!show.kinds[kind] || !count) return;
+      gl.uniform4fv(u.tint, [...rgb(colourOf(k)), kind === 1 ? 0.5 : 1]);
+      gl.uniform1f(u.dash, kind === 2 ? 4 : 0);
+      gl.bindVertexArray(line.array);
+      gl.drawElements(gl.LINES, count, gl.UNSIGNED_INT, 0);
+      segments += count / 2;
+    });
+  });
+  return segments;
+}
+
+/** Number of pairs that end before a move. */
+function before(pairs, move) {
+  let low = 0, high = pairs.length / 2;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (pairs[2 * middle + 1] < move) low = middle + 1; else high = middle;
+  }
+  return low;
+}
+
+/** Draws the mark of a place, and the points of a measurement with the line between them. */
+function drawMarks(view) {
+  gl.disable(gl.DEPTH_TEST);
+  if (show.measured.length === 2) {
+    const u = use(scene.programs.line, { ...view, plane: [0, 0, 0, 1] });
+    gl.uniform1f(u.lift, 0);
+    gl.uniform1f(u.dash, 0);
+    gl.uniform4fv(u.tint, [0, 0, 0, 1]);
+    gl.bindVertexArray(null);
+    gl.bindBuffer(gl.ARRAY_BUFFER, scene.ruler);
+    gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(show.measured.flat()), gl.DYNAMIC_DRAW);
+    gl.enableVertexAttribArray(0);
+    gl.vertexAttribPointer(0, 3, gl.FLOAT, false, 0, 0);
+    gl.disableVertexAttribArray(1);
+    gl.drawArrays(gl.LINES, 0, 2);
+    gl.disableVertexAttribArray(0);
+  }
+  const marks = [...(show.mark ? [[show.mark, 34, [0.85, 0.05, 0.35, 1]]] : []), ...show.measured.map(p => [p, 20, [0, 0, 0, 1]])];
+  for (const [place, size, tint] of marks) {
+    const u = use(scene.programs.mark, view);
+    gl.uniform3fv(u.place, place);
+    gl.uniform1f(u.points, size * ratio());
+    gl.uniform4fv(u.tint, tint);
+    gl.bindVertexArray(null);
+    gl.drawArrays(gl.POINTS, 0, 1);
+  }
+}
+
 /** Draws everything that is to be shown; returns what was drawn. */
 function draw() {
   const drawn = { triangles: 0, segments: 0 };
@@ -376,46 +378,12 @@ function draw() {
   gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
   gl.enable(gl.DEPTH_TEST);
   gl.disable(gl.BLEND);
-  if (show.body === 'part') {
-    drawn.triangles += drawPart('part', view, (u, sector) => {
-      if (sector >= 0) return;
-      gl.uniform2fv(u.scale, show.scale);
-      gl.uniform3fv(u.stops, STOPS.flatMap(rgb));
-      gl.uniform3fv(u.special, [SPECIAL.under, SPECIAL.over, SPECIAL.unreached, SPECIAL.unmilled].flatMap(rgb));
-      gl.uniform1f(u.bands, show.bands ? 1 : 0);
-    });
-    drawn.triangles += drawPlain(use(scene.programs.plain, view), scene.turned, [...rgb(SPECIAL.unmilled), 1]);
-  } else if (show.body === 'blank') {
-    drawn.triangles += drawPlain(use(scene.programs.plain, view), scene.blank, [0.80, 0.66, 0.50, 1]);
-  } else if (scene.stock[show.body]) {
-    const s = scene.stock[show.body];
-    drawn.triangles += drawPlain(use(scene.programs.plain, view), s, [0.80, 0.66, 0.50, 1], null, s.frame, true);
-  }
+  drawn.triangles += drawBody(view);
   gl.enable(gl.BLEND);
   gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-  const u = use(scene.programs.line, view);
-  gl.uniform1f(u.lift, 0.0004 * 3 * outline() / camera.distance);
-  scene.lines.forEach((kinds, k) => {
-    if (!show.operations[k]) return;
-    kinds.forEach((line, kind) => {
-      if (!show.kinds[kind] || !line.count) return;
-      gl.uniform4fv(u.tint, [...rgb(colourOf(k)), kind === 1 ? 0.5 : 1]);
-      gl.uniform1f(u.dash, kind === 2 ? 4 : 0);
-      gl.bindVertexArray(line.array);
-      gl.drawElements(gl.LINES, line.count, gl.UNSIGNED_INT, 0);
-      drawn.segments += line.count / 2;
-    });
-  });
+  drawn.segments += drawPaths(view);
   if (show.tool && moves.count) drawn.triangles += drawTool(view);
-  if (show.mark) {
-    gl.disable(gl.DEPTH_TEST);
-    const m = use(scene.programs.mark, view);
-    gl.uniform3fv(m.place, show.mark);
-    gl.uniform1f(m.points, 34 * ratio());
-    gl.uniform4fv(m.tint, [0.85, 0.05, 0.35, 1]);
-    gl.bindVertexArray(null);
-    gl.drawArrays(gl.POINTS, 0, 1);
-  }
+  drawMarks(view);
   return drawn;
 }
 
@@ -423,7 +391,9 @@ function drawTool(view) {
   const o = data.paths.operations[moves.operation[show.move]];
   const tool = scene.tools.find(t => t.name === o.tool);
   if (!tool) return 0;
-  const u = use(scene.programs.plain, view);
+  // The section leaves the tool whole.
+  const u = use(scene.programs.plain, { ...view, plane: [0, 0, 0, 1] });
+  if (u.opened) gl.uniform1f(u.opened, 0);
   const model = toolModel(poseOn(show.move, show.share));
   // Through a tool near a marked place the place stays in sight.
   const alpha = show.mark ? 0.42 : 0.9;
@@ -440,9 +410,10 @@ function drawTool(view) {
   return triangles;
 }
 
-/** What lies at a place of the picture (pixels): surface, sector, deviation code; or its depth. */
+/** What lies at a place of the picture (pixels): surface, sector, deviation code; or the point on whatever body there is. */
 function pick(x, y, wantDepth) {
-  if (!scene || show.body !== 'part') return null;
+  const body = bodyNow();
+  if (!scene || (body !== 'part' && !wantDepth)) return null;
   const at = [2 * x / canvas.clientWidth - 1, 1 - 2 * y / canvas.clientHeight];
   const view = projection(at);
   gl.bindFramebuffer(gl.FRAMEBUFFER, scene.pick);
@@ -451,9 +422,16 @@ function pick(x, y, wantDepth) {
   gl.disable(gl.BLEND);
   gl.enable(gl.DEPTH_TEST);
   gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-  drawPart('pick', view, (u, sector) => {
-    if (sector < 0) gl.uniform1f(u.wantDepth, wantDepth ? 1 : 0); else gl.uniform1f(u.sector, sector);
-  });
+  if (body === 'part') {
+    drawPart('pick', view, (u, sector) => {
+      if (sector < 0) gl.uniform1f(u.wantDepth, wantDepth ? 1 : 0); else gl.uniform1f(u.sector, sector);
+    });
+  }
+  if (wantDepth) {
+    const u = use(scene.programs.plain, view);
+    gl.uniform1f(u.wantDepth, 1);
+    if (body === 'part') drawPlain(u, scene.turned, MATERIAL); else drawStock(u, body);
+  }
   const found = new Uint8Array(4);
   gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, found);
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
@@ -472,7 +450,7 @@ let waiting = false;
 function redraw() {
   if (waiting) return;
   waiting = true;
-  requestAnimationFrame(() => { waiting = false; draw(); });
+  requestAnimationFrame(() => { if (waiting) { waiting = false; draw(); } });
 }
 
 function resize() {

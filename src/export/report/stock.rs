@@ -19,6 +19,8 @@ pub struct StockStage {
     pub triangles: Vec<[u32; 3]>,
     /// Edge of the cells of the mesh, mm; zero for a mesh from a file.
     pub cell: f64,
+    /// Index of the operation that it follows; `None` for what stands at the start.
+    pub after: Option<usize>,
 }
 
 /// Most triangles of one mesh, and of all meshes.
@@ -44,6 +46,8 @@ pub(super) struct StockData {
     pub(super) cell: f64,
     /// Edge of the cells of the mesh before, mm.
     mesh_cell: f64,
+    /// Index of the operation that it follows.
+    after: Option<usize>,
     #[serde(skip)]
     pub(super) positions: Bytes,
     #[serde(skip)]
@@ -150,6 +154,7 @@ pub(super) fn stock(stage: &StockStage, stages: usize) -> StockData {
         triangles: triangles.len(),
         cell,
         mesh_cell: stage.cell,
+        after: stage.after,
         positions: Bytes::default(),
         indices: Bytes::default(),
     };
@@ -178,7 +183,7 @@ mod tests {
             [[a, b, c], [a, c, d]]
         };
         let triangles = (0..n).flat_map(|i| (0..n).flat_map(move |j| cell(i, j))).collect();
-        StockStage { name: "field".to_owned(), positions, triangles, cell: 1.0 }
+        StockStage { name: "field".to_owned(), positions, triangles, cell: 1.0, after: None }
     }
 
     #[test]

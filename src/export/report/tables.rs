@@ -18,21 +18,23 @@ pub(super) fn total_time(input: &Input<'_>) -> f64 {
 pub(super) fn header(input: &Input<'_>) -> String {
     let certificate = input.certificate;
     let vanes = input.program.part.vane_count;
-    let mut facts = vec![
+    let lines = |text: &str| format!("{} lines", text.lines().count());
+    let facts = [
         ("machine", certificate.machine_name.clone()),
         ("NC dialect", input.post.to_owned()),
+        ("NC program", input.nc_text.map_or_else(|| "none: a fault stopped it".to_owned(), lines)),
         ("machining time", format!("{} h:mm:ss", clock(total_time(input)))),
         ("vanes", vanes.to_string()),
         ("deviations proved over", format!("cells of {} mm and less", certificate.spacing)),
-        ("inputs sha256", input.hash.to_owned()),
-        ("compiler", format!("impellerc {}", env!("CARGO_PKG_VERSION"))),
     ];
-    facts.insert(
-        2,
-        ("NC program", input.nc_lines.map_or_else(|| "none: a fault stopped it".to_owned(), |n| format!("{n} lines"))),
-    );
     let item = |(name, value): &(&str, String)| format!("<div><dt>{name}</dt><dd>{}</dd></div>\n", escaped(value));
     facts.iter().map(item).collect()
+}
+
+/// Hash of the inputs, and the compiler.
+pub(super) fn inputs(input: &Input<'_>) -> String {
+    let compiler = format!("impellerc {}", env!("CARGO_PKG_VERSION"));
+    format!("<p>Made by {compiler} from inputs with sha256 <code>{}</code>.</p>\n", escaped(input.hash))
 }
 
 /// The verdict: all contracts hold, or the number that does not. Returns its class and its text.

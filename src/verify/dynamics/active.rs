@@ -70,6 +70,15 @@ impl ActiveLimit {
     }
 }
 
+/// The limit that is active in a move for the longest time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct MoveLimit {
+    /// Index of the move in its operation.
+    pub index: u32,
+    /// Index in the limits of the run.
+    pub limit: usize,
+}
+
 /// Kinds of moves, in the order of times.
 const KINDS: [&str; 3] = ["cut", "link", "rapid"];
 
@@ -145,20 +154,39 @@ pub(super) struct Pace<'a> {
 
 /// Times by limit and axis.
 #[derive(Default)]
-pub(super) struct ActiveTimes(BTreeMap<LimitOfAxis, [f64; 3]>);
+pub(super) struct ActiveTimes {
+    /// Times of all moves.
+    whole: BTreeMap<LimitOfAxis, [f64; 3]>,
+    /// Times of single moves, in their order.
+    moves: Vec<(u32, LimitOfAxis, f64)>,
+}
 
 impl ActiveTimes {
-    /// Adds time of a kind of moves.
-    pub(super) fn add(&mut self, limit: LimitOfAxis, kind: usize, time: f64) {
-        if time > 0.0 {
-            self.0.entry(limit).or_default()[kind] += time;
+    /// Adds time of a move of a kind. The calls are in the order of the moves.
+    pub(super) fn add(&mut self, index: u32, limit: LimitOfAxis, kind: usize, time: f64) {
+        if time <= 0.0 {
+            return;
+        }
+        self.whole.entry(limit).or_default()[kind] += time;
+        let own = self.moves.iter_mut().rev().take_while(|m| m.0 == index).find(|m| m.1 == limit);
+        match own {
+            Some(entry) => entry.2 += time,
+            None => self.moves.push((index, limit, time)),
         }
     }
 
-    /// The times with the names of the axes, without empty ones.
-    pub(super) fn named(self, names: [&str; 5]) -> Vec<ActiveLimit> {
+    /// The times with the names of the axes, without empty ones, and the limit of each move.
+    pub(super) fn named(self, names: [&str; 5]) -> (Vec<ActiveLimit>, Vec<MoveLimit>) {
         let name = |axis: Option<usize>| axis.map(|k| names[k].to_owned());
-        self.0.into_iter().map(|((limit, axis), time)| ActiveLimit { limit, axis: name(axis), time }).collect()
+        let order: Vec<LimitOfAxis> = self.whole.keys().copied().collect();
+        let longest = |own: &[(u32, LimitOfAxis, f64)]| {
+            // Of equal times the first limit counts.
+            let longest = own.iter().reduce(|a, b| if b.2 > a.2 { b } else { a })?;
+            Some(MoveLimit { index: longest.0, limit: order.binary_search(&longest.1).ok()? })
+        };
+        let moves = self.moves.chunk_by(|a, b| a.0 == b.0).filter_map(longest).collect();
+        let times = self.whole.into_iter();
+        (times.map(|((limit, axis), time)| ActiveLimit { limit, axis: name(axis), time }).collect(), moves)
     }
 
     /// Times of a run.
@@ -182,13 +210,14 @@ impl ActiveTimes {
                     let corner = corner_shares(corner, at_corner);
                     let (acceleration, jerk) = (part.acceleration, part.jerk);
                     let limit = active(limits, &Pace { cell, rate, acceleration, jerk, corner });
-                    moments.push(Moment { limit, kind: number(cell.kind), time: share * part.time });
+                    moments.push(Moment { limit, cell: part.cell, time: share * part.time });
                 }
             }
         }
         let mut times = Self::default();
         for (moment, near) in moments.iter().zip(nearest(&moments)) {
-            times.add(near.unwrap_or(moment.limit), moment.kind, moment.time);
+            let cell = &cells[moment.cell];
+            times.add(cell.block, near.unwrap_or(moment.limit), number(cell.kind), moment.time);
         }
         times
     }
@@ -197,7 +226,8 @@ impl ActiveTimes {
 /// A part of the run with its active limit.
 struct Moment {
     limit: LimitOfAxis,
-    kind: usize,
+    /// Index of the cell in which it lies.
+    cell: usize,
     time: f64,
 }
 

@@ -34,7 +34,7 @@ pub(super) fn replace(
         report.time[number(m.kind)] += ran.time;
         let first = cells.partition_point(|c| c.block < index);
         let count = cells[first..].partition_point(|c| c.block == index);
-        add(limits, (cells, first..first + count), (number(m.kind), ran), &mut times);
+        add(limits, (cells, first..first + count), (index, number(m.kind), ran), &mut times);
         if m.kind == MoveKind::Cut && m.time < report.slowest.value * ran.time {
             report.slowest = Peak { value: m.time / ran.time, at: Some(at) };
         }
@@ -43,7 +43,7 @@ pub(super) fn replace(
             most.raise(share, at);
         }
     }
-    report.limits = times.named(settings.machine.names());
+    (report.limits, report.of_moves) = times.named(settings.machine.names());
     for error in errors {
         // The corner of an error is the corner at the start of its block.
         error.corner = (error.at.index as usize).checked_sub(1).map_or([0.0; 2], corner);
@@ -56,7 +56,7 @@ pub(super) fn replace(
 fn add(
     limits: &RunLimits,
     (cells, own): (&[MotionCell], Range<usize>),
-    (kind, ran): (usize, &Ran),
+    (index, kind, ran): (u32, usize, &Ran),
     times: &mut ActiveTimes,
 ) {
     let [speed, acceleration] = ran.axes;
@@ -70,9 +70,9 @@ fn add(
         let limited = matches!(by_joints.0, MotionLimit::Rest | MotionLimit::BlockFeed) && rate < PROGRAMMED;
         let active = if limited { (MotionLimit::Speed, Some(speed)) } else { by_joints };
         let time = ran.steady * cell.width / whole;
-        times.add(active, kind, time);
+        times.add(index, active, kind, time);
         steady += time;
     }
-    times.add((MotionLimit::Corner, None), kind, ran.blends);
-    times.add((MotionLimit::Acceleration, Some(acceleration)), kind, ran.time - steady - ran.blends);
+    times.add(index, (MotionLimit::Corner, None), kind, ran.blends);
+    times.add(index, (MotionLimit::Acceleration, Some(acceleration)), kind, ran.time - steady - ran.blends);
 }
