@@ -87,7 +87,13 @@ pub(super) fn simulated<T>(
 /// What is left of the blank before the first operation, in the form of the report.
 pub(super) fn at_start(program: &Program) -> Option<StockStage> {
     let mesh = program.stock.left.as_deref()?.clone();
-    Some(StockStage { name: "at the start".to_owned(), positions: mesh.vertices, triangles: mesh.triangles, cell: 0.0, after: None })
+    Some(StockStage {
+        name: "at the start".to_owned(),
+        positions: mesh.vertices,
+        triangles: mesh.triangles,
+        cell: 0.0,
+        after: None,
+    })
 }
 
 /// Stock after an operation in the form of the report.

@@ -66,6 +66,7 @@ mod ramp;
 mod refused_roughing;
 mod removal;
 mod report;
+mod report_page;
 mod rest_machining;
 mod rough;
 mod section_files;

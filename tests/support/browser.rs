@@ -171,6 +171,43 @@ impl Page {
         self.call("Input.dispatchMouseEvent", &event);
     }
 
+    /// Turns the wheel by pixels at a place; the page scrolls, if it does, before this returns.
+    pub(crate) fn wheel(&mut self, [x, y]: [usize; 2], pixels: i32) {
+        let event = json!({ "type": "mouseWheel", "x": x, "y": y, "deltaX": 0, "deltaY": pixels });
+        self.call("Input.dispatchMouseEvent", &event);
+        self.settle();
+    }
+
+    /// Presses a key that has no text, such as `Escape`, or one that writes its own.
+    pub(crate) fn key(&mut self, key: &str) {
+        let mut event = json!({ "type": "keyDown", "key": key });
+        if key.chars().count() == 1 {
+            event["text"] = json!(key);
+        }
+        self.call("Input.dispatchKeyEvent", &event);
+        self.call("Input.dispatchKeyEvent", &json!({ "type": "keyUp", "key": key }));
+        self.settle();
+    }
+
+    /// Fingers on the page, each at its places one after the other.
+    pub(crate) fn touch(&mut self, fingers: &[Vec<[usize; 2]>]) {
+        self.call("Emulation.setTouchEmulationEnabled", &json!({ "enabled": true, "maxTouchPoints": 2 }));
+        let steps = fingers.iter().map(Vec::len).max().unwrap_or(0);
+        for step in 0..steps {
+            let points: Vec<Value> = fingers.iter().map(|f| json!({ "x": f[step][0], "y": f[step][1] })).collect();
+            let kind = if step == 0 { "touchStart" } else { "touchMove" };
+            self.call("Input.dispatchTouchEvent", &json!({ "type": kind, "touchPoints": points }));
+        }
+        self.call("Input.dispatchTouchEvent", &json!({ "type": "touchEnd", "touchPoints": [] }));
+        self.settle();
+    }
+
+    /// Shows the page as it is printed.
+    pub(crate) fn as_printed(&mut self) {
+        self.call("Emulation.setEmulatedMedia", &json!({ "media": "print" }));
+        self.settle();
+    }
+
     /// Waits for two frames: all requested changes are then drawn.
     pub(crate) fn settle(&mut self) {
         let frames = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))";

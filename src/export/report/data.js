@@ -34,32 +34,50 @@ function loadPart() {
   const { low, size } = data.part.frame;
   const place = new Float32Array(positions.length);
   for (let i = 0; i < positions.length; i++) place[i] = low[i % 3] + positions[i] / 65535 * size[i % 3];
-  const surface = new Uint8Array(count);
-  const indices = [];
-  const gap2 = data.part.gap ** 2;
+  const surface = new Uint8Array(count), rows = [];
+  let start = 0;
+  data.part.surfaces.forEach((s, number) => {
+    rows.push(s.rows.map(([n, from, to]) => {
+      surface.fill(number, start, start + n);
+      start += n;
+      return { start: start - n, n, from, to };
+    }));
+  });
+  return { positions, normals, deviations, surface, count, place, rows };
+}
+
+/** Numbers below n in steps, with the last. */
+function stepped(n, step) {
+  const out = [];
+  for (let i = 0; i < n - 1; i += step) out.push(i);
+  if (n) out.push(n - 1);
+  return out;
+}
+
+/** Triangles between the rows of the part, from every `step`th row and every `step`th point of a row. */
+function triangles(step) {
+  const { place, rows } = part, indices = [], gap2 = (data.part.gap * step) ** 2;
   const far = (a, b) => (place[3 * a] - place[3 * b]) ** 2 + (place[3 * a + 1] - place[3 * b + 1]) ** 2
     + (place[3 * a + 2] - place[3 * b + 2]) ** 2 > gap2;
   const triangle = (a, b, c) => { if (!far(a, b) && !far(b, c) && !far(c, a)) indices.push(a, b, c); };
-  let start = 0;
-  data.part.surfaces.forEach((s, number) => {
+  for (const surface of rows) {
     let before = null;
-    for (const [n, from, to] of s.rows) {
-      const row = { start, n, at: i => n > 1 ? from + (to - from) * i / (n - 1) : from };
-      surface.fill(number, start, start + n);
+    for (const r of stepped(surface.length, step)) {
+      const { start, n, from, to } = surface[r], list = stepped(n, step);
+      const row = { points: list.map(i => start + i), at: list.map(i => n > 1 ? from + (to - from) * i / (n - 1) : from) };
       if (before) {
-        // Advance on the row whose next sample comes first.
+        // Advance on the row whose next point comes first.
+        const [a, b] = [before.points, row.points];
         let i = 0, j = 0;
-        while (i < before.n - 1 || j < n - 1) {
-          const a = before.start + i, b = start + j;
-          if (j === n - 1 || (i < before.n - 1 && before.at(i + 1) <= row.at(j + 1))) { triangle(a, a + 1, b); i++; }
-          else { triangle(a, b + 1, b); j++; }
+        while (i < a.length - 1 || j < b.length - 1) {
+          if (j === b.length - 1 || (i < a.length - 1 && before.at[i + 1] <= row.at[j + 1])) { triangle(a[i], a[i + 1], b[j]); i++; }
+          else { triangle(a[i], b[j + 1], b[j]); j++; }
         }
       }
       before = row;
-      start += n;
     }
-  });
-  return { positions, normals, deviations, surface, count, place, indices: Uint32Array.from(indices) };
+  }
+  return Uint32Array.from(indices);
 }
 
 const machine = data.machine;
@@ -213,6 +231,7 @@ const clock = s => {
   return `${Math.floor(s / 3600)}:${two(s / 60 % 60)}:${two(s % 60)}`;
 };
 
-const COLOURS = ['#e8590c', '#1c7ed6', '#ae3ec9', '#0ca678', '#f08c00', '#d6336c', '#4263eb', '#74b816', '#7950f2', '#0b7285'];
+// Neither orange nor blue, which the scale has for gouge and excess.
+const COLOURS = ['#0ca678', '#9c36b5', '#d6336c', '#66860f', '#5f3dc4', '#0b7285', '#a9793b', '#e64980', '#087f5b', '#862e9c'];
 const colourOf = k => COLOURS[k % COLOURS.length];
 const rgb = hex => [1, 3, 5].map(k => parseInt(hex.slice(k, k + 2), 16) / 255);

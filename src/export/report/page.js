@@ -125,7 +125,7 @@ function describeStock() {
   const drawn = s ? Math.max(s.cell, s.mesh_cell) : 0;
   const which = show.body !== 'follow' ? '' : s ? `Stock ${s.name}. ` : 'Turned blank. ';
   $('stock-note').textContent = data.stock.length === 0 ? (show.body === 'part' ? '' : 'The stock after each operation was not simulated.')
-    : s ? `${which}Simulated in cells of ${data.cell} mm${drawn > data.cell ? `, drawn in cells of ${+drawn.toFixed(2)} mm` : ''}. A smaller --stock-cell shows more.` : which;
+    : s ? `${which}Simulated in cells of ${+data.cell.toPrecision(3)} mm${drawn > data.cell ? `, drawn in cells of ${+drawn.toFixed(2)} mm` : ''}. A smaller --stock-cell shows more.` : which;
 }
 $('body').addEventListener('change', event => { bodyChosen = true; setBody(event.target.value); });
 /** True when the reader has chosen a body; then playing does not change it. */
@@ -271,10 +271,11 @@ function fitPlaces() {
   list.classList.toggle('all', all);
   const entries = [...list.querySelectorAll('button')];
   const keep = most => {
-    let n = 0;
+    let n = 0, whole = false;
     for (const element of list.children) {
       n = element.tagName === 'H3' ? 0 : n + 1;
-      if (element.tagName === 'BUTTON') element.classList.toggle('beyond', n > most);
+      if (element.tagName === 'H3') whole = element.textContent === 'contracts';
+      else element.classList.toggle('beyond', n > most && !whole);
     }
   };
   let most = 12;
@@ -344,7 +345,7 @@ document.documentElement.dataset.part = String(Math.round(performance.now()));
 async function loadRest() {
   moves = await loadMoves();
   prepareRows();
-  if (scene) { buildMoves(); await buildStock(); }
+  if (scene) { refine(); draw(); buildMoves(); await buildStock(); }
   await loadProgram();
   $('time').max = moves.total;
   setMove(0, 1);

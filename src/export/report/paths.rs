@@ -252,7 +252,9 @@ impl PathData {
             while let Some(own) = of_moves.next_if(|l| l.index as usize <= i) {
                 let kind = kind_number(m.kind);
                 let words = run.and_then(|r| r.limits.get(own.limit)).map(|l| l.words(usize::from(kind)));
-                let Some(limit) = words.map(|w| self.limit_number(w)).filter(|_| own.index as usize == i) else { continue };
+                let Some(limit) = words.map(|w| self.limit_number(w)).filter(|_| own.index as usize == i) else {
+                    continue;
+                };
                 match times.iter_mut().find(|t| t.0 == limit) {
                     Some(time) => time.1 += m.time,
                     None => times.push((limit, m.time)),

@@ -1,7 +1,8 @@
 // Mouse, touch and keys.
 const VIEWS = {
   all: HOME, top: { ...HOME, azimuth: -Math.PI / 2, elevation: Math.PI / 2 - 1e-4 },
-  front: { ...HOME, azimuth: -Math.PI / 2, elevation: 0 }, side: { ...HOME, azimuth: 0, elevation: 0 },
+  front: { ...HOME, target: middle(0.5), azimuth: -Math.PI / 2, elevation: 0 },
+  side: { ...HOME, target: middle(0.5), azimuth: 0, elevation: 0 },
 };
 function forget() {
   show.mark = null;

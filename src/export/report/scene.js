@@ -11,7 +11,8 @@ const BEYOND = 4;
 const canvas = $('scene');
 const gl = canvas.getContext('webgl2', { antialias: true, alpha: true, preserveDrawingBuffer: true });
 const RADIUS = Math.max(...data.blank.map(([r, z]) => Math.hypot(r, z)), 1) || 1;
-const HOME = { target: middle(), azimuth: -1.15, elevation: 0.80, distance: 3.9 * outline() };
+// Lower than half way: from above and near, the front of the part looks larger than its back.
+const HOME = { target: middle(0.15), azimuth: -1.15, elevation: 0.80, distance: 3.9 * outline() };
 const camera = { ...HOME, target: [...HOME.target] };
 const show = {
   body: 'part', bands: false, shades: false, scale: data.scale.map(v => v * 1e3), required: [...data.required],
@@ -45,10 +46,10 @@ function bodyNow() {
   return best < 0 ? 'blank' : best;
 }
 
-function middle() {
+/** The place on the axis at a share of the height of the blank. */
+function middle(share) {
   const zs = data.blank.map(p => p[1]);
-  // Lower than half way: from above and near, the front of the part looks larger than its back.
-  return [0, 0, 0.85 * Math.min(...zs) + 0.15 * Math.max(...zs)];
+  return [0, 0, (1 - share) * Math.min(...zs) + share * Math.max(...zs)];
 }
 function outline() { return Math.max(...data.blank.map(p => p[0]), 1); }
 
@@ -160,16 +161,21 @@ function plainMesh(floats) {
   return { array: vertexArray([[buffer(floats, gl.ARRAY_BUFFER), 0, 3, gl.FLOAT, false]]), count: floats.length / 3 };
 }
 
+const PROGRAMS = {
+  part: [PART_VERTEX, PART_COLOUR], pick: [PART_VERTEX, PICK_COLOUR], plain: [PLAIN_VERTEX, PLAIN_COLOUR],
+  line: [LINE_VERTEX, LINE_COLOUR], mark: [MARK_VERTEX, MARK_COLOUR],
+};
+/** A program, compiled when it is first used: the first picture needs two of them. */
+const programOf = name => scene.programs[name] ??= compile(...PROGRAMS[name]);
+
+/** Every which row and point the first picture of the part has; all of them follow. */
+const FIRST_STEP = 4;
+
 /** Makes what the first picture needs on the graphics card. */
 function build() {
-  const programs = {
-    part: compile(PART_VERTEX, PART_COLOUR), pick: compile(PART_VERTEX, PICK_COLOUR),
-    plain: compile(PLAIN_VERTEX, PLAIN_COLOUR), line: compile(LINE_VERTEX, LINE_COLOUR),
-    mark: compile(MARK_VERTEX, MARK_COLOUR),
-  };
   const place = buffer(part.positions, gl.ARRAY_BUFFER), normal = buffer(part.normals, gl.ARRAY_BUFFER);
   const code = buffer(part.deviations, gl.ARRAY_BUFFER), surface = buffer(part.surface, gl.ARRAY_BUFFER);
-  const indices = buffer(part.indices, gl.ELEMENT_ARRAY_BUFFER);
+  const first = triangles(FIRST_STEP), indices = buffer(first, gl.ELEMENT_ARRAY_BUFFER);
   const sectors = [];
   for (let s = 0; s < data.part.sectors; s++) {
     const angle = 2 * Math.PI * s / data.part.sectors;
@@ -193,9 +199,18 @@ function build() {
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   const closed = [...data.blank, data.blank[0]];
   return {
-    programs, sectors, pick, lines: [], tools: [], stock: [], ruler: gl.createBuffer(),
+    programs: {}, sectors, indices, count: first.length, pick, lines: [], tools: [], stock: [], ruler: gl.createBuffer(),
     turned: plainMesh(lathe(data.part.turned, 180)), blank: plainMesh(lathe([closed], 180)),
   };
+}
+
+/** All triangles of the part in the place of those of the first picture. */
+function refine() {
+  const all = triangles(1);
+  gl.bindVertexArray(null);
+  gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, scene.indices);
+  gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, all, gl.STATIC_DRAW);
+  scene.count = all.length;
 }
 
 /** Adds paths and tools, when the moves are read. */
@@ -249,7 +264,7 @@ function use({ program, uniforms }, view) {
 
 /** Draws the part by a program; returns the triangles drawn. */
 function drawPart(which, view, perSector) {
-  const u = use(scene.programs[which], view);
+  const u = use(programOf(which), view);
   gl.uniform3fv(u.low, data.part.frame.low);
   gl.uniform3fv(u.size, data.part.frame.size);
   gl.uniform2f(u.law, data.part.law[0] * 1e3, data.part.law[1]);
@@ -258,9 +273,9 @@ function drawPart(which, view, perSector) {
     gl.uniform2fv(u.turn, s.turn);
     perSector(u, k);
     gl.bindVertexArray(s.array);
-    gl.drawElements(gl.TRIANGLES, part.indices.length, gl.UNSIGNED_INT, 0);
+    gl.drawElements(gl.TRIANGLES, scene.count, gl.UNSIGNED_INT, 0);
   });
-  return scene.sectors.length * part.indices.length / 3;
+  return scene.sectors.length * scene.count / 3;
 }
 
 function drawPlain(u, mesh, tint, model, frame, indexed) {
@@ -296,9 +311,9 @@ function drawBody(view) {
       gl.uniform3fv(u.special, [COLOUR.neutral, COLOUR.unreached, COLOUR.unmilled].flatMap(rgb));
       gl.uniform1f(u.bands, show.bands ? 1 : 0);
       gl.uniform1f(u.beyond, BEYOND);
-    }) + drawPlain(use(scene.programs.plain, view), scene.turned, [...rgb(COLOUR.unmilled), 1]);
+    }) + drawPlain(use(programOf('plain'), view), scene.turned, [...rgb(COLOUR.unmilled), 1]);
   }
-  return drawStock(use(scene.programs.plain, view), body);
+  return drawStock(use(programOf('plain'), view), body);
 }
 
 /** Draws the blank or a stock. */
@@ -311,7 +326,7 @@ function drawStock(u, body) {
 /** Draws the paths that are chosen; of the operation that the stock follows only what is cut so far. */
 function drawPaths(view) {
   let segments = 0;
-  const u = use(scene.programs.line, view);
+  const u = use(programOf('line'), view);
   gl.uniform1f(u.lift, 0.0004 * 3 * outline() / camera.distance);
   scene.lines.forEach((kinds, k) => {
     const running = show.body === 'follow' && show.tool && moves.operation[show.move] === k;
@@ -343,7 +358,7 @@ function before(pairs, move) {
 function drawMarks(view) {
   gl.disable(gl.DEPTH_TEST);
   if (show.measured.length === 2) {
-    const u = use(scene.programs.line, { ...view, plane: [0, 0, 0, 1] });
+    const u = use(programOf('line'), { ...view, plane: [0, 0, 0, 1] });
     gl.uniform1f(u.lift, 0);
     gl.uniform1f(u.dash, 0);
     gl.uniform4fv(u.tint, [0, 0, 0, 1]);
@@ -358,7 +373,7 @@ function drawMarks(view) {
   }
   const marks = [...(show.mark ? [[show.mark, 34, [0.85, 0.05, 0.35, 1]]] : []), ...show.measured.map(p => [p, 20, [0, 0, 0, 1]])];
   for (const [place, size, tint] of marks) {
-    const u = use(scene.programs.mark, view);
+    const u = use(programOf('mark'), view);
     gl.uniform3fv(u.place, place);
     gl.uniform1f(u.points, size * ratio());
     gl.uniform4fv(u.tint, tint);
@@ -370,6 +385,7 @@ function drawMarks(view) {
 /** Draws everything that is to be shown; returns what was drawn. */
 function draw() {
   const drawn = { triangles: 0, segments: 0 };
+  waiting = false;
   if (!scene) return drawn;
   const view = projection();
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
@@ -392,7 +408,7 @@ function drawTool(view) {
   const tool = scene.tools.find(t => t.name === o.tool);
   if (!tool) return 0;
   // The section leaves the tool whole.
-  const u = use(scene.programs.plain, { ...view, plane: [0, 0, 0, 1] });
+  const u = use(programOf('plain'), { ...view, plane: [0, 0, 0, 1] });
   if (u.opened) gl.uniform1f(u.opened, 0);
   const model = toolModel(poseOn(show.move, show.share));
   // Through a tool near a marked place the place stays in sight.
@@ -428,7 +444,7 @@ function pick(x, y, wantDepth) {
     });
   }
   if (wantDepth) {
-    const u = use(scene.programs.plain, view);
+    const u = use(programOf('plain'), view);
     gl.uniform1f(u.wantDepth, 1);
     if (body === 'part') drawPlain(u, scene.turned, MATERIAL); else drawStock(u, body);
   }
@@ -450,7 +466,7 @@ let waiting = false;
 function redraw() {
   if (waiting) return;
   waiting = true;
-  requestAnimationFrame(() => { if (waiting) { waiting = false; draw(); } });
+  requestAnimationFrame(() => { if (waiting) draw(); });
 }
 
 function resize() {

@@ -6,7 +6,8 @@ layout(location=1) in vec2 octahedral;
 layout(location=2) in float code;
 layout(location=3) in float surface;
 uniform mat4 camera; uniform vec3 low, size; uniform vec2 turn; uniform vec2 law;
-out vec3 normal, position; out float deviation; out float state; out float kind;
+// At the edge of a triangle a value is that of a place inside of it, not one beyond the edge.
+centroid out vec3 normal, position; centroid out float deviation, state, kind;
 vec3 turned(vec3 p) { return vec3(p.x * turn.x - p.y * turn.y, p.x * turn.y + p.y * turn.x, p.z); }
 void main() {
   position = turned(low + place * size);
@@ -40,7 +41,7 @@ vec3 lit(vec3 base, vec3 n, vec3 position) {
 
 const PART_COLOUR = `#version 300 es
 precision highp float;
-in vec3 normal, position; in float deviation, state, kind;
+centroid in vec3 normal, position; centroid in float deviation, state, kind;
 uniform vec3 eye, upward, rightward; uniform vec2 scale, shaded; uniform vec3 outside[6], shades[2], special[3];
 uniform float bands, beyond;
 out vec4 colour;
@@ -83,7 +84,7 @@ vec4 depthCode() {
 
 const PICK_COLOUR = `#version 300 es
 precision highp float;
-in vec3 normal, position; in float deviation, state, kind;
+centroid in vec3 normal, position; centroid in float deviation, state, kind;
 uniform float sector; uniform vec2 law; uniform float wantDepth;
 out vec4 colour;
 ${SECTION}

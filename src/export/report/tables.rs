@@ -243,7 +243,7 @@ pub(super) fn findings(input: &Input<'_>, places: &Places) -> String {
             ]
         })
         .collect();
-    if rows.is_empty() { String::new() } else { table("Findings", &["code", "what", "where", "way out"], &rows) }
+    if rows.is_empty() { String::new() } else { table("Findings", &["code", "what", "where", "remedy"], &rows) }
 }
 
 fn surfaces(input: &Input<'_>, places: &Places) -> String {
