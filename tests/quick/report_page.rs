@@ -274,6 +274,15 @@ fn a_section_opens_the_part_and_two_points_give_a_distance() {
     choose(&mut page, "section", "x");
     let at_axis = opened(&mut page);
     assert!(at_axis > 5000, "{at_axis} pixels of cut material");
+    // The bore is open: in the middle of the picture its wall is seen, not cut material.
+    let [x, y] = middle(scene);
+    let bore = page.screenshot().part([x - 5, y - 5, 10, 10]);
+    assert_eq!(count(&bore, cut), 0, "the bore is filled");
+    choose(&mut page, "body", "blank");
+    let blank = opened(&mut page);
+    let bore = page.screenshot().part([x - 5, y - 5, 10, 10]);
+    assert!(blank > at_axis && count(&bore, cut) == 0, "{blank} pixels of cut blank, {at_axis} of the part");
+    choose(&mut page, "body", "part");
     // Far from the axis the section is smaller.
     let far = page.evaluate("String(0.8 * document.getElementById('offset').max)");
     choose(&mut page, "offset", &far);

@@ -175,6 +175,8 @@ impl Page {
     pub(crate) fn wheel(&mut self, [x, y]: [usize; 2], pixels: i32) {
         let event = json!({ "type": "mouseWheel", "x": x, "y": y, "deltaX": 0, "deltaY": pixels });
         self.call("Input.dispatchMouseEvent", &event);
+        // A browser may scroll evenly over some frames.
+        std::thread::sleep(Duration::from_millis(400));
         self.settle();
     }
 
@@ -194,7 +196,8 @@ impl Page {
         self.call("Emulation.setTouchEmulationEnabled", &json!({ "enabled": true, "maxTouchPoints": 2 }));
         let steps = fingers.iter().map(Vec::len).max().unwrap_or(0);
         for step in 0..steps {
-            let points: Vec<Value> = fingers.iter().map(|f| json!({ "x": f[step][0], "y": f[step][1] })).collect();
+            let point = |(id, f): (usize, &Vec<[usize; 2]>)| json!({ "id": id, "x": f[step][0], "y": f[step][1] });
+            let points: Vec<Value> = fingers.iter().enumerate().map(point).collect();
             let kind = if step == 0 { "touchStart" } else { "touchMove" };
             self.call("Input.dispatchTouchEvent", &json!({ "type": kind, "touchPoints": points }));
         }

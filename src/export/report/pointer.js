@@ -86,8 +86,9 @@ canvas.addEventListener('wheel', event => {
 function hints() {
   const active = document.activeElement;
   $('hint').textContent = measuring ? `click ${show.measured.length === 1 ? 'the second point' : 'two points'} · Esc ends`
-    : active === canvas ? 'wheel zooms, drag turns, right drag shifts, double click sets the centre · Esc gives the wheel back to the page'
-      : 'wheel scrolls the page: click first, or hold Ctrl, to zoom';
+    : matchMedia('(pointer: coarse)').matches ? 'one finger turns, two fingers zoom and shift'
+      : active === canvas ? 'wheel zooms, drag turns, right drag shifts, double click sets the centre · Esc gives the wheel back to the page'
+        : 'wheel scrolls the page: click first, or hold Ctrl, to zoom';
   $('plots-hint').textContent = `${active === plots ? 'wheel zooms' : 'click first, or hold Ctrl, to zoom by the wheel'}; + and - zoom, drag shifts, a click puts the tool there, arrow keys step by one block, Home shows all`;
   $('nc-hint').textContent = !program.count ? '' : active === $('nc') ? 'click a block: the tool goes there; arrow keys step by block' : 'click to scroll by the wheel; keys , and . step by block';
 }

@@ -155,6 +155,15 @@ function lathe(lines, around) {
   return new Float32Array(out);
 }
 
+/** A line (r, z) around material in the order in which the front of the triangles of `lathe` is outside. */
+function outward(line) {
+  const area = line.reduce((sum, [r, z], i) => {
+    const [next, height] = line[(i + 1) % line.length];
+    return sum + r * height - next * z;
+  }, 0);
+  return area < 0 ? [...line].reverse() : line;
+}
+
 let scene = null;
 
 function plainMesh(floats) {
@@ -200,7 +209,7 @@ function build() {
   const closed = [...data.blank, data.blank[0]];
   return {
     programs: {}, sectors, indices, count: first.length, pick, lines: [], tools: [], stock: [], ruler: gl.createBuffer(),
-    turned: plainMesh(lathe(data.part.turned, 180)), blank: plainMesh(lathe([closed], 180)),
+    turned: plainMesh(lathe(data.part.turned.map(outward), 180)), blank: plainMesh(lathe([outward(closed)], 180)),
   };
 }
 
