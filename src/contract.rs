@@ -177,6 +177,44 @@ impl ContractKind {
         }
     }
 
+    /// Meaning, for the reference of the language.
+    pub fn meaning(self) -> &'static str {
+        match self {
+            Self::Gouge => "the deepest cut of the swept tool into a design surface",
+            Self::Excess => "the most stock that is left on a design surface",
+            Self::Clearance(Guarded::Body) => "the least distance of shank and holder to the part",
+            Self::Clearance(Guarded::Tool) => "the least distance of the whole tool at rapid to the turned stock",
+            Self::Clearance(Guarded::Shank) => "the least distance of the shank to the part",
+            Self::Clearance(Guarded::Holder) => "the least distance of the holder to the part",
+            Self::Air => "the share of the time at feed in which the tool cuts air",
+            Self::Time => "the time that the machine takes",
+            Self::AxisSpeed => "the largest speed of an axis as a share of its limit",
+            Self::ContourError => "how far the control leaves the programmed motion of tip and flutes",
+            Self::OrientationError => "how far the control leaves the programmed tool axis",
+            Self::RemovalRate => "the largest removal rate",
+            Self::Engagement(Cuts::All) => "the largest arc of the cutter in the stock",
+            Self::Engagement(Cuts::OutsideSlots) => "the largest arc of the cutter in the stock, slots left out",
+            Self::Rest => "the most stock that roughing leaves for the finishing operations",
+            Self::RestVolume => "the volume of stock outside of the part",
+        }
+    }
+
+    /// A bound that jobs often have, for examples.
+    pub fn usual_bound(self) -> Bound {
+        self.bound(match self {
+            Self::Gouge | Self::ContourError => 0.005,
+            Self::Excess => 0.02,
+            Self::Clearance(_) => 0.5,
+            Self::Air | Self::AxisSpeed => 0.8,
+            Self::Time => 3600.0,
+            Self::OrientationError => 0.1,
+            Self::RemovalRate => 20_000.0,
+            Self::Engagement(_) => 90.0,
+            Self::Rest => 1.0,
+            Self::RestVolume => 500.0,
+        })
+    }
+
     /// Whether a contract on this quantity includes another quantity: a contract on shank and holder together includes
     /// each of them.
     pub fn covers(self, other: Self) -> bool {

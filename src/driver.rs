@@ -1,5 +1,6 @@
 //! The pipeline on one page: from a job file to verified NC, stage by stage. Only the driver reads files.
 
+mod certificate_text;
 mod import;
 mod job_check;
 mod job_format;
@@ -69,6 +70,8 @@ pub struct RunOptions {
     pub stock: Option<PathBuf>,
     /// Memory that planning may use, bytes, instead of the default.
     pub memory: Option<f64>,
+    /// Whether all figures of the proof are printed.
+    pub details: bool,
 }
 
 /// How the part is written for other programs.
@@ -183,7 +186,8 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     };
     post.check(&program, shown.motion, sink);
     let Some(motion) = judged.as_ref().ok().filter(|_| !sink.has_errors()) else {
-        *emitted = save_refused(&options.run, &shown, outputs, stages, sink)?;
+        let files = save_refused(&options.run, &shown, outputs, stages, sink)?;
+        *emitted = Some(certificate_text::text(&options.run, &shown, None, sources, sink) + "\n" + &files);
         return Err(Aborted);
     };
 
@@ -202,11 +206,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         *emitted = Some(written.text);
         return Ok(());
     }
-    let mut text = certificate.text(&program, motion.get());
-    text.push_str("\nhow the operations were planned\n");
-    for (operation, note) in &notes {
-        text.push_str(&format!("  {operation:<12} {note}\n"));
-    }
+    let mut text = certificate_text::text(&options.run, &shown, None, sources, sink);
     text.push_str(&format!(
         "\n{} text read back: {} moves, tip within {:.6} mm, tool axis within {:.1e} rad of the motion\n",
         post.name(),
@@ -286,7 +286,7 @@ fn save_refused(
     mut outputs: Outputs,
     stages: &mut Stages,
     sink: &mut Sink,
-) -> Result<Option<String>, Aborted> {
+) -> Result<String, Aborted> {
     if let Some(path) = &run.report {
         let html = report::html(shown, stages, sink);
         or_reported(outputs.stage("--report", path, html.as_bytes()), sink)?;
@@ -294,8 +294,8 @@ fn save_refused(
     or_reported(outputs.commit(), sink)?;
     let meshes = meshes_written(run, shown.motion);
     Ok(match &run.report {
-        Some(path) => Some(format!("{meshes}wrote {}; no NC text\n", shown_path(path))),
-        None => (!meshes.is_empty()).then(|| format!("{meshes}no NC text written\n")),
+        Some(path) => format!("{meshes}wrote {}; no NC text\n", shown_path(path)),
+        None => format!("{meshes}no NC text written\n"),
     })
 }
 

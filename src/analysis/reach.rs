@@ -268,6 +268,17 @@ fn too_large(program: &Program, throat: &Throat, reaches: &[&Reach], purpose: &s
     if reach.largest > 0.0 {
         diag.help(format!("use a {kind} tool of at most {:.2} mm", reach.largest))
     } else {
-        diag.help(format!("no {kind} tool fits; use a ball or bull tool, or smaller allowances"))
+        let fillet = program.part.main().fillet.as_ref().map_or(0.0, |f| 2.0 * f.most().get());
+        let kept = 2.0 * reach.allowance_vane.root().get();
+        let space = narrow.distance;
+        diag.help(match () {
+            () if fillet > space => {
+                format!("no {kind} tool fits: two fillets of {:.2} mm are wider than the channel; use a smaller `fillet`", fillet / 2.0)
+            }
+            () if kept > space => {
+                format!("no {kind} tool fits: allowances of {:.2} mm on both vanes leave nothing of the channel; use smaller ones", kept / 2.0)
+            }
+            () => format!("no {kind} tool fits; use a ball or bull tool, or smaller allowances"),
+        })
     }
 }

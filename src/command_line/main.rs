@@ -16,6 +16,7 @@ use impellerc::driver::{
     Stages,
 };
 use impellerc::export::step::StepProtocol;
+use impellerc::job::vocabulary;
 use impellerc::output::interrupt;
 use import_arguments::ImportArguments;
 use std::ffi::OsString;
@@ -160,6 +161,10 @@ struct RunArguments {
     #[arg(long, value_name = "SIZE", value_parser = memory, allow_hyphen_values = true)]
     memory: Option<f64>,
 
+    /// Print all figures of the proof: surfaces with places, stock, axes, active limits, how the operations were planned
+    #[arg(long)]
+    details: bool,
+
     /// Print the time of each stage; has no effect with the formats `sarif` and `junit`
     #[arg(long)]
     timings: bool,
@@ -172,8 +177,8 @@ struct RunArguments {
 impl RunArguments {
     /// The options in the form of the driver.
     fn options(self, post: Option<String>) -> RunOptions {
-        let Self { library, curves, machine, report, stock_cell, stock, memory, .. } = self;
-        RunOptions { library, curves, post, machine, report, stock_cell, stock, memory }
+        let Self { library, curves, machine, report, stock_cell, stock, memory, details, .. } = self;
+        RunOptions { library, curves, post, machine, report, stock_cell, stock, memory, details }
     }
 }
 
@@ -215,10 +220,14 @@ fn beginnings() -> PossibleValuesParser {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Explains the code of a message, such as IMP0206: meaning, consequence at the machine, example, remedy
+    /// Explains the code of a message, such as IMP0206, or a word of the language: item, operation, tool, property, unit
     Explain {
-        /// Code such as IMP0206 or 206; without a code, all codes are listed
-        code: Option<String>,
+        /// Code such as IMP0206 or 206, or word such as `flank`, `scallop`, `mm/min`; without it, all codes are listed
+        words: Vec<String>,
+
+        /// Print the reference of the language: all items, operations, tools, properties, quantities and units
+        #[arg(long, conflicts_with = "words")]
+        reference: bool,
     },
     /// Writes a commented job that compiles, to begin with
     #[command(after_help = TEXT_CODES)]
@@ -402,7 +411,8 @@ fn main() -> ExitCode {
     let Arguments { command, job, output, post, emit, certificate, picture, source_map, setup_sheet, run, .. } =
         arguments;
     match command {
-        Some(Command::Explain { code }) => explain(code.as_deref()),
+        Some(Command::Explain { reference: true, .. }) => printed(vocabulary::reference().as_bytes()),
+        Some(Command::Explain { words, .. }) => explain(&words.join(" ")),
         Some(Command::New { file, kind }) => {
             let kind = BEGINNINGS.iter().find(|b| b.name == kind).unwrap_or(&BEGINNINGS[0]);
             finish(ErrorFormat::Human, false, |_| driver::new_job(&file, kind))
@@ -580,20 +590,28 @@ fn finish(format: ErrorFormat, timings: bool, work: impl FnOnce(&mut Stages) -> 
     ended(if written { exit } else { exit.max(Exit::File) })
 }
 
-/// Prints the page of a code, or the list of all.
-fn explain(code: Option<&str>) -> ExitCode {
-    let text = match code {
-        None => {
+/// Prints the page of a code or of a word of the language, or the list of all codes.
+fn explain(asked: &str) -> ExitCode {
+    let text = match asked {
+        "" => {
             let mut codes: Vec<Code> = Code::all().collect();
             codes.sort_by_key(|c| c.id());
             codes.iter().map(|c| format!("{}  {}\n", c.id(), c.0.title)).collect()
         }
-        Some(code) => {
-            let Some(found) = Code::find(code).or_else(|| Code::find(&format!("IMP{code:0>4}"))) else {
-                say(&format!("no message has the code {code}; `impellerc explain` lists all codes\n"));
+        asked => {
+            let code = Code::find(asked).or_else(|| Code::find(&format!("IMP{asked:0>4}")));
+            let page = code.map(|found| format!("{}: {}\n\n{}\n", found.id(), found.0.title, found.0.page.trim_end()));
+            let Some(page) = page.or_else(|| vocabulary::explain(asked)) else {
+                let near = vocabulary::words().into_iter().map(|word| (strsim::osa_distance(word, asked), word));
+                let near = near.filter(|(letters, _)| *letters <= MISSPELT).min();
+                let meant = near.map_or_else(String::new, |(_, word)| format!("; did you mean `{word}`?"));
+                say(&format!(
+                    "no message has the code {asked}, and the language has no such word{meant}\n\
+                     `impellerc explain` lists all codes, `impellerc explain --reference` all words\n"
+                ));
                 return ended(Exit::Text);
             };
-            format!("{}: {}\n\n{}\n", found.id(), found.0.title, found.0.page.trim_end())
+            page
         }
     };
     printed(text.as_bytes())

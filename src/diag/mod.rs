@@ -212,6 +212,15 @@ impl Sink {
         self.diags.push(diag);
     }
 
+    /// Adds a diagnostic unless one with the same code and message exists: for a fault that shows in many places.
+    pub fn push_first(&mut self, diag: Diag) {
+        let first = (diag.code.id(), diag.message.clone(), None);
+        let known = self.known.range(first..).next();
+        if known.is_none_or(|(key, _)| key.0 != diag.code.id() || key.1 != diag.message) {
+            self.push(diag);
+        }
+    }
+
     /// Changes every diagnostic, in the order in which they were added.
     pub fn change_all(&mut self, change: impl FnMut(Diag) -> Diag) {
         let before = std::mem::take(self);
@@ -224,6 +233,12 @@ impl Sink {
     /// True when there is at least one error.
     pub fn has_errors(&self) -> bool {
         self.counts[Severity::Error as usize].kept > 0
+    }
+
+    /// Number of errors, including those that are only counted.
+    pub fn errors(&self) -> usize {
+        let errors = &self.counts[Severity::Error as usize];
+        errors.kept + errors.further
     }
 
     /// The kept diagnostics, in the order in which they were added.

@@ -1,5 +1,6 @@
 //! `impellerc verify`: checks NC text against its job.
 
+use super::certificate_text;
 use super::{
     Options, Outcome, RunOptions, Stages, before_work, find_post, front, meshes_written, or_reported, reading, report,
     rest_stock, save, shown_path,
@@ -78,7 +79,12 @@ fn run(check: &NcCheck, stages: &mut Stages, outcome: &mut Outcome) -> Result<()
         report.push_str(&format!("the source map knows {known} of {lines} lines\n"));
     }
     let read = outcome.sink.diags().len();
-    let text = CheckedText { nc, inputs: &inputs, map: map.as_ref() };
+    let text = CheckedText {
+        nc,
+        inputs: &inputs,
+        map: map.as_ref(),
+        certificate: file.as_ref().map(|(shown, _, file)| (shown.as_str(), file)),
+    };
     let measured = program.map(|program| measure(check, &program, &text, stages, outcome)).transpose();
     if let Some(map) = &map {
         let Outcome { sources, sink, .. } = &mut *outcome;
@@ -87,9 +93,6 @@ fn run(check: &NcCheck, stages: &mut Stages, outcome: &mut Outcome) -> Result<()
             index += 1;
             if index > read { with_map(diag, map, sources, nc) } else { diag }
         });
-    }
-    if let (Some((shown, _, file)), Ok(Some(certificate))) = (&file, &measured) {
-        compare_figures(shown, file, certificate, &mut outcome.sink);
     }
     let text = outcome.emitted.take().unwrap_or_default();
     let together = [text, report].into_iter().filter(|t| !t.is_empty()).collect::<Vec<_>>().join("\n");
@@ -122,6 +125,8 @@ struct CheckedText<'a> {
     nc: SourceId,
     inputs: &'a Inputs,
     map: Option<&'a LaidMap>,
+    /// Path of a certificate that belongs to the text, and its content.
+    certificate: Option<(&'a str, &'a CertificateFile)>,
 }
 
 /// Adds to a finding what the source map says of its block.
@@ -159,10 +164,10 @@ fn name_passes(motion: &mut NcMotion, map: &LaidMap) {
 fn measure(
     check: &NcCheck,
     program: &Program,
-    &CheckedText { nc: source, inputs, map }: &CheckedText<'_>,
+    &CheckedText { nc: source, inputs, map, certificate: stated }: &CheckedText<'_>,
     stages: &mut Stages,
     outcome: &mut Outcome,
-) -> Result<Certificate, Aborted> {
+) -> Result<(), Aborted> {
     let Outcome { sources, sink, emitted, contracts } = outcome;
     let mut outputs = Outputs::default();
     for (what, path) in [("certificate", &check.certificate), ("source map", &check.source_map)] {
@@ -207,24 +212,25 @@ fn measure(
     });
     let certificate = certificate?;
     contracts.clone_from(&certificate.contracts);
-    let html = check.run.report.as_ref().map(|_| {
-        let nc = sources.get(source).map_or("", |f| f.text.as_str());
-        let shown = report::Shown {
-            program,
-            motion: &motion.motion,
-            certificate: &certificate,
-            notes: &[],
-            stock: &stock,
-            nc: Some(report::NcLines::read(&motion, nc)),
-            post: post.name(),
-            hash: &inputs.sha256,
-        };
-        report::html(&shown, stages, sink)
-    });
+    if let Some((path, file)) = stated {
+        compare_figures(path, file, &certificate, sink);
+    }
+    let nc = sources.get(source).map_or("", |f| f.text.as_str());
+    let shown = report::Shown {
+        program,
+        motion: &motion.motion,
+        certificate: &certificate,
+        notes: &[],
+        stock: &stock,
+        nc: check.run.report.as_ref().map(|_| report::NcLines::read(&motion, nc)),
+        post: post.name(),
+        hash: &inputs.sha256,
+    };
+    let html = check.run.report.as_ref().map(|_| report::html(&shown, stages, sink));
     let file = check.run.report.as_deref().zip(html.as_deref());
     let file = file.map(|(path, html)| ("--report", path, html.as_bytes()));
     or_reported(save(outputs, file.into_iter()), sink)?;
-    let mut text = certificate.text(program, &motion.motion);
+    let mut text = certificate_text::text(&check.run, &shown, Some(&check.nc), sources, sink);
     let moves: usize = motion.lines.iter().map(Vec::len).sum();
     text.push_str(&format!("\n{}: {moves} moves read as {}\n", shown_path(&check.nc), post.name()));
     text.push_str(&meshes_written(&check.run, &motion.motion));
@@ -232,7 +238,7 @@ fn measure(
         text.push_str(&format!("wrote {}\n", shown_path(path)));
     }
     *emitted = Some(text);
-    Ok(certificate)
+    Ok(())
 }
 
 /// A certificate that a text is compared with.

@@ -6,20 +6,13 @@ use super::distributions::{at_spans, distribution, share, single};
 use super::model::{AnglesAtSpan, AnglesSpec, CamberSpec, DistributionSpec, EdgePlace, Looks, MeridianPlace, SpanSpec};
 use super::properties::{Properties, Range, name_of};
 use super::quantity::Dimension;
+use super::vocabulary::{self, Kind};
 use crate::diag::Diag;
 use crate::diag::codes::{geometry, job as codes};
 use crate::sections::angles::{EdgeShape, STEEPEST, limits};
 use crate::source::Span;
 use crate::syntax::ast::{Block, Expr, ExprKind, Name, Path, Value};
 use crate::units::{Mm, trim};
-
-/// Names of the entries of a blade by angles.
-pub(super) const ENTRIES: [&str; 10] =
-    ["span", "beta-from", "lean", "thickness", "from", "to", "leading-edge", "trailing-edge", "fit", "pressure"];
-
-/// Names of the entries of a splitter on the camber surface of the main blade.
-pub(super) const ENTRIES_OF_MAIN: [&str; 8] =
-    ["of", "span", "thickness", "from", "to", "leading-edge", "trailing-edge", "fit"];
 
 /// Entries that may be repeated.
 pub(super) const REPEATED: [&str; 1] = ["span"];
@@ -157,10 +150,12 @@ impl<'a> AnglesGiven<'a> {
             }
         };
         let at = share(place, "`span`", geometry::SPANS, cx)?;
-        let known: &[&str] =
-            if self.of.is_some() { &["thickness"] } else { &["theta", "beta", "start", "end", "thickness"] };
+        // A splitter on the camber surface of the main blade has its angles.
+        let of = self.of.is_some();
+        let known = vocabulary::properties(Kind::Block, "span").into_iter().filter(|name| !of || *name == "thickness");
+        let known: Vec<&str> = known.collect();
         let owner = "the span".to_owned();
-        let mut p = Properties::new(owner, word.span, block, known, &mut cx.scope, cx.sink);
+        let mut p = Properties::new(owner, word.span, block, &known, &mut cx.scope, cx.sink);
         let stacked = ["start", "end"].map(|end| {
             let example = if end == "start" { "start 0 deg" } else { "end 0 deg" };
             let given = p.has(end);

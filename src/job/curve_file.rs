@@ -100,8 +100,11 @@ fn curves(
     sink: &mut Sink,
 ) -> Option<Vec<FileCurve>> {
     let text = &sources.get(source)?.text;
+    // Spreadsheets mark their texts.
+    let mark = text.len() - text.trim_start_matches('\u{feff}').len();
+    let text = &text[mark..];
     if let Some(fault) = no_table(text) {
-        sink.push(
+        sink.push_first(
             Diag::error(codes::CURVE_FILE, format!("the curve file `{}` is not a table of points", file.text))
                 .label(file.span, "read here")
                 .note(fault)
@@ -111,7 +114,7 @@ fn curves(
     }
     let mut found: Vec<FileCurve> = Vec::new();
     let mut good = true;
-    let mut start = 0;
+    let mut start = mark;
     for raw in text.split_inclusive('\n') {
         let range = start..start + raw.trim_end().len();
         start += raw.len();
@@ -122,16 +125,13 @@ fn curves(
         let span = Span::new(source, range);
         let fields: Vec<&str> = line.split(',').map(str::trim).collect();
         let name = fields.first().copied().unwrap_or_default();
-        let edge = fields.get(5).map(|word| LOOP_EDGES.iter().position(|edge| edge == word));
-        if !(5..=6).contains(&fields.len()) {
-            sink.push(fault(span, file, format!("the line has {} fields, not 5", fields.len())));
-            return None;
-        }
-        if edge == Some(None) {
-            let due = format!("the sixth value is `{}` or `{}`", LOOP_EDGES[0], LOOP_EDGES[1]);
-            sink.push(fault(span, file, due));
-            return None;
-        }
+        let edge = match edge_of(&fields) {
+            Ok(edge) => edge,
+            Err(what) => {
+                sink.push_first(fault(span, file, what));
+                return None;
+            }
+        };
         if !wanted(name) {
             continue;
         }
@@ -143,23 +143,46 @@ fn curves(
         let curve = &mut found[at];
         let number: Option<usize> = fields.get(1).and_then(|f| f.parse().ok());
         if number != Some(curve.points.len() + 1) {
-            sink.push(fault(span, file, format!("number {} is expected here", curve.points.len() + 1)));
+            // One row that is missing shifts the numbers of all behind it.
+            sink.push_first(fault(span, file, format!("number {} is expected here", curve.points.len() + 1)));
             good = false;
         }
         let coordinate =
             |at: usize| -> Option<f64> { fields.get(at).and_then(|f| f.parse::<f64>().ok()).filter(|v| v.is_finite()) };
         let (Some(x), Some(y), Some(z)) = (coordinate(2), coordinate(3), coordinate(4)) else {
-            sink.push(fault(span, file, "the coordinates are not three finite numbers".to_owned()));
+            let minus = line.contains(['\u{2212}', '\u{2013}']);
+            let what = if minus {
+                "another sign stands for minus: write `-`"
+            } else {
+                "the coordinates are not three finite numbers"
+            };
+            sink.push_first(fault(span, file, what.to_owned()));
             return None;
         };
         curve.points.push([x, y, z]);
         curve.spans.push(span);
-        curve.on_edge.push(edge.flatten());
+        curve.on_edge.push(edge);
         if curve.points.len() > MAX_POINTS || found.len() > MAX_LOOPS {
             break;
         }
     }
     good.then_some(found)
+}
+
+/// The edge that the sixth field of a line names, if any; what is wrong with fields of another number or form.
+fn edge_of(fields: &[&str]) -> Result<Option<usize>, String> {
+    let numbers = |fields: &[&str]| fields.iter().all(|f| f.parse::<f64>().is_ok());
+    match fields {
+        [_, _, _, _, _] => Ok(None),
+        [_, _, _, _, _, word] if !numbers(&fields[1..]) => match LOOP_EDGES.iter().position(|edge| edge == word) {
+            Some(edge) => Ok(Some(edge)),
+            None => Err(format!("the sixth value is `{}` or `{}`", LOOP_EDGES[0], LOOP_EDGES[1])),
+        },
+        [_, _, _, _, _, _, ..] => {
+            Err(format!("the line has {} fields, not 5: the decimal sign is a point", fields.len()))
+        }
+        _ => Err(format!("the line has {} fields, not 5", fields.len())),
+    }
 }
 
 /// Whether a line has the required form: a plain name, a whole number, three coordinates.
@@ -191,7 +214,14 @@ fn no_table(text: &str) -> Option<String> {
             first = if first == 0 { number } else { first };
         }
     }
-    (bad > good).then(|| format!("{bad} of its {} lines have another form, the first of them line {first}", good + bad))
+    let separated = text.lines().filter(|line| line.matches(';').count() >= 4).count();
+    let cause = if separated > good {
+        ": columns are separated by `;`; here commas separate them, and the decimal sign is a point"
+    } else {
+        ""
+    };
+    (bad > good)
+        .then(|| format!("{bad} of its {} lines have another form, the first of them line {first}{cause}", good + bad))
 }
 
 fn fault(span: Span, file: &Text, what: String) -> Diag {

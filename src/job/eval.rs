@@ -1,5 +1,6 @@
 //! Values of expressions: names, units, dimensions.
 
+use super::other_names;
 use super::quantity::{Dimension, Quantity, unit_names};
 use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
@@ -261,9 +262,18 @@ pub(super) fn suggest(diag: Diag, text: &str, span: Span, kind: &str, known: &[&
     }
 }
 
-/// The most similar known word, where it is similar enough.
+/// The known word that is meant: a word of another system, or the most similar word, where it is similar enough.
 pub(super) fn nearest<'a>(text: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    let limit = (text.chars().count() / 3).max(1);
+    let known: Vec<&str> = known.take(MOST_KNOWN).collect();
+    if let Some(meant) = other_names::meant(text, &known) {
+        return Some(meant);
+    }
+    // `t9` is no slip for `t1`.
+    let letters = text.chars().count();
+    if letters < 3 && text.contains(|c: char| c.is_ascii_digit()) {
+        return None;
+    }
+    let limit = (letters / 3).max(1);
     // The time of the edit distance is proportional to the product of the lengths; no known word is longer than this.
     if text.len() > 64 {
         return None;
@@ -271,7 +281,7 @@ pub(super) fn nearest<'a>(text: &str, known: impl Iterator<Item = &'a str>) -> O
     // Words of very different lengths are not similar.
     let near = |k: &&str| k.len().abs_diff(text.len()) <= 4 * limit;
     known
-        .take(MOST_KNOWN)
+        .into_iter()
         .filter(near)
         .map(|k| (strsim::damerau_levenshtein(text, k), k))
         .filter(|(d, _)| *d <= limit)

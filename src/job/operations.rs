@@ -9,6 +9,7 @@ pub(super) use super::properties::named;
 use super::properties::{LabelledValue, Properties, Range};
 use super::quantity::Dimension;
 use super::tools::Declared;
+use super::vocabulary::{self, Kind};
 use crate::diag::Diag;
 use crate::diag::codes::job as codes;
 use crate::material::Material;
@@ -21,14 +22,8 @@ use crate::units::{Mm, MmPerMin, Rpm, length, trim};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 
-const KINDS: [&str; 10] = ["rough", "plunge", "groove", "expand", "flank", "point", "fillet", "edge", "tip", "channel"];
-pub(super) const COMMON: [&str; 8] = ["tool", "speed", "feed", "link-feed", "lead-in", "lead-out", "rest", "sectors"];
-
 /// Kinds of tools that can rough.
 pub(super) const ROUGHS: [&str; 4] = ["flat", "ball", "bull", "tapered-ball"];
-
-/// Properties of `channel` beside the common ones.
-pub(super) const OF_CHANNEL: [&str; 4] = ["scallop", "spacing", "lines", "method"];
 
 /// Least step down, mm: thinner chips are dust.
 pub(super) const LEAST_DEPTH: f64 = 0.01;
@@ -72,10 +67,11 @@ pub(super) fn resolve(
     for item in &file.items {
         let ItemKind::Operation { kind, name, .. } = &item.kind else { continue };
         any = true;
-        if !KINDS.contains(&kind.text.as_str()) {
+        let kinds = vocabulary::names(Kind::Operation);
+        if !kinds.contains(&kind.text.as_str()) {
             let message = format!("operation `{}` is not in the language", kind.text);
             let diag = Diag::error(codes::NOT_IN_LANGUAGE, message);
-            cx.sink.push(suggest(diag, &kind.text, kind.span, "operation", &KINDS));
+            cx.sink.push(suggest(diag, &kind.text, kind.span, "operation", &kinds));
             continue;
         }
         let name = unique_name(kind, name.as_ref(), &mut used, cx);
@@ -179,18 +175,7 @@ struct Layers {
 impl OperationReader<'_> {
     fn read(&mut self, item: &Item, cx: &mut Context<'_>) -> Option<OperationSpec> {
         let ItemKind::Operation { kind, body, .. } = &item.kind else { return None };
-        let own: &[&str] = match kind.text.as_str() {
-            "plunge" => &["stepover", "allowance"],
-            "groove" => &["depth", "allowance"],
-            "expand" => &["depth", "allowance", "residual"],
-            "flank" => &["faces", "blades", "method", "strips", "side", "conflict", "milling", "order"],
-            "point" => &["faces", "blades", "scallop", "lines", "milling", "order", "depth", "method"],
-            "fillet" => &["faces", "blades", "scallop", "lines", "milling", "method"],
-            "edge" => &["edges", "blades", "scallop", "lines", "method"],
-            "tip" => &["blades", "scallop", "lines", "method"],
-            _ => &OF_CHANNEL,
-        };
-        let known = [&COMMON, own].concat();
+        let known = vocabulary::properties(Kind::Operation, &kind.text);
         let owner = format!("operation {}", self.name);
         let mut p = Properties::new(owner, head(item), body, &known, &mut cx.scope, cx.sink);
         let tool = self.tool(kind, &mut p);
@@ -393,6 +378,11 @@ impl OperationReader<'_> {
             )
             .label(span, format!("the limit is {}", length(most)))
             .note(format!("{} has {} flutes and a limit of {limit}", tool.name, tool.flutes))
+            .note(format!(
+                "{} are a cutting speed of {} m/min at its diameter",
+                speed,
+                trim(speed.get() * PI * tool.diameter.get() / 1000.0, 2)
+            ))
             .help(format!(
                 "use a feed of at most {} mm/min; a higher speed; or, where the maker of the tool allows it, `max-chip {}` \
                  of the tool",

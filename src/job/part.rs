@@ -13,6 +13,7 @@ use super::model::{
 };
 use super::properties::{Properties, Range, name_of};
 use super::quantity::Dimension;
+use super::vocabulary::{self, Kind};
 use crate::diag::Diag;
 use crate::diag::codes::{geometry, job as codes};
 use crate::part::{BladeId, FaceId, Fillet, RulingEnd};
@@ -35,7 +36,7 @@ const MAX_SECTIONS: usize = 30;
 const MAX_SPLITTERS: usize = 8;
 
 pub(super) fn resolve(name: &Name, body: &Block, head: Span, cx: &mut Context<'_>) -> Option<PartSpec> {
-    let known = ["vanes", "vane", "splitter", "hub", "shroud", "extend"];
+    let known = vocabulary::properties(Kind::Item, "part");
     let owner = format!("part {}", name.text);
     let mut p = Properties::repeated(owner, head, body, (&known, &["splitter"]), &mut cx.scope, cx.sink);
     let vanes = vane_count(&mut p);
@@ -48,8 +49,14 @@ pub(super) fn resolve(name: &Name, body: &Block, head: Span, cx: &mut Context<'_
     if vane.is_none() {
         p.missing("vane", "vane main { pressure ruled { ... } suction ruled { ... } }");
     }
-    let hub = revolved("hub", &mut p);
-    let shroud = revolved("shroud", &mut p);
+    let [hub, shroud] = ["hub", "shroud"].map(|name| {
+        // Where the entry stands in the block of the vane, its place is the only fault.
+        let misplaced = vane
+            .iter()
+            .flat_map(|(_, values)| values)
+            .any(|value| matches!(value, Value::Block(_, block) if has_entry(block, name)));
+        if misplaced && !p.has(name) { None } else { revolved(name, &mut p) }
+    });
     let vane = named_block(vane?, "vane main { pressure ruled { ... } ... }", &mut p);
     let given = p.take_all("splitter");
     if let Some((word, _)) = given.get(MAX_SPLITTERS) {
@@ -145,11 +152,12 @@ impl FormGiven {
 
     /// Names of its entries, and of those that may be repeated.
     fn entries(self) -> (Vec<&'static str>, &'static [&'static str]) {
+        let of = |block| vocabulary::properties(Kind::Block, block);
         match self {
-            Self::Faces => (FaceId::NAMES.to_vec(), &[]),
-            Self::Sections => (vec!["sections", "fit", "leading-edge", "trailing-edge", "pressure"], &[]),
-            Self::Angles => (angles::ENTRIES.to_vec(), &angles::REPEATED),
-            Self::OfMain => (angles::ENTRIES_OF_MAIN.to_vec(), &angles::REPEATED),
+            Self::Faces => (of("vane"), &[]),
+            Self::Sections => (of("sections"), &[]),
+            Self::Angles => (of("angles"), &angles::REPEATED),
+            Self::OfMain => (of("of"), &angles::REPEATED),
         }
     }
 }
@@ -167,7 +175,6 @@ fn blade<'a>(word: &str, name: &Name, block: &'a Block, row: &RowGiven<'a>, cx: 
         given => given,
     };
     let (mut known, repeated) = given.entries();
-    known.push("fillet");
     if splitter {
         known.push("angle");
     }
@@ -406,11 +413,8 @@ fn face(word: &Name, values: &[&Value], cx: &mut Context<'_>) -> Option<FaceSpec
         return None;
     };
     let owner = format!("the {} face", word.text);
-    let known: &[&str] = match form {
-        FaceForm::Ruled => &["tip", "root"],
-        FaceForm::Lofted => &["tip", "root", "sections"],
-    };
-    let mut p = Properties::new(owner, word.span, block, known, &mut cx.scope, cx.sink);
+    let known = vocabulary::properties(Kind::Block, &kind.text);
+    let mut p = Properties::new(owner, word.span, block, &known, &mut cx.scope, cx.sink);
     let splines = ["tip", "root"].map(|name| match p.take(name) {
         None => {
             p.missing(name, &format!("{name} spline [(x, y, z) ...] mm"));

@@ -3,6 +3,7 @@
 use super::library::{LibraryReader, SpannedText, toml_fault};
 use super::properties::{Properties, Range, name_of};
 use super::quantity::Dimension;
+use super::vocabulary::{self, Kind};
 use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
 use crate::post_file::{
@@ -264,10 +265,6 @@ pub fn shipped(name: &str) -> Option<PostFile> {
     read(name, source, &sources, None, &mut Sink::default())
 }
 
-/// Properties of the `post` item.
-const PROPERTIES: [&str; 7] =
-    ["orientation", "orientation-tolerance", "block-numbers", "program-number", "line-end", "path", "sectors"];
-
 /// The post with the properties of the `post` item of the job.
 pub(super) fn with_properties(
     mut post: PostFile,
@@ -277,7 +274,7 @@ pub(super) fn with_properties(
     sink: &mut Sink,
 ) -> PostFile {
     let owner = format!("post {}", post.name);
-    let mut properties = Properties::new(owner, head, block, &PROPERTIES, scope, sink);
+    let mut properties = Properties::new(owner, head, block, &vocabulary::properties(Kind::Item, "post"), scope, sink);
     if let Some(Some(orientation)) = name_of(&mut properties, "orientation", &Orientation::ALL, Orientation::name) {
         post.orientation = orientation;
         refuse_without_words(&post, head, properties.sink);

@@ -3,6 +3,7 @@
 
 use super::eval::{LetScope, mismatch, nearest, suggest, unknown, unknown_unit};
 use super::quantity::Dimension;
+use super::vocabulary;
 use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
 use crate::source::Span;
@@ -116,7 +117,14 @@ impl<'a, 'c> Properties<'a, 'c> {
         let bare = before.and_then(|b| b.values.last()).is_some_and(
             |v| matches!(v, Value::Expr(e) | Value::Labelled(_, e) | Value::Range(_, [_, e]) if matches!(e.kind, ExprKind::Number(_, None))),
         );
-        if bare && nearest(&name.text, known.iter().copied()).is_none() {
+        // A property of another item has a value of its own; a unit is followed by the next property or by nothing.
+        let unit = match entry.values.as_slice() {
+            [] => true,
+            [Value::Labelled(label, _), ..] => known.contains(&label.text.as_str()),
+            [Value::Expr(Expr { kind: ExprKind::Path(path), .. }), ..] => known.contains(&path.text().as_str()),
+            _ => false,
+        };
+        if bare && unit && nearest(&name.text, known.iter().copied()).is_none() {
             self.sink.push(unknown_unit(name));
             self.damaged = true;
             // The number before has a unit, but an unknown one.
@@ -124,7 +132,17 @@ impl<'a, 'c> Properties<'a, 'c> {
             return;
         }
         let diag = Diag::error(codes::UNKNOWN_PROPERTY, format!("{} has no property `{}`", self.owner, name.text));
-        self.sink.push(suggest(diag, &name.text, name.span, "property", known));
+        let diag = suggest(diag, &name.text, name.span, "property", known);
+        let elsewhere: Vec<&str> =
+            vocabulary::topics().filter(|t| t.property(&name.text).is_some()).map(|t| t.name).collect();
+        self.sink.push(match (&diag.fix, elsewhere.as_slice()) {
+            (None, [first, ..]) => diag.note(format!(
+                "`{}` is a property of {}; `impellerc explain {first}` shows it",
+                name.text,
+                elsewhere.join(", ")
+            )),
+            _ => diag,
+        });
         self.damaged = true;
     }
 

@@ -144,7 +144,7 @@ impl Quantity {
 
 /// A factor, written as a quotient where that keeps decimal values exact.
 #[derive(Clone, Copy, Debug)]
-enum Scale {
+pub(super) enum Scale {
     Times(f64),
     Over(f64),
 }
@@ -162,7 +162,7 @@ impl Scale {
 pub(super) const KILOWATT: f64 = 1e9 * 60.0 * 60.0 * 60.0;
 
 /// Units of the job language; the grammar has the same list.
-const JOB_UNITS: &[(&str, Scale, Dimension)] = &[
+pub(super) const JOB_UNITS: &[(&str, Scale, Dimension)] = &[
     ("mm", Scale::Times(1.0), Dimension::LENGTH),
     ("um", Scale::Over(1000.0), Dimension::LENGTH),
     ("in", Scale::Times(25.4), Dimension::LENGTH),

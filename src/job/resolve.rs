@@ -1,6 +1,7 @@
 //! From the syntax tree to the [`Job`].
 
 use super::context::{Context, head};
+use super::doubts::{self, Stated};
 use super::eval::{LetScope, suggest};
 use super::files::{Fault, Files, MissingFile};
 use super::library;
@@ -11,6 +12,7 @@ use super::operations::Workpiece;
 use super::properties::{Properties, Range, name_of};
 use super::quantity::Dimension;
 use super::tool_file::{self, ToolLibrary};
+use super::vocabulary::{self, Kind};
 use super::{contracts, operations, part, post_file, stock_file, tools};
 use crate::diag::codes::{files as file_codes, job as codes};
 use crate::diag::{Aborted, Diag, Sink};
@@ -54,6 +56,12 @@ pub fn understand(file: &File, files: &mut dyn Files, sources: &mut SourceMap, s
     if !cx.sink.has_errors() && !file.damaged {
         cx.scope.warn_unused(cx.sink);
         tools::warn_unused(&tools, &operations, cx.sink);
+        let used = |at: &usize| operations.iter().any(|o| o.tool == *at);
+        let specs: Vec<_> = (0..tools.len()).filter(used).filter_map(|at| tools[at].spec.as_ref()).collect();
+        doubts::warn(
+            &Stated { stock: stock.as_ref(), tools: &specs, operations: &operations, contracts: &contracts, chord },
+            cx.sink,
+        );
     }
     let whole = !cx.sink.has_errors() && !file.damaged && !file.faulty;
     let tools = tools.into_iter().map(|t| t.spec).collect();
@@ -154,7 +162,13 @@ fn not_in_library(kind: &str, (name, span): (&str, Span), missing: &MissingFile)
     }
     let diag = Diag::error(file_codes::NOT_IN_LIBRARY, format!("there is no {kind} file `{name}`"));
     let known: Vec<_> = missing.known.iter().map(String::as_str).collect();
-    suggest(diag, name, span, "file", &known).note(missing.reason.clone())
+    let diag = suggest(diag, name, span, "file", &known).note(missing.reason.clone());
+    match kind {
+        "machine" => diag.note(
+            "`impellerc machines` tells what each of them is; docs/machines.md shows how to describe another one",
+        ),
+        _ => diag,
+    }
 }
 
 /// Name and span of a quoted text, without its quotes.
@@ -202,7 +216,7 @@ fn stock(file: &File, cx: &mut Context<'_>) -> Option<StockSpec> {
         cx.sink.push(suggest(diag, &kind.text, kind.span, "kind of stock", &["turned"]));
         return None;
     }
-    let known = ["over", "bore", "back", "from", "clamping", "material"];
+    let known = vocabulary::properties(Kind::Item, "stock");
     let mut p = Properties::new("the stock".to_owned(), span, &body, &known, &mut cx.scope, cx.sink);
     if !p.has("over") {
         p.missing("over", "over shroud 0 mm");
@@ -238,7 +252,7 @@ fn clamping_of(word: &Name, values: &[&Value], back: Mm, cx: &mut Context<'_>) -
         );
         return None;
     };
-    let known = ["below", "diameter"];
+    let known = vocabulary::properties(Kind::Block, "clamping");
     let mut p = Properties::new("the clamping".to_owned(), word.span, block, &known, &mut cx.scope, cx.sink);
     let below = match p.has("below") {
         true => p.number("below", Dimension::LENGTH, Range::Within(10_000.0), "below -42 mm").map(|b| Mm(b.0))?,

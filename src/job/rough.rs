@@ -5,28 +5,11 @@ use super::model::{CutterKind, OperationKind, OperationSpec, ToolSpec};
 use super::operations::{LEAST_DEPTH, OperationReader, ROUGHS, allowances, leads};
 use super::properties::{Properties, Range, named};
 use super::quantity::Dimension;
+use super::vocabulary::{self, Kind};
 use crate::diag::{Diag, codes::job as codes};
 use crate::method::{Levels, Milling, Slots};
 use crate::syntax::ast::{Expr, Item, ItemKind, Name};
 use crate::units::{Mm, Rad};
-
-const KNOWN: [&str; 15] = [
-    "tools",
-    "speed",
-    "feed",
-    "link-feed",
-    "lead-in",
-    "lead-out",
-    "rest",
-    "sectors",
-    "depth",
-    "stepover",
-    "allowance",
-    "levels",
-    "milling",
-    "slots",
-    "engagement",
-];
 
 /// Default of `rest over` for the tools after the first: this share of the diameter, at most [`REST`].
 const REST_SHARE: f64 = 0.1;
@@ -54,7 +37,14 @@ impl OperationReader<'_> {
     pub(super) fn rough(&mut self, item: &Item, cx: &mut Context<'_>) -> Option<Vec<OperationSpec>> {
         let ItemKind::Operation { kind, body, .. } = &item.kind else { return None };
         let owner = format!("operation {}", self.name);
-        let mut p = Properties::new(owner, head(item), body, &KNOWN, &mut cx.scope, cx.sink);
+        let mut p = Properties::new(
+            owner,
+            head(item),
+            body,
+            &vocabulary::properties(Kind::Operation, "rough"),
+            &mut cx.scope,
+            cx.sink,
+        );
         let tools = self.tools_of(kind, &mut p)?;
         let count = tools.len();
         let speeds = each(&mut p, "speed", count, "speed 8000 rpm", true);

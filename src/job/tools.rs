@@ -7,10 +7,11 @@ use super::model::{CutterKind, LoadLimits, OperationSpec, ToolSpec};
 use super::properties::{Properties, Range};
 use super::quantity::Dimension;
 use super::tool_file::{ToolLibrary, shape_fault};
+use super::vocabulary::{self, Kind};
 use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
 use crate::source::Span;
-use crate::syntax::ast::{Block, File, ItemKind, Name, ToolSource, Value};
+use crate::syntax::ast::{Block, Entry, File, Item, ItemKind, Name, ToolSource, Value};
 use crate::units::{Mm, Mm3PerMin, Rad};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -19,8 +20,6 @@ pub(super) struct Declared {
     pub(super) name: Name,
     pub(super) spec: Option<ToolSpec>,
 }
-
-const KINDS: [&str; 6] = ["flat", "ball", "bull", "tapered-ball", "barrel", "lollipop"];
 
 pub(super) fn resolve(file: &File, library: &ToolLibrary, cx: &mut Context<'_>) -> Vec<Declared> {
     let mut tools: Vec<Declared> = Vec::new();
@@ -33,8 +32,10 @@ pub(super) fn resolve(file: &File, library: &ToolLibrary, cx: &mut Context<'_>) 
                 Diag::error(codes::GIVEN_TWICE, format!("the tool `{}` is declared twice", name.text))
                     .label(name.span, "declared again")
                     .label(*first, "first declared here")
-                    .help("give the second tool another name"),
+                    .help(format!("give the second tool another name, such as `{}`", free_name(&name.text, file))),
             );
+            // The name that was meant is missing elsewhere; that is the same fault.
+            cx.scope.damaged = true;
             continue;
         }
         names.insert(&name.text, name.span);
@@ -107,18 +108,23 @@ const fn range([least, largest]: [f64; 2]) -> Range {
     Range::Between(least, largest)
 }
 
+/// A name that no tool has: `t1` becomes `t2`, `t3` and so on.
+fn free_name(name: &str, file: &File) -> String {
+    let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    let taken = |text: &str| {
+        let of = |item: &Item| matches!(&item.kind, ItemKind::Tool { name, .. } if name.text == text);
+        file.items.iter().any(of)
+    };
+    (2..).map(|n| format!("{stem}{n}")).find(|text| !taken(text)).unwrap_or_default()
+}
+
 /// Names of the properties that tools of a kind may have.
 fn known(kind: &str) -> Vec<&'static str> {
-    let mut known =
-        vec!["number", "diameter", "flutes", "shank", "reach", "holder", "max-chip", "max-depth", "max-rate", "ramp"];
-    known.extend_from_slice(match kind {
-        "flat" | "ball" => &["flute", "plunge-width"],
-        "bull" => &["flute", "corner", "plunge-width"],
-        "tapered-ball" => &["flute", "angle"],
-        "barrel" => &["flute", "barrel", "tip"],
-        "lollipop" => &["flute", "neck", "neck-end"],
-        _ => &["flute"],
-    });
+    let mut known = vocabulary::properties(Kind::Tool, kind);
+    // `flute` of a lollipop has a message of its own.
+    if kind == "lollipop" {
+        known.push("flute");
+    }
     known
 }
 
@@ -131,10 +137,11 @@ fn shape(
     library: &ToolLibrary,
     cx: &mut Context<'_>,
 ) -> Option<ToolSpec> {
-    if !KINDS.contains(&kind.text.as_str()) {
+    let kinds = vocabulary::names(Kind::Tool);
+    if !kinds.contains(&kind.text.as_str()) {
         let diag =
             Diag::error(codes::NOT_IN_LANGUAGE, format!("tools of the kind `{}` are not in the language", kind.text));
-        cx.sink.push(suggest(diag, &kind.text, kind.span, "kind of tool", &KINDS));
+        cx.sink.push(suggest(diag, &kind.text, kind.span, "kind of tool", &kinds));
         return None;
     }
     let owner = format!("tool {}", name.text);
@@ -178,10 +185,14 @@ fn shape(
         span: head,
     };
     if let Some(fault) = shape_fault(&spec) {
+        let named = |entry: &&Entry| fault.contains(entry.name.text.as_str());
+        let faulty = block.entries.iter().filter(named).min_by_key(|entry| fault.find(entry.name.text.as_str()));
+        let end = |entry: &Entry| entry.values.last().map_or(entry.name.span.end, |value| value.span().end);
+        let faulty = faulty.map(|entry| Span { end: end(entry), ..entry.name.span });
         cx.sink.push(
             Diag::error(codes::OUT_OF_RANGE, format!("tool {}: {fault}", name.text))
-                .label(block.span, "these sizes contradict each other")
-                .help("correct the sizes of the tool"),
+                .label(faulty.unwrap_or(block.span), "this size contradicts another one")
+                .help("correct this size, or the one that the message compares it with"),
         );
         return None;
     }
@@ -267,6 +278,12 @@ fn holder(library: &ToolLibrary, p: &mut Properties<'_, '_>) -> Option<Option<(S
         return Some(Some((text.text.clone(), sections.clone())));
     }
     let inner = Span { start: text.span.start + 1, end: text.span.end.saturating_sub(1), ..text.span };
-    p.sink.push(unknown(&text.text, inner, "holder", library.holders.keys().map(String::as_str)));
+    let diag = unknown(&text.text, inner, "holder", library.holders.keys().map(String::as_str));
+    if library.holders.is_empty() {
+        // Once for all tools.
+        p.sink.push_first(diag.help("name a library first: `use tools \"carbide\"`; `impellerc tools` lists them"));
+    } else {
+        p.sink.push(diag);
+    }
     None
 }

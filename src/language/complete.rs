@@ -2,6 +2,7 @@
 //! the words are those of the tables that the compiler uses.
 
 use super::{JOB, understand, word_round};
+use crate::diag::codes::job as codes;
 use crate::job::Files;
 use crate::source::Span;
 use std::ops::Range;
@@ -16,6 +17,9 @@ pub fn words_at(text: &str, at: usize, files: &mut dyn Files) -> (Range<usize>, 
     let digits = text[word.start..at.clamp(word.start, word.end)].chars().take_while(char::is_ascii_digit).count();
     let word = word.start + digits..word.end;
     // A property needs a value, an item more than that; where these are there already, one more is a fault of another kind.
+    // Behind a bare number a word reads as its unit, also where the number is a count and the next property is begun.
+    let mut units: Vec<String> = Vec::new();
+    let behind_number = text[..word.start].trim_end_matches(' ').ends_with(|c: char| c.is_ascii_digit());
     for behind in ["", " 1", " 1 mm", " q { }"] {
         let probed = format!("{}{PROBE}{behind}{}", &text[..word.start], &text[word.end..]);
         let found = understand("job.imp", &probed, files);
@@ -28,9 +32,15 @@ pub fn words_at(text: &str, at: usize, files: &mut dyn Files) -> (Range<usize>, 
             .diags
             .iter()
             .find(|diag| !diag.known.is_empty() && diag.labels.first().is_some_and(|label| touches(label.span)));
-        if let Some(diag) = known {
-            return (word, diag.known.clone());
+        match known {
+            Some(diag) if diag.code == codes::UNKNOWN_UNIT => units.clone_from(&diag.known),
+            Some(diag) => {
+                let mut words = diag.known.clone();
+                words.extend(units.into_iter().filter(|_| behind_number));
+                return (word, words);
+            }
+            None => {}
         }
     }
-    (word, Vec::new())
+    (word, units)
 }

@@ -1,6 +1,7 @@
 //! Places of a text that belong together: names and their definitions, items, blocks.
 
 use super::{JOB, Understood, word_round};
+use crate::job::vocabulary::{self, Kind, Topic};
 use crate::source::Span;
 use crate::syntax::ast::{File, Item, ItemKind, Name, ToolSource};
 use std::ops::Range;
@@ -57,11 +58,37 @@ pub fn meaning(understood: &Understood, text: &str, at: usize) -> Option<Meaning
         let text = format!("**{}: {}**\n\n{}", diag.code.id(), diag.code.0.title, diag.code.0.page.trim_end());
         Some(Meaning { text, range: span.range() })
     });
-    at_fault.or_else(|| {
+    let by_name = || {
         let (item, _) = named(&understood.tree, text, at)?;
         let written = text.get(item.span.range())?;
         Some(Meaning { text: format!("```impeller\n{}\n```", written.trim_end()), range: word(text, at) })
-    })
+    };
+    at_fault.or_else(by_name).or_else(|| of_language(&understood.tree, text, at))
+}
+
+/// What the language means by the word at a place: the property of the item there, or the word alone.
+fn of_language(tree: &File, text: &str, at: usize) -> Option<Meaning> {
+    let range = word_round(text, at, |c| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '/' | '%'));
+    let digits = text.get(range.clone())?.chars().take_while(char::is_ascii_digit).count();
+    let range = range.start + digits..range.end;
+    let word = text.get(range.clone()).filter(|word| !word.is_empty())?;
+    let item = tree.items.iter().find(|item| item.span.range().contains(&at))?;
+    let property = topic_of(item).and_then(|topic| topic.property(word)).map(|p| p.text());
+    Some(Meaning { text: property.or_else(|| vocabulary::explain(word))?, range })
+}
+
+/// The topic of an item.
+fn topic_of(item: &Item) -> Option<&'static Topic> {
+    let (kind, name) = match &item.kind {
+        ItemKind::Operation { kind, .. } => (Kind::Operation, kind.text.as_str()),
+        ItemKind::Tool { source: ToolSource::Shape(kind, _), .. } => (Kind::Tool, kind.text.as_str()),
+        ItemKind::Part { .. } => (Kind::Item, "part"),
+        ItemKind::Stock { .. } => (Kind::Item, "stock"),
+        ItemKind::Tolerance(_) => (Kind::Item, "tolerance"),
+        ItemKind::Post { .. } => (Kind::Item, "post"),
+        _ => return None,
+    };
+    vocabulary::topic(kind, name)
 }
 
 /// The items in the order of the text.

@@ -432,9 +432,9 @@ pub(super) fn stock(job: &Job, part: &Part, sink: &mut Sink) {
     if job.stock.bore.get() / 2.0 >= narrowest {
         sink.push(
             Diag::error(codes::STOCK, "the bore of the stock cuts into the hub")
-                .label(job.stock.span, format!("its radius is {} mm", job.stock.bore.get() / 2.0))
-                .label(job.part.hub.span(), format!("the hub begins at a radius of {narrowest:.3} mm"))
-                .help("make the bore smaller than the hub"),
+                .label(job.stock.span, format!("its diameter is {}", job.stock.bore))
+                .label(job.part.hub.span(), format!("the hub begins with a diameter of {:.3} mm", 2.0 * narrowest))
+                .help(format!("use a `bore` of less than {:.2} mm", 2.0 * narrowest)),
         );
     }
 }

@@ -7,6 +7,7 @@ pub mod ast;
 mod format;
 mod parse;
 pub mod print;
+mod repair;
 mod scan;
 
 pub use format::{Unformatted, format};

@@ -4,6 +4,7 @@ use super::ast::{
     Block, Entry, Expr, ExprKind, File, Item, ItemKind, Name, Operator, Path, Point, Revolved, ScopeTarget, Spline,
     SplinePoints, Text, ToolSource, Value,
 };
+use super::repair;
 use super::scan::{self, ITEMS, ItemText, MAX_FAULTS};
 use crate::diag::codes::syntax as codes;
 use crate::diag::{Diag, Sink};
@@ -41,6 +42,8 @@ pub fn parse(text: &str, source: SourceId, sink: &mut Sink) -> File {
         return broken;
     }
     let before = sink.count();
+    let repaired = repair::repaired(text, source, sink);
+    let text = repaired.as_deref().unwrap_or(text);
     let Some((pieces, comments)) = scan::scan(text, source, sink) else { return broken };
     if pieces.is_empty() && !sink.has_errors() {
         sink.push(

@@ -76,6 +76,9 @@ pub struct ContractReport {
     /// Bound and found value for people.
     #[serde(skip)]
     pub figures: [String; 2],
+    /// The worst value at the computed points for people, where `found` is a proved bound beyond it.
+    #[serde(skip)]
+    pub measured: Option<String>,
     /// Its text in the job.
     #[serde(skip)]
     pub span: Span,
@@ -85,6 +88,15 @@ impl ContractReport {
     /// `gouge on hub`.
     pub fn name(&self) -> String {
         format!("{} {}", self.kind, self.scope).trim_end().to_owned()
+    }
+
+    /// Word for the worst of the computed values.
+    pub(super) fn extreme(&self) -> &'static str {
+        match self.kind {
+            "gouge" => "deepest",
+            _ if self.relation == ">=" => "least",
+            _ => "most",
+        }
     }
 }
 
@@ -157,10 +169,10 @@ pub struct Certificate {
 }
 
 /// Text in place of a figure where no cutter comes near.
-const NOT_REACHED: &str = "not reached";
+pub(super) const NOT_REACHED: &str = "not reached";
 
 /// A figure of the columns in um.
-fn um(mm: f64) -> String {
+pub(super) fn um(mm: f64) -> String {
     if mm >= super::surface::FAR { NOT_REACHED.to_owned() } else { format!("{:.2}", mm * 1e3) }
 }
 

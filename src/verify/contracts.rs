@@ -98,6 +98,7 @@ impl Judge<'_> {
             holds,
             default: contract.default,
             figures: [contract.bound.figure(), amount(contract.kind, figure.value)],
+            measured: figure.found.map(|found| amount(contract.kind, found)),
             span: contract.span,
         })
     }
@@ -159,6 +160,9 @@ impl Judge<'_> {
     fn beside_bound(&self, contract: &Contract, found: f64) -> String {
         let figure = contract.kind.bound(found).figure();
         match (&contract.kind, &self.certificate.stock) {
+            (ContractKind::Gouge | ContractKind::Excess, _) => {
+                format!("at the computed points {figure} was found; the bound includes the surface between the points")
+            }
             (ContractKind::Engagement(_), Some(stock)) => format!(
                 "the stock shows {figure}; the bound includes what lies between its rays, {} mm apart: a smaller \
                  `--stock-cell` narrows it",
@@ -193,7 +197,8 @@ impl Judge<'_> {
             bound.figure()
         ))
         .help(help);
-        if let Some(found) = found.found {
+        let beside = found.found.filter(|computed| *computed < FAR && *computed != found.value);
+        if let Some(found) = beside {
             diag = diag.note(self.beside_bound(contract, found));
         }
         if let Some(point) = found.point {

@@ -67,13 +67,15 @@ pub(super) fn measure(
 ) -> Result<Figure, Unmeasured> {
     let stock = || certificate.stock.as_ref().ok_or(Unmeasured::NeedsStock);
     match kind {
-        ContractKind::Gouge => Ok(worst(certificate, narrow, region, |s| (s.gouge_bound, s.gouge.point, s.gouge.at))),
+        ContractKind::Gouge => {
+            Ok(worst(certificate, narrow, region, |s| (s.gouge_bound, s.gouge.depth, s.gouge.point, s.gouge.at)))
+        }
         ContractKind::Excess => {
             let mut region = region.clone();
             for (o, done) in region.rows.iter_mut().flat_map(|row| row.iter_mut().enumerate()) {
                 *done &= after.is_none_or(|last| o <= last);
             }
-            let excess = |s: &SurfaceReport| (s.excess_bound, s.excess.point, s.excess.at);
+            let excess = |s: &SurfaceReport| (s.excess_bound, s.excess.value, s.excess.point, s.excess.at);
             Ok(worst(certificate, narrow, &region, excess))
         }
         ContractKind::Clearance(body) => Ok(clearance(certificate, narrow, body, region)),
@@ -90,15 +92,17 @@ pub(super) fn measure(
     }
 }
 
-/// The largest value over the surfaces of a region; for each surface only the operations of the region count.
+/// The largest bound and the largest computed value over the surfaces of a region; for each surface only the operations of the
+/// region count.
 fn worst(
     certificate: &Certificate,
     narrow: &dyn NarrowMeasure,
     region: &Region,
-    pick: impl Fn(&SurfaceReport) -> (f64, [f64; 3], Option<At>),
+    pick: impl Fn(&SurfaceReport) -> (f64, f64, [f64; 3], Option<At>),
 ) -> Figure {
     let mut known: Vec<(&[bool], Vec<SurfaceReport>)> = Vec::new();
     let mut found: Option<Figure> = None;
+    let mut largest = 0.0_f64;
     for (surface, row) in SurfaceClass::ALL.into_iter().zip(&region.rows) {
         if !row.contains(&true) {
             continue;
@@ -110,14 +114,15 @@ fn worst(
         let narrowed = known.iter().find(|(operations, _)| !whole && operations == row);
         let reports = narrowed.map_or(&certificate.surfaces, |(_, reports)| reports);
         for s in reports.iter().filter(|s| s.id.kind.class() == surface) {
-            let (value, point, at) = pick(s);
+            let (value, computed, point, at) = pick(s);
+            largest = largest.max(computed);
             if found.as_ref().is_none_or(|f| value > f.value) {
                 let operation = at.map(|a| a.operation as usize);
                 found = Some(Figure { value, found: None, what: s.surface.clone(), point: Some(point), at, operation });
             }
         }
     }
-    found.unwrap_or_else(|| none(0.0, "no surface"))
+    found.map_or_else(|| none(0.0, "no surface"), |f| Figure { found: Some(largest), ..f })
 }
 
 fn none(value: f64, what: &str) -> Figure {

@@ -41,6 +41,7 @@ pub mod rest;
 pub mod splines;
 pub mod stock;
 pub mod structure;
+pub mod summary;
 pub mod surface;
 pub mod vane_allowance;
 

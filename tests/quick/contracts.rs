@@ -326,7 +326,11 @@ fn a_failed_contract_tells_found_wanted_where_and_the_way_out() {
     assert!(!contract.holds);
     let diag = sink.diags().iter().find(|d| d.code == verification::GOUGE).expect("an error");
     assert_eq!(diag.severity, Severity::Error);
-    assert_eq!(diag.notes, [format!("gouge on hub: found {:.2} um, required at most 0.10 um", contract.found * 1e3)]);
+    // The bound is judged; beside it stands the deepest cut that was found.
+    let [judged, computed] = diag.notes.as_slice() else { panic!("{:?}", diag.notes) };
+    assert_eq!(*judged, format!("gouge on hub: found {:.2} um, required at most 0.10 um", contract.found * 1e3));
+    let deepest = contract.measured.as_ref().expect("a computed value");
+    assert!(computed.starts_with(&format!("at the computed points {deepest} was found")), "{computed}");
     assert!(diag.message.contains("hub of channel"), "{}", diag.message);
     assert!(diag.help.is_some() && diag.labels.len() == 2);
     let place = diag.place.as_ref().unwrap();

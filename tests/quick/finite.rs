@@ -29,6 +29,7 @@ static FLANK: LazyLock<(Program, Motion, Certificate)> = LazyLock::new(|| {
         holds: true,
         default: false,
         figures: Default::default(),
+        measured: None,
         span: Span::default(),
     });
     (program, plan.motion, certificate)

@@ -308,7 +308,7 @@ fn independent_faults_are_reported_in_one_run() {
         .replacen("require rest      <= 1 mm", "require rest      >= 1 mm", 1);
     let mut ids: Vec<&str> = read(&text).sink.diags().iter().map(|d| d.code.id()).collect();
     ids.sort_unstable();
-    assert_eq!(ids, ["IMP0107", "IMP0203", "IMP0204", "IMP0206", "IMP0216"]);
+    assert_eq!(ids, ["IMP0112", "IMP0203", "IMP0204", "IMP0206", "IMP0216"]);
 }
 
 /// A fix that is applied removes its diagnostic.

@@ -190,9 +190,11 @@ fn tool_and_nc_text_follow_each_other() {
         assert!(now.ends_with(&format!("NC line {line}")), "line {line} is marked, the tool is at {now}");
         line
     };
+    // Without a body the page draws faster.
+    choose(&mut page, "body", "none");
     // Steps by block: every line once, and the same ones back.
     let mut seen = vec![check(&mut page)];
-    for _ in 0..12 {
+    for _ in 0..8 {
         page.key(".");
         seen.push(check(&mut page));
     }
@@ -205,6 +207,7 @@ fn tool_and_nc_text_follow_each_other() {
     let time = page_half(&mut page);
     choose(&mut page, "time", &time);
     let half = check(&mut page);
+    choose(&mut page, "body", "part");
     assert!(half > lines.len() / 10, "line {half} of {} at half the time", lines.len());
     let pose = page.screenshot().part(scene);
     page.click(&format!("#nc [data-line='{}']", half - 3));
@@ -215,7 +218,7 @@ fn tool_and_nc_text_follow_each_other() {
     page.key("f");
     let before = page.screenshot().part(scene);
     assert!(changed(&pose, &before) * 10 > pose.len(), "the view does not go to the tool");
-    for _ in 0..8 {
+    for _ in 0..3 {
         page.key(".");
     }
     let after = page.screenshot().part(scene);
@@ -245,8 +248,8 @@ fn the_stock_is_that_of_the_time() {
         let time = page.evaluate(&format!("String({share} * document.getElementById('time').max)"));
         choose(&mut page, "time", &time);
         page.evaluate(hide);
-        // The note covers a part of the picture and differs.
-        page.evaluate("document.getElementById('stock-note').textContent = ''");
+        // The list and the note are over the picture and differ.
+        page.evaluate("document.querySelectorAll('.tools, #stock-note').forEach(e => e.style.visibility = 'hidden')");
         page.settle();
         let picture = page.screenshot().part(scene);
         (picture, text(&mut page, "now"))
@@ -267,8 +270,9 @@ fn the_stock_is_that_of_the_time() {
 fn a_section_opens_the_part_and_two_points_give_a_distance() {
     let Some((mut page, _folder)) = open([1280, 720]) else { return };
     let scene = page.place("#scene");
-    let cut = [0x7f, 0x8f, 0x7a];
-    let opened = |page: &mut Page| count(&page.screenshot().part(scene), cut);
+    // Stripes of cut material are the only green in the picture.
+    let green = |p: &&[u8; 3]| p[1] > p[0].saturating_add(10) && p[1] > p[2].saturating_add(15);
+    let opened = |page: &mut Page| page.screenshot().part(scene).iter().filter(green).count();
     page.click("[data-view=side]");
     assert!(opened(&mut page) < 50);
     choose(&mut page, "section", "x");
@@ -277,11 +281,12 @@ fn a_section_opens_the_part_and_two_points_give_a_distance() {
     // The bore is open: in the middle of the picture its wall is seen, not cut material.
     let [x, y] = middle(scene);
     let bore = page.screenshot().part([x - 5, y - 5, 10, 10]);
-    assert_eq!(count(&bore, cut), 0, "the bore is filled");
+    assert_eq!(bore.iter().filter(green).count(), 0, "the bore is filled");
     choose(&mut page, "body", "blank");
     let blank = opened(&mut page);
     let bore = page.screenshot().part([x - 5, y - 5, 10, 10]);
-    assert!(blank > at_axis && count(&bore, cut) == 0, "{blank} pixels of cut blank, {at_axis} of the part");
+    assert_eq!(bore.iter().filter(green).count(), 0, "the bore of the blank is filled");
+    assert!(blank > at_axis, "{blank} pixels of cut blank, {at_axis} of the part");
     choose(&mut page, "body", "part");
     // Far from the axis the section is smaller.
     let far = page.evaluate("String(0.8 * document.getElementById('offset').max)");
@@ -401,7 +406,7 @@ fn every_move_has_the_limit_of_its_feed() {
     assert!(known * 10 > limiting.len() * 9, "{known} of {} moves", limiting.len());
     assert_eq!(data["limit_colours"].as_array().unwrap().len(), names.len());
 
-    let Some((mut page, _folder)) = open([1280, 1800]) else { return };
+    let Some((mut page, _folder)) = open([1280, 2200]) else { return };
     let plots = page.place("#plots");
     let drawn = page.screenshot().part(plots);
     assert!(count(&drawn, [0xe9, 0xc4, 0x6a]) > 2000, "the process feed is not drawn");

@@ -687,7 +687,7 @@ fn stock_is_written_as_closed_meshes() {
     let folder = tempfile::tempdir().unwrap();
     let stock = folder.path().join("stock");
     let path = WRITTEN.path().join("linuxcnc");
-    let more = ["--stock", stock.to_str().unwrap(), "--stock-cell", "0.4"];
+    let more = ["--stock", stock.to_str().unwrap(), "--stock-cell", "0.4", "--details"];
     let (ok, out, err) = verify(&path, "linuxcnc", &more);
     assert!(ok, "{err}");
     let table = out.split("stock: cells of ").nth(1).expect("a table");

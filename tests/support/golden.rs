@@ -17,6 +17,7 @@ pub const GOLDENS: &[(&str, &[&str])] = &[
             "cl",
             "motion",
             "certificate",
+            "summary",
             "siemens-840d",
             "linuxcnc",
             "heidenhain",

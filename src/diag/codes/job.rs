@@ -26,5 +26,6 @@ crate::codes! {
     CHIP = "IMP0224", "the feed per tooth is larger than the tool permits", include_str!("pages/IMP0224.md");
     PLUNGE = "IMP0225", "a stroke along the axis would cut with the middle of the tool", include_str!("pages/IMP0225.md");
     NO_SPLINES = "IMP0227", "the control has no spline blocks", include_str!("pages/IMP0227.md");
+    DOUBTFUL = "IMP0228", "valid, but hardly meant", include_str!("pages/IMP0228.md");
     NO_REST_BEFORE = "IMP0222", "rest machining without an operation before it", include_str!("pages/IMP0222.md");
 }

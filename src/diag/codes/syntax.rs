@@ -12,4 +12,5 @@ crate::codes! {
     TOO_LARGE = "IMP0109", "job too large", include_str!("pages/IMP0109.md");
     TOO_MANY = "IMP0110", "too many items, numbers or names", include_str!("pages/IMP0110.md");
     NOT_FORMATTED = "IMP0111", "a job that is not in its usual form", include_str!("pages/IMP0111.md");
+    MISWRITTEN = "IMP0112", "a sign or form of another language", include_str!("pages/IMP0112.md");
 }

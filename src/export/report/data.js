@@ -138,7 +138,6 @@ async function loadMoves() {
   return { count, kinds, indices, removal, arcs, limiting, joints, tips, end, operation, total: time };
 }
 
-const part = loadPart();
 const NO_MOVES = {
   count: 0, kinds: [], indices: [], removal: [], arcs: [], limiting: [], joints: [[], [], [], [], []], tips: [], end: [],
   operation: [], total: 0,

@@ -20,7 +20,7 @@ async function loadProgram() {
     });
   });
   program.runs.sort((a, b) => a.line - b.line);
-  if (!program.count) $('nc').textContent = 'The page holds no NC text.';
+  if (!program.count) $('nc-lines').textContent = 'The page holds no NC text.';
   $('nc-lines').style.height = `${Math.min(program.count * LINE_HEIGHT, TALLEST)}px`;
   hints();
 }

@@ -1,10 +1,8 @@
 //! Numbers in the form of the page: little-endian typed arrays in base64, deflated where they are large, and the functions
 //! that round them.
 
-use flate2::Compression;
-use flate2::write::ZlibEncoder;
+use flate2::{Compress, Compression, FlushCompress, Status};
 use nalgebra::Vector3;
-use std::io::Write as _;
 
 /// Least side of a frame, mm: a flat one has no other to scale by.
 const LEAST_SIZE: f64 = 1e-6;
@@ -116,10 +114,17 @@ impl Bytes {
         if self.0.is_empty() {
             return Self::default();
         }
-        let mut encoder = ZlibEncoder::new(Vec::new(), Compression::default());
-        // Writing to a vector cannot fail.
-        let _ = encoder.write_all(&self.0);
-        Self(encoder.finish().unwrap_or_default())
+        let mut deflater = Compress::new(Compression::default(), true);
+        let mut out = Vec::with_capacity(self.0.len() / 2 + LEAST_ROOM);
+        loop {
+            let done = usize::try_from(deflater.total_in()).unwrap_or(self.0.len());
+            let rest = self.0.get(done..).unwrap_or_default();
+            // Deflating from memory to memory does not fail.
+            match deflater.compress_vec(rest, &mut out, FlushCompress::Finish) {
+                Ok(Status::Ok | Status::BufError) => out.reserve(out.capacity()),
+                Ok(Status::StreamEnd) | Err(_) => return Self(out),
+            }
+        }
     }
 
     /// Base64 with padding (RFC 4648).
@@ -137,6 +142,9 @@ impl Bytes {
         text
     }
 }
+
+/// Room for the frame of an empty stream, bytes.
+const LEAST_ROOM: usize = 64;
 
 #[cfg(test)]
 mod tests {

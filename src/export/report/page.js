@@ -333,22 +333,23 @@ if (gl) {
 } else {
   $('fault').hidden = false;
 }
-describeScale();
 setBody('part');
+resize();
+document.documentElement.dataset.part = String(Math.round(performance.now()));
+describeScale();
+drawScale();
 hints();
 fitPlaces();
-resize();
-drawScale();
-document.documentElement.dataset.part = String(Math.round(performance.now()));
 
 /** Reads what the first picture does not need. */
 async function loadRest() {
   moves = await loadMoves();
   prepareRows();
-  if (scene) { refine(); draw(); buildMoves(); await buildStock(); }
+  if (scene) { refine(); buildMoves(); await buildStock(); }
   await loadProgram();
   $('time').max = moves.total;
   setMove(0, 1);
+  redraw();
   placeButtonsOfTables();
   drawPlots();
   drawProgram();
@@ -358,5 +359,9 @@ async function loadRest() {
 const loaded = new Promise(done => {
   if (document.readyState !== 'loading') done(); else document.addEventListener('DOMContentLoaded', done);
 });
-// A frame is shown before the rest is read.
-loaded.then(() => new Promise(done => { requestAnimationFrame(() => setTimeout(done)); setTimeout(done, 500); })).then(loadRest);
+// The part is shown before the rest is read. In a window that is not seen there are no frames.
+const shown = new Promise(done => {
+  requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(done)));
+  setTimeout(done, 1000);
+});
+Promise.all([loaded, shown]).then(loadRest);

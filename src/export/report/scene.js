@@ -94,18 +94,30 @@ function projection(zoomTo) {
   return { m, eye, near, farEnd, plane: sectionPlane() };
 }
 
-/** A program with its uniforms by name. */
-function compile(vertex, fragment) {
-  const program = gl.createProgram();
-  for (const [type, text] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
-    const shader = gl.createShader(type);
+const PROGRAMS = {
+  part: [PART_VERTEX, PART_COLOUR], pick: [PART_VERTEX, PICK_COLOUR], plain: [PLAIN_VERTEX, PLAIN_COLOUR],
+  line: [LINE_VERTEX, LINE_COLOUR], mark: [MARK_VERTEX, MARK_COLOUR],
+};
+/** Programs of the picture that are used, by name. The graphics card compiles them while the page reads the part. */
+const started = {};
+function start(name) {
+  const program = gl.createProgram(), shaders = [];
+  PROGRAMS[name].forEach((text, k) => {
+    const shader = gl.createShader(k ? gl.FRAGMENT_SHADER : gl.VERTEX_SHADER);
     gl.shaderSource(shader, text);
     gl.compileShader(shader);
-    if (!gl.getShaderParameter(shader, gl.COMPILE_STATUS)) throw new Error(gl.getShaderInfoLog(shader));
     gl.attachShader(program, shader);
-  }
+    shaders.push(shader);
+  });
   gl.linkProgram(program);
-  if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
+  return { program, shaders };
+}
+
+/** A program with its uniforms by name. */
+function finish({ program, shaders }) {
+  if (!gl.getProgramParameter(program, gl.LINK_STATUS)) {
+    throw new Error([...shaders.map(s => gl.getShaderInfoLog(s)), gl.getProgramInfoLog(program)].join('\n'));
+  }
   const uniforms = {};
   const n = gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS);
   for (let i = 0; i < n; i++) {
@@ -114,6 +126,11 @@ function compile(vertex, fragment) {
   }
   return { program, uniforms };
 }
+
+/** A program, ready for use. */
+const programOf = name => scene.programs[name] ??= finish(started[name] ??= start(name));
+if (gl) for (const name of ['part', 'plain']) started[name] = start(name);
+const part = loadPart();
 
 function buffer(array, target) {
   const b = gl.createBuffer();
@@ -170,13 +187,6 @@ function plainMesh(floats) {
   return { array: vertexArray([[buffer(floats, gl.ARRAY_BUFFER), 0, 3, gl.FLOAT, false]]), count: floats.length / 3 };
 }
 
-const PROGRAMS = {
-  part: [PART_VERTEX, PART_COLOUR], pick: [PART_VERTEX, PICK_COLOUR], plain: [PLAIN_VERTEX, PLAIN_COLOUR],
-  line: [LINE_VERTEX, LINE_COLOUR], mark: [MARK_VERTEX, MARK_COLOUR],
-};
-/** A program, compiled when it is first used: the first picture needs two of them. */
-const programOf = name => scene.programs[name] ??= compile(...PROGRAMS[name]);
-
 /** Every which row and point the first picture of the part has; all of them follow. */
 const FIRST_STEP = 4;
 
@@ -206,10 +216,9 @@ function build() {
   gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, 1, 1);
   gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depths);
   gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-  const closed = [...data.blank, data.blank[0]];
   return {
-    programs: {}, sectors, indices, count: first.length, pick, lines: [], tools: [], stock: [], ruler: gl.createBuffer(),
-    turned: plainMesh(lathe(data.part.turned.map(outward), 180)), blank: plainMesh(lathe([outward(closed)], 180)),
+    programs: {}, sectors, indices, count: first.length, pick, lines: [], tools: [], stock: [], ruler: gl.createBuffer(), blank: null,
+    turned: plainMesh(lathe(data.part.turned.map(outward), 180)),
   };
 }
 
@@ -327,7 +336,10 @@ function drawBody(view) {
 
 /** Draws the blank or a stock. */
 function drawStock(u, body) {
-  if (body === 'blank') return drawPlain(u, scene.blank, MATERIAL);
+  if (body === 'blank') {
+    scene.blank ??= plainMesh(lathe([outward([...data.blank, data.blank[0]])], 180));
+    return drawPlain(u, scene.blank, MATERIAL);
+  }
   const s = scene.stock[body];
   return s ? drawPlain(u, s, MATERIAL, null, s.frame, true) : 0;
 }
@@ -335,6 +347,7 @@ function drawStock(u, body) {
 /** Draws the paths that are chosen; of the operation that the stock follows only what is cut so far. */
 function drawPaths(view) {
   let segments = 0;
+  if (!scene.lines.length) return segments;
   const u = use(programOf('line'), view);
   gl.uniform1f(u.lift, 0.0004 * 3 * outline() / camera.distance);
   scene.lines.forEach((kinds, k) => {

@@ -1,0 +1,109 @@
+//! Warnings about jobs that are valid, but hardly what their authors mean.
+
+use super::model::{ContractSpec, OperationSpec, StockSpec, ToolSpec};
+use crate::contract::ContractKind;
+use crate::diag::codes::job as codes;
+use crate::diag::{Diag, Sink};
+use crate::units::{Mm, length, trim};
+
+/// Longest usual stick-out, in diameters of the cutter or of the shank, whichever is wider.
+const LONGEST: f64 = 30.0;
+
+/// Largest usual gouge, mm: a tenth of the thickness of the thinnest usual vanes.
+const DEEPEST: f64 = 0.2;
+
+/// Least usual clearance, mm: machines and set-ups are not more exact.
+const CLOSEST: f64 = 0.02;
+
+/// What a job without errors states.
+pub(super) struct Stated<'a> {
+    pub(super) stock: Option<&'a StockSpec>,
+    pub(super) tools: &'a [&'a ToolSpec],
+    pub(super) operations: &'a [OperationSpec],
+    pub(super) contracts: &'a [ContractSpec],
+    /// Tolerance of finishing.
+    pub(super) chord: Mm,
+}
+
+fn warning(message: String) -> Diag {
+    Diag::warning(codes::DOUBTFUL, message)
+}
+
+/// Reports what is hardly meant.
+pub(super) fn warn(stated: &Stated<'_>, sink: &mut Sink) {
+    before_roughing(stated, sink);
+    for tool in stated.tools {
+        stick_out(tool, sink);
+        without_holder(tool, sink);
+    }
+    for contract in stated.contracts.iter().filter(|c| !c.default) {
+        bound(contract, stated.chord, sink);
+    }
+}
+
+fn roughs(operation: &OperationSpec) -> bool {
+    operation.kind.roughing().is_some()
+}
+
+/// A finishing operation in full material.
+fn before_roughing(stated: &Stated<'_>, sink: &mut Sink) {
+    let first = stated.operations.first().filter(|o| !roughs(o));
+    let Some(first) = first.filter(|_| stated.stock.is_none_or(|stock| stock.left.is_none())) else { return };
+    let diag = warning(format!("{} finishes in full material: nothing roughs the channels before it", first.name))
+        .label(first.span, "the first operation of the job");
+    sink.push(match stated.operations.iter().find(|o| roughs(o)) {
+        Some(later) => diag.label(later.span, "roughs what is finished already").help(format!(
+            "move `{}` before `{}`: operations run in the order of the job",
+            later.name, first.name
+        )),
+        None => diag.help(
+            "add `operation rough { ... }` before it, or state what an earlier program left of the blank: `from \"left.stl\"` of the stock",
+        ),
+    });
+}
+
+fn stick_out(tool: &ToolSpec, sink: &mut Sink) {
+    let wide = tool.diameter.get().max(tool.shank.get());
+    let ratio = tool.reach.get() / wide;
+    if ratio > LONGEST {
+        sink.push(
+            warning(format!("{} sticks out by {} diameters", tool.name, trim(ratio, 0)))
+                .label(tool.span, format!("`reach` of {} with a diameter of {}", tool.reach, Mm(wide)))
+                .help("compare `reach` with the tool: it is the length from the tip to the holder; a wider `shank` makes the tool stiff"),
+        );
+    }
+}
+
+fn without_holder(tool: &ToolSpec, sink: &mut Sink) {
+    if tool.holder.is_none() {
+        sink.push(
+            warning(format!("{} has no holder: nothing above its reach is checked for collisions", tool.name))
+                .label(tool.span, "no `holder`")
+                .help(
+                    "add `holder \"er16-mini\"`, or the name of another holder; `impellerc tools carbide` shows them",
+                ),
+        );
+    }
+}
+
+fn bound(contract: &ContractSpec, chord: Mm, sink: &mut Sink) {
+    let bound = contract.bound.value();
+    match contract.kind {
+        ContractKind::Gouge if bound > DEEPEST => sink.push(
+            warning(format!("a gouge of {} is allowed", length(bound)))
+                .label(contract.span, "this contract hardly forbids anything")
+                .help(format!("write `gouge <= {} um`, or a bound of at most {}", trim(bound, 3), length(DEEPEST))),
+        ),
+        ContractKind::Gouge if chord.get() > bound => sink.push(
+            warning(format!("the tolerance `chord` of {chord} is larger than the gouge that a contract allows"))
+                .label(contract.span, format!("{} are allowed", length(bound)))
+                .help("use a smaller `tolerance chord`, such as a fifth of the bound"),
+        ),
+        ContractKind::Clearance(_) if bound < CLOSEST => sink.push(
+            warning(format!("a clearance of {} is enough", length(bound)))
+                .label(contract.span, "no machine and no set-up is so exact")
+                .help("write a bound of at least 0.1 mm, such as `clearance >= 0.5 mm`"),
+        ),
+        _ => {}
+    }
+}

@@ -1,0 +1,123 @@
+//! Words of other systems for words of the language.
+
+/// A word of other systems, and the words of the language that it may mean; the first one that fits a place is suggested.
+const OTHER_NAMES: &[(&str, &[&str])] = &[
+    ("blade", &["vane", "blades"]),
+    ("blades", &["vanes", "blades"]),
+    ("main-blade", &["vane"]),
+    ("side", &["faces"]),
+    ("swarf", &["flank"]),
+    ("flank-milling", &["flank"]),
+    ("swarfing", &["flank"]),
+    ("floor", &["channel"]),
+    ("hub", &["channel", "hub"]),
+    ("hub-finish", &["channel"]),
+    ("finish", &["flank", "point"]),
+    ("finishing", &["flank", "point"]),
+    ("roughing", &["rough"]),
+    ("plunging", &["plunge"]),
+    ("slot", &["groove"]),
+    ("cutter", &["tool"]),
+    ("mill", &["tool"]),
+    ("ballnose", &["ball"]),
+    ("ball-nose", &["ball"]),
+    ("ball-end", &["ball"]),
+    ("ballmill", &["ball"]),
+    ("sphere", &["ball"]),
+    ("endmill", &["flat"]),
+    ("end-mill", &["flat"]),
+    ("cylindrical", &["flat"]),
+    ("bullnose", &["bull"]),
+    ("bull-nose", &["bull"]),
+    ("toroid", &["bull"]),
+    ("toroidal", &["bull"]),
+    ("torus", &["bull"]),
+    ("corner-radius", &["corner"]),
+    ("conical", &["tapered-ball"]),
+    ("tapered", &["tapered-ball"]),
+    ("dia", &["diameter"]),
+    ("stickout", &["reach"]),
+    ("stick-out", &["reach"]),
+    ("overhang", &["reach"]),
+    ("length", &["reach"]),
+    ("gauge-length", &["reach"]),
+    ("flute-length", &["flute"]),
+    ("cutting-length", &["flute"]),
+    ("teeth", &["flutes"]),
+    ("shaft", &["shank"]),
+    ("spindle", &["speed"]),
+    ("rpm", &["speed"]),
+    ("spindle-speed", &["speed"]),
+    ("feedrate", &["feed"]),
+    ("feed-rate", &["feed"]),
+    ("stepdown", &["depth"]),
+    ("step-down", &["depth"]),
+    ("step", &["depth", "stepover"]),
+    ("ap", &["depth"]),
+    ("step-over", &["stepover", "scallop"]),
+    ("stepover", &["stepover", "scallop"]),
+    ("ae", &["stepover", "scallop"]),
+    ("cusp", &["scallop"]),
+    ("cusp-height", &["scallop"]),
+    ("stock-to-leave", &["allowance"]),
+    ("leave", &["allowance"]),
+    ("stock", &["allowance"]),
+    ("offset", &["allowance"]),
+    ("passes", &["strips", "lines"]),
+    ("leadin", &["lead-in"]),
+    ("leadout", &["lead-out"]),
+    ("approach", &["lead-in"]),
+    ("retract", &["lead-out"]),
+    ("hole", &["bore"]),
+    ("bottom", &["back"]),
+    ("finish-tolerance", &["chord"]),
+    ("tol", &["chord"]),
+    ("roughing-tolerance", &["rough"]),
+    ("cylinder", &["turned"]),
+    ("round", &["turned"]),
+    ("overcut", &["gouge"]),
+    ("undercut", &["excess"]),
+    ("collision", &["clearance"]),
+    ("cycle-time", &["time"]),
+    ("sinumerik", &["siemens-840d"]),
+    ("sinumerik-840d", &["siemens-840d"]),
+    ("840d", &["siemens-840d"]),
+    ("siemens", &["siemens-840d"]),
+    ("heidenhain530", &["heidenhain-itnc530"]),
+    ("heidenhain-530", &["heidenhain-itnc530"]),
+    ("itnc530", &["heidenhain-itnc530"]),
+    ("tnc640", &["heidenhain"]),
+    ("heidenhain640", &["heidenhain"]),
+    ("heidenhain-tnc640", &["heidenhain"]),
+    ("fanuc31i", &["fanuc"]),
+    ("fanuc-31i", &["fanuc"]),
+    ("fanuc30i", &["fanuc"]),
+    ("m700", &["mitsubishi"]),
+    ("emc2", &["linuxcnc"]),
+    ("apt", &["apt-cl"]),
+    ("cldata", &["apt-cl"]),
+];
+
+/// The known word that a word of another system means.
+pub(super) fn meant<'k>(text: &str, known: &[&'k str]) -> Option<&'k str> {
+    let text = text.to_ascii_lowercase().replace('_', "-");
+    let (_, words) = OTHER_NAMES.iter().find(|(other, _)| *other == text)?;
+    words.iter().find_map(|word| known.iter().copied().find(|k| k == word))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_name_stands_once_and_means_what_fits() {
+        for (k, (name, words)) in OTHER_NAMES.iter().enumerate() {
+            assert!(OTHER_NAMES[..k].iter().all(|other| other.0 != *name), "{name}");
+            assert!(!words.is_empty());
+        }
+        assert_eq!(meant("Step_Down", &["speed", "depth"]), Some("depth"));
+        assert_eq!(meant("blade", &["vanes", "vane"]), Some("vane"));
+        assert_eq!(meant("stepover", &["scallop"]), Some("scallop"));
+        assert_eq!(meant("speed", &["feed"]), None);
+    }
+}

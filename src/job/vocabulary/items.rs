@@ -1,0 +1,142 @@
+//! Items of a job.
+
+use super::Without::{Is, Means, Required};
+use super::{Kind, Property, Topic, property};
+
+const fn item(
+    name: &'static str,
+    meaning: &'static str,
+    example: &'static str,
+    properties: &'static [&'static [Property]],
+) -> Topic {
+    Topic { name, kind: Kind::Item, meaning, example, properties }
+}
+
+pub(super) const TOPICS: &[Topic] = &[
+    item("edition", "States the language that the job is written in; the first item.", "edition 2026", &[]),
+    item(
+        "use",
+        "Takes a machine or a library of tools and holders. `impellerc machines` and `impellerc tools` list them.",
+        "use machine \"5mc850-c\"\nuse tools \"carbide\"",
+        &[],
+    ),
+    item("let", "Names a value. The compiler checks the dimensions of all arithmetic.", "let ridge = 0.5 * 20 um", &[]),
+    item(
+        "part",
+        "The impeller: a blade that is repeated about Z, splitters, hub and shroud.",
+        "part blade { vanes 8  vane main { ... }  hub revolve main.pressure.root  shroud revolve main.pressure.tip }",
+        &[&[
+            property(
+                "vanes",
+                "whole number from 2",
+                Required,
+                "Number of main blades, which is the number of sectors.",
+            ),
+            property("vane", "name and block", Required, "The main blade: by faces, sections, or angles."),
+            property("splitter", "name and block", Means("no splitters"), "A further blade in each channel; repeated."),
+            property("hub", "`revolve` with a curve", Required, "Surface between the blades."),
+            property("shroud", "`revolve` with a curve", Required, "Surface of the tips."),
+            property(
+                "extend",
+                "length from 0 to 100 mm",
+                Is("0.1 mm"),
+                "Largest extension of faces that end before hub or shroud.",
+            ),
+        ]],
+    ),
+    item(
+        "stock",
+        "What the lathe leaves; `turned` is the only kind.",
+        "stock turned { over shroud 0 mm  bore 10 mm  back -40 mm  material titanium }",
+        &[&[
+            property("over", "`shroud` with a length from 0 to 100 mm", Required, "Stock over the shroud."),
+            property("bore", "length from 0 mm to 10 m", Required, "Diameter of the bore."),
+            property("back", "height", Required, "Height of the back face."),
+            property("from", "quoted name of an STL file", Means("the whole blank"), "What is left of the blank."),
+            property("clamping", "block", Means("nothing goes below the back face"), "Space of chuck and table."),
+            property(
+                "material",
+                "`aluminium`, `steel`, `stainless`, `titanium` or `nickel`",
+                Means("limits of easily cut material"),
+                "Material; it lowers the default limits of tools.",
+            ),
+        ]],
+    ),
+    item(
+        "tool",
+        "A tool: of the library, or by its kind and sizes. Kinds are flat, ball, bull, tapered-ball, barrel and lollipop.",
+        "tool t9 = ball { diameter 6 mm  flutes 4  flute 20 mm  reach 40 mm  holder \"er16-mini\" }",
+        &[],
+    ),
+    item(
+        "operation",
+        "One kind of milling with its tool. Operations run in the order of the job; kinds are rough, plunge, groove, expand, flank, point, fillet, edge, tip and channel.",
+        "operation flank finish { tool t1  speed 8000 rpm  feed 250 mm/min }",
+        &[],
+    ),
+    item(
+        "tolerance",
+        "How far the control may leave the path when it smooths: in finishing and in roughing.",
+        "tolerance chord 1 um, rough 10 um",
+        &[&[
+            property(
+                "chord",
+                "length from 10 nm to 1 mm",
+                Is("1 um"),
+                "Tolerance of finishing; paths keep it between two blocks.",
+            ),
+            property("rough", "length from 10 nm to 1 mm", Is("10 um"), "Tolerance of roughing."),
+        ]],
+    ),
+    item(
+        "require",
+        "A contract: the program is written only if it holds. It may name surfaces (`on hub, fillet`) and operations (`on operation flank`).",
+        "require gouge <= 5 um on hub, fillet",
+        &[],
+    ),
+    item(
+        "allow",
+        "Permits a deviation at a named place, with the reason.",
+        "allow excess on fillet \"blended by hand\"",
+        &[],
+    ),
+    item(
+        "post",
+        "The control; `impellerc posts` lists them.",
+        "post siemens-840d { block-numbers 10 }",
+        &[&[
+            property(
+                "orientation",
+                "`angles` or `vectors`",
+                Means("as the post file says"),
+                "Words for the tool axis.",
+            ),
+            property(
+                "orientation-tolerance",
+                "angle",
+                Means("as the post file says"),
+                "Tolerance of smoothing of the tool axis.",
+            ),
+            property(
+                "block-numbers",
+                "whole number from 0",
+                Means("as the post file says"),
+                "Step of the block numbers; 0 writes none.",
+            ),
+            property("program-number", "whole number from 1", Means("as the post file says"), "Number of the program."),
+            property("line-end", "`lf` or `crlf`", Means("as the post file says"), "End of each line."),
+            property(
+                "path",
+                "`lines` or `splines`",
+                Means("as the post file says"),
+                "Straight blocks, or splines where the control has them.",
+            ),
+            property(
+                "sectors",
+                "`inline` or `subprogram`",
+                Means("as the post file says"),
+                "Sectors written out, or one called for each.",
+            ),
+        ]],
+    ),
+];

@@ -1,0 +1,314 @@
+//! Operations and their properties.
+
+use super::Without::{Is, Means, Required};
+use super::{Kind, Property, Topic, property};
+
+const TOOL: &[Property] = &[property("tool", "name of a tool", Required, "The tool of the operation.")];
+
+const TOOLS: &[Property] = &[property(
+    "tools",
+    "names of tools",
+    Means("all tools of the job that can rough, the widest first"),
+    "One operation for each tool, in this order; a later tool cuts what the earlier ones left.",
+)];
+
+const COMMON: &[Property] = &[
+    property(
+        "speed",
+        "rpm, or cutting speed in m/min",
+        Required,
+        "Speed of the spindle; a cutting speed is that at the diameter.",
+    ),
+    property(
+        "feed",
+        "mm/min or mm/tooth",
+        Required,
+        "Feed of the tip while cutting. Each tool has a largest feed per tooth.",
+    ),
+    property("link-feed", "mm/min", Is("1000 mm/min"), "Feed of the tip between passes near the part."),
+    property("lead-in", "length from 0 to 100 mm", Is("2 mm"), "Way before each pass, outside of the part."),
+    property("lead-out", "length from 0 to 100 mm", Is("2 mm"), "Way behind each pass, outside of the part."),
+    property(
+        "rest",
+        "`off`, or `over` with a length from 0.02 to 10 mm",
+        Is("off"),
+        "Cuts only where earlier operations left more stock than this.",
+    ),
+    property(
+        "sectors",
+        "numbers of sectors, with commas",
+        Means("all sectors"),
+        "The sectors to machine; sector 1 lies at vane 1.",
+    ),
+];
+
+const ALLOWANCE: &[Property] = &[property(
+    "allowance",
+    "`vane` with a length or `TIP .. ROOT`, and `hub` with a length",
+    Required,
+    "Stock that is left on vanes and hub; it must be larger than `tolerance rough`.",
+)];
+
+const FACES: &[Property] =
+    &[property("faces", "`pressure`, `suction`", Is("pressure, suction"), "Faces of the vanes to finish.")];
+
+const BLADES: &[Property] = &[property(
+    "blades",
+    "names of blades",
+    Means("all blades of a sector"),
+    "Blades to finish: the main blade and splitters, by their names.",
+)];
+
+const SCALLOP: &[Property] =
+    &[property("scallop", "length from 0.1 um to the radius", Required, "Height of the ridges between two lines.")];
+
+const METHOD: &[Property] = &[property(
+    "method",
+    "`corridor`, `blend`, `xu` or `ruling`",
+    Means("`corridor`; `blend` for cutters without a ball"),
+    "How tool axes are chosen: a smooth way through all axes that are free (`corridor`), the rulings of both walls with one tilt for \
+     each line (`blend`), the greedy choice of Xu 2013 (`xu`), the ruling itself (`ruling`).",
+)];
+
+const LINES: &[Property] = &[property(
+    "lines",
+    "`zigzag` or `one-way`",
+    Is("zigzag"),
+    "Direction of the lines: every other line backwards, or all in one direction.",
+)];
+
+const LINES_ROUND: &[Property] = &[property(
+    "lines",
+    "`zigzag`, `one-way` or `spiral`",
+    Is("zigzag"),
+    "Direction of the lines: every other line backwards, all in one direction, or one line round the vane.",
+)];
+
+const MILLING: &[Property] = &[property(
+    "milling",
+    "`climb` or `conventional`",
+    Is("climb"),
+    "Sense of milling. `point` and `fillet` keep it only with lines that all run in one direction.",
+)];
+
+const ORDER: &[Property] = &[property(
+    "order",
+    "`faces` or `levels`",
+    Is("faces"),
+    "One face after the other, or both faces level by level, so that thin blades stay stiff.",
+)];
+
+const DEPTH: &[Property] =
+    &[property("depth", "length from 0.01 mm to the flutes", Required, "Largest step down from layer to layer.")];
+
+pub(super) const TOPICS: &[Topic] = &[
+    Topic {
+        name: "rough",
+        kind: Kind::Operation,
+        meaning: "Clears the channels level by level, by lines from the middle out to both walls.",
+        example: "operation rough {\n  tools t1  speed 8000 rpm  feed 1000 mm/min  depth 2 mm  stepover 2 mm  allowance vane 0.3 mm, hub 0.3 mm\n}",
+        properties: &[
+            TOOLS,
+            COMMON,
+            &[
+                property(
+                    "depth",
+                    "length; one, or one for each tool",
+                    Means("0.375 of the diameter; 0.33 for a ball"),
+                    "Step down from level to level.",
+                ),
+                property(
+                    "stepover",
+                    "length; one, or one for each tool",
+                    Means("0.75 of the diameter; 0.4 for a ball"),
+                    "Distance of neighbouring lines.",
+                ),
+            ],
+            ALLOWANCE,
+            &[property(
+                "levels",
+                "`from-hub`, `from-shroud` or `morph`",
+                Is("from-hub"),
+                "Levels at constant height over the hub, at constant depth under the shroud, or at equal shares of the height.",
+            )],
+            MILLING,
+            &[
+                property(
+                    "slots",
+                    "`full` or `trochoidal`",
+                    Is("full"),
+                    "How a slot is opened: at full width, or by loops.",
+                ),
+                property(
+                    "engagement",
+                    "angle from 20 to 120 deg",
+                    Means("that of a line beside the slot"),
+                    "Largest arc of engagement of the loops, with `slots trochoidal`.",
+                ),
+            ],
+        ],
+    },
+    Topic {
+        name: "plunge",
+        kind: Kind::Operation,
+        meaning: "Clears the channels by strokes along the tool axis down to the floor, row by row; for deep and narrow channels.",
+        example: "operation plunge { tool t4  speed 8000 rpm  feed 150 mm/min  allowance vane 0.3 mm, hub 0.3 mm }",
+        properties: &[
+            TOOL,
+            COMMON,
+            &[property(
+                "stepover",
+                "length from 0.01 to 0.5 of the diameter",
+                Means("a quarter of the diameter, where the tool permits it"),
+                "Distance of neighbouring strokes.",
+            )],
+            ALLOWANCE,
+        ],
+    },
+    Topic {
+        name: "groove",
+        kind: Kind::Operation,
+        meaning: "Cuts a slot in the middle of each channel, layer by layer (Wei 2021, section 3.1).",
+        example: "operation groove { tool t1  speed 8000 rpm  feed 300 mm/min  depth 2 mm  allowance vane 0.3 mm, hub 0.3 mm }",
+        properties: &[TOOL, COMMON, DEPTH, ALLOWANCE],
+    },
+    Topic {
+        name: "expand",
+        kind: Kind::Operation,
+        meaning: "Opens the slot of `groove` to both walls, along V-shaped lines (Wei 2021, section 3.2). `depth` and `allowance` are by default those of the groove before it.",
+        example: "operation groove { tool t1  speed 8000 rpm  feed 300 mm/min  depth 2 mm  allowance vane 0.3 mm, hub 0.3 mm }\noperation expand { tool t1  speed 8000 rpm  feed 300 mm/min  residual 0.5 mm }",
+        properties: &[
+            TOOL,
+            COMMON,
+            &[property(
+                "depth",
+                "length from 0.01 mm to the flutes",
+                Means("that of the groove before it"),
+                "Largest step down from layer to layer.",
+            )],
+            &[property(
+                "allowance",
+                "`vane` with a length or `TIP .. ROOT`, and `hub` with a length",
+                Means("that of the groove before it"),
+                "Stock that is left on vanes and hub.",
+            )],
+            &[property(
+                "residual",
+                "length from 1 um to the radius",
+                Required,
+                "Height of the ridges between two lines of roughing.",
+            )],
+        ],
+    },
+    Topic {
+        name: "flank",
+        kind: Kind::Operation,
+        meaning: "Finishes the faces of the vanes with the side of the cutter.",
+        example: "operation flank { tool t1  speed 8000 rpm  feed 250 mm/min  faces pressure, suction }",
+        properties: &[
+            TOOL,
+            COMMON,
+            FACES,
+            BLADES,
+            &[
+                property(
+                    "method",
+                    "`minimax`, `two-point` or `one-point`",
+                    Is("minimax"),
+                    "How axes are found: the least largest error of the swept tool, or the offsets of Wei 2021 (formulas 10 to 12).",
+                ),
+                property(
+                    "strips",
+                    "`auto`, or a number from 1 to 20 (to 100 with the other methods)",
+                    Means("`auto` with `minimax`, 1 otherwise"),
+                    "Passes from tip to root of a face.",
+                ),
+                property(
+                    "side",
+                    "`both` or `excess`",
+                    Is("both"),
+                    "Whether the error may lie on both sides of the surface, or only outside of it.",
+                ),
+                property(
+                    "conflict",
+                    "`balance`, `gouge-free` or `contact-both`",
+                    Is("balance"),
+                    "What counts where face and floor cannot both be reached.",
+                ),
+            ],
+            MILLING,
+            ORDER,
+        ],
+    },
+    Topic {
+        name: "point",
+        kind: Kind::Operation,
+        meaning: "Finishes the faces of the vanes with the tip of the cutter, along lines of constant scallop height.",
+        example: "operation point { tool t1  speed 8000 rpm  feed 250 mm/min  scallop 20 um }",
+        properties: &[
+            TOOL,
+            COMMON,
+            FACES,
+            BLADES,
+            SCALLOP,
+            LINES_ROUND,
+            MILLING,
+            ORDER,
+            &[property(
+                "depth",
+                "length from 0.01 mm",
+                Means("an error with `order levels`; otherwise not allowed"),
+                "Height of a level with `order levels`.",
+            )],
+            METHOD,
+        ],
+    },
+    Topic {
+        name: "fillet",
+        kind: Kind::Operation,
+        meaning: "Finishes the fillets between vanes and hub, along lines of constant scallop height. The cutter needs a ball that fits into the fillet.",
+        example: "operation fillet { tool t1  speed 8000 rpm  feed 250 mm/min  scallop 20 um }",
+        properties: &[TOOL, COMMON, FACES, BLADES, SCALLOP, LINES, MILLING, METHOD],
+    },
+    Topic {
+        name: "edge",
+        kind: Kind::Operation,
+        meaning: "Finishes leading and trailing edges of the vanes, by lines that wrap round them.",
+        example: "operation edge { tool t1  speed 8000 rpm  feed 250 mm/min  scallop 20 um }",
+        properties: &[
+            TOOL,
+            COMMON,
+            &[property("edges", "`inlet`, `outlet`", Is("inlet, outlet"), "Edges to finish.")],
+            BLADES,
+            SCALLOP,
+            LINES,
+            METHOD,
+        ],
+    },
+    Topic {
+        name: "tip",
+        kind: Kind::Operation,
+        meaning: "Finishes the tips of the vanes, which the lathe otherwise leaves.",
+        example: "operation tip { tool t1  speed 8000 rpm  feed 250 mm/min  scallop 20 um }",
+        properties: &[TOOL, COMMON, BLADES, SCALLOP, LINES, METHOD],
+    },
+    Topic {
+        name: "channel",
+        kind: Kind::Operation,
+        meaning: "Finishes the hub between the vanes. With a list `tools` instead of `tool`, the wider tools finish the middle and the last one the rest.",
+        example: "operation channel { tool t1  speed 8000 rpm  feed 250 mm/min  scallop 20 um }",
+        properties: &[
+            TOOL,
+            COMMON,
+            SCALLOP,
+            &[property(
+                "spacing",
+                "`constant-scallop` or `equal-division`",
+                Is("constant-scallop"),
+                "Distance of the lines: everywhere what the scallop height allows, or equal shares of the width (Wei 2021, formula 13).",
+            )],
+            LINES,
+            METHOD,
+        ],
+    },
+];

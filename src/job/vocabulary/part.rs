@@ -1,0 +1,227 @@
+//! Blocks of the part and the stock.
+
+use super::Without::{Is, Means, Required};
+use super::{Kind, Property, Topic, property};
+
+const FILLET: &[Property] = &[property(
+    "fillet",
+    "length from 0.01 to 1000 mm, or a list of `(PLACE, RADIUS)` along the root",
+    Means("no fillet"),
+    "Radius of the fillet between blade and hub.",
+)];
+
+const SPANS: &[Property] = &[
+    property(
+        "span",
+        "a share from hub (0 %) to shroud (100 %) with a block",
+        Required,
+        "Angles and thickness there; repeated.",
+    ),
+    property(
+        "thickness",
+        "length, or a list of `(PLACE, LENGTH)`",
+        Means("stated by the spans"),
+        "Thickness of all spans.",
+    ),
+    property(
+        "from",
+        "`hub` and `shroud` with places on their meridians",
+        Means("the beginning of the meridian"),
+        "Place of the leading edge.",
+    ),
+    property(
+        "to",
+        "`hub` and `shroud` with places on their meridians",
+        Means("the end of the meridian"),
+        "Place of the trailing edge.",
+    ),
+    property("leading-edge", "`round`, `cut-off`, or `elliptic` with a ratio", Required, "Form of the leading edge."),
+    property("trailing-edge", "`round`, `cut-off`, or `elliptic` with a ratio", Required, "Form of the trailing edge."),
+    property(
+        "fit",
+        "length from 0.1 um to 1 mm",
+        Is("2 um"),
+        "Largest distance of the surfaces to what the spans state.",
+    ),
+];
+
+const LOOKS: &str = "`clockwise` or `counter-clockwise`";
+
+const fn block(
+    name: &'static str,
+    meaning: &'static str,
+    example: &'static str,
+    properties: &'static [&'static [Property]],
+) -> Topic {
+    Topic { name, kind: Kind::Block, meaning, example, properties }
+}
+
+pub(super) const TOPICS: &[Topic] = &[
+    block(
+        "vane",
+        "The main blade by its two faces. `vane NAME { }` stands in the part.",
+        "vane main { pressure ruled { tip spline from \"c.csv\" curve tip_pressure mm  root spline from \"c.csv\" curve root_pressure mm }  ... }",
+        &[
+            &[
+                property("pressure", "`ruled` or `lofted` with a block", Required, "Pressure face."),
+                property("suction", "`ruled` or `lofted` with a block", Required, "Suction face."),
+            ],
+            FILLET,
+        ],
+    ),
+    block(
+        "ruled",
+        "A face of straight lines between a curve at the tip and one at the root.",
+        "pressure ruled { tip spline [(15, -38, 0) (5, -42, -9) (-7, -59, -24)] mm  root spline [(6, -16, -10) (-1, -26, -24) (-8, -59, -32)] mm }",
+        &[CURVES],
+    ),
+    block(
+        "lofted",
+        "A face through curves at the tip, at the root, and at sections between them.",
+        "pressure lofted { tip spline ... mm  sections [0.5 spline ... mm]  root spline ... mm }",
+        &[
+            CURVES,
+            &[property(
+                "sections",
+                "list of shares with curves",
+                Required,
+                "Curves between tip and root, with their share of the way.",
+            )],
+        ],
+    ),
+    block(
+        "sections",
+        "A blade by closed sections in a table. `vane NAME { sections loops from \"FILE\" mm }` stands in the part.",
+        "vane main { sections loops from \"sections.csv\" mm  fillet 0.8 mm }",
+        &[
+            &[
+                property(
+                    "sections",
+                    "`loops from` with a file and a unit",
+                    Required,
+                    "Table with the points of the closed sections.",
+                ),
+                property(
+                    "fit",
+                    "length from 0.1 um to 1 mm",
+                    Is("2 um"),
+                    "Largest distance of the surfaces to the points.",
+                ),
+                property(
+                    "leading-edge",
+                    "`round`, `cut-off`, or `elliptic` with a ratio",
+                    Means("as the points say"),
+                    "Form of the leading edge.",
+                ),
+                property(
+                    "trailing-edge",
+                    "`round`, `cut-off`, or `elliptic` with a ratio",
+                    Means("as the points say"),
+                    "Form of the trailing edge.",
+                ),
+                property(
+                    "pressure",
+                    LOOKS,
+                    Means("the side that the turn of the sections shows"),
+                    "Side of the pressure face, seen from +Z.",
+                ),
+            ],
+            FILLET,
+        ],
+    ),
+    block(
+        "angles",
+        "A blade by angles of its camber lines and thicknesses at spans; `docs/blades.md` explains it. `vane NAME { span ... }` stands in the part.",
+        "vane main { span 0 % { beta 30 deg  start 0 deg  thickness 2 mm }  span 100 % { beta 50 deg  start 0 deg  thickness 1 mm }  leading-edge round  trailing-edge cut-off }",
+        &[
+            SPANS,
+            &[
+                property(
+                    "beta-from",
+                    "`meridian` or `tangent`",
+                    Is("meridian"),
+                    "Direction from which beta is measured.",
+                ),
+                property(
+                    "lean",
+                    "list of `(PLACE, ANGLE)` from hub to shroud",
+                    Means("no lean"),
+                    "Turn of the span about the axis.",
+                ),
+                property(
+                    "pressure",
+                    LOOKS,
+                    Means("the side that the angles show"),
+                    "Side of the pressure face, seen from +Z.",
+                ),
+            ],
+            FILLET,
+        ],
+    ),
+    block(
+        "of",
+        "A splitter as a part of the main blade, with its own thickness and edges. `splitter NAME { of main ... }` stands in the part.",
+        "splitter half { of main  from hub 45 %, shroud 36 %  angle 46 %  span 0 % { thickness 1.6 mm }  span 100 % { thickness 1 mm }  leading-edge round  trailing-edge cut-off }",
+        &[
+            &[property("of", "name of the main blade", Required, "Blade whose camber surface the splitter shares.")],
+            SPANS,
+            FILLET,
+        ],
+    ),
+    block(
+        "span",
+        "Angles and thickness of a blade at a share of the way from hub to shroud.",
+        "span 0 % { beta [(0 %, 50 deg) (100 %, 35 deg)]  start 0 deg  thickness 2 mm }",
+        &[&[
+            property(
+                "theta",
+                "list of `(PLACE, ANGLE)`",
+                Means("`beta` is given"),
+                "Angle about the axis along the camber line.",
+            ),
+            property(
+                "beta",
+                "angle, or a list of `(PLACE, ANGLE)`",
+                Means("`theta` is given"),
+                "Angle of the camber line along it.",
+            ),
+            property(
+                "start",
+                "angle",
+                Means("`end` is given"),
+                "Angle about the axis at the leading edge, with `beta`.",
+            ),
+            property(
+                "end",
+                "angle",
+                Means("`start` is given"),
+                "Angle about the axis at the trailing edge, with `beta`.",
+            ),
+            property(
+                "thickness",
+                "length, or a list of `(PLACE, LENGTH)`",
+                Means("that of all spans"),
+                "Thickness along the camber line.",
+            ),
+        ]],
+    ),
+    block(
+        "clamping",
+        "The space of chuck and table, in the stock.",
+        "clamping { below -42 mm  diameter 60 mm }",
+        &[&[
+            property("below", "height", Means("the back face of the stock"), "No tool goes below this height."),
+            property("diameter", "length from 0.1 mm to 10 m", Means("unlimited"), "Diameter of the clamping."),
+        ]],
+    ),
+];
+
+const CURVES: &[Property] = &[
+    property("tip", "`spline` with points, or `from` with a file", Required, "Curve at the tip, from inlet to outlet."),
+    property(
+        "root",
+        "`spline` with points, or `from` with a file",
+        Required,
+        "Curve at the root, from inlet to outlet.",
+    ),
+];

@@ -1,0 +1,465 @@
+//! Signs and forms that people bring from other languages: `µm`, decimal commas, `;`, `:`, `#`, curly quotes, `sectors 1-8`.
+//!
+//! Each is reported once, with what to write instead. The parser then reads the text as it is meant, so that no other error
+//! follows. The repaired text is as long as the given one: places in it are places of the given text.
+
+use super::scan::ITEMS;
+use crate::diag::codes::syntax as codes;
+use crate::diag::{Diag, Sink};
+use crate::source::{SourceId, Span};
+use std::ops::Range;
+
+/// A form that is not of the language.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Form {
+    Micro,
+    Quotes,
+    DecimalComma,
+    DigitGroups,
+    Semicolon,
+    Colon,
+    Comment,
+    Equals,
+    Relation,
+    Sectors,
+    NoComma,
+    Comma,
+    Degree,
+    Inch,
+    Turns,
+    PerTurn,
+    Quoted,
+    NamedOperation,
+    SeveralContracts,
+}
+
+impl Form {
+    /// What is wrong.
+    fn message(self) -> &'static str {
+        match self {
+            Self::Micro => "the unit of a micrometre is `um`",
+            Self::Quotes => "texts stand in straight quotes",
+            Self::DecimalComma => "the decimal sign is a point",
+            Self::DigitGroups => "digits of a number stand together",
+            Self::Semicolon => "`;` is not needed: the end of the line ends an item, and blanks separate entries",
+            Self::Colon => "no `:` stands between a name and its value",
+            Self::Comment => "a comment begins with `//`",
+            Self::Equals => "no `=` stands between a name and its value",
+            Self::Relation => "the relations are `<=` and `>=`",
+            Self::Sectors => "`sectors` takes a list of numbers",
+            Self::NoComma => "a comma separates the values of one entry",
+            Self::Comma => "blanks separate entries; a comma separates values of one entry",
+            Self::Degree => "the unit of an angle is `deg`",
+            Self::Inch => "the unit of an inch is `in`",
+            Self::Turns => "the unit of a spindle speed is `rpm`",
+            Self::PerTurn => "feeds are in `mm/min` or `mm/tooth`",
+            Self::Quoted => "this word stands without quotes",
+            Self::NamedOperation => "the name of an operation stands behind its kind",
+            Self::SeveralContracts => "each contract is an item of its own",
+        }
+    }
+}
+
+/// A place that is read in another way.
+struct Repair {
+    form: Form,
+    range: Range<usize>,
+    /// What is read there, of the same length.
+    read: String,
+    help: String,
+    /// What to write there, where that is one change.
+    fix: Option<String>,
+}
+
+/// A piece of a line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Token<'a> {
+    Word(&'a str),
+    Number(&'a str),
+    Text(&'a str),
+    Sign(char),
+}
+
+/// The text as the parser reads it; the forms are reported.
+pub(super) fn repaired(text: &str, source: SourceId, sink: &mut Sink) -> Option<String> {
+    let repairs = Finder::default().find(text);
+    if repairs.is_empty() {
+        return None;
+    }
+    let mut forms: Vec<(&Repair, usize)> = Vec::new();
+    for repair in &repairs {
+        match forms.iter_mut().find(|(first, _)| first.form == repair.form && first.help == repair.help) {
+            Some((_, times)) => *times += 1,
+            None => forms.push((repair, 1)),
+        }
+    }
+    for (first, times) in forms {
+        let span = Span::new(source, first.range.clone());
+        let mut diag = Diag::error(codes::MISWRITTEN, first.form.message()).label(span, "not of this language");
+        diag = diag.help(first.help.clone());
+        if times > 1 {
+            diag = diag.note(format!("and at {} more places", times - 1));
+        }
+        sink.push(match &first.fix {
+            Some(fix) => diag.fix(span, fix.clone()),
+            None => diag,
+        });
+    }
+    let mut read = text.to_owned();
+    for repair in repairs {
+        read.replace_range(repair.range, &repair.read);
+    }
+    Some(read)
+}
+
+/// What is left open at the end of a line.
+#[derive(Default)]
+struct Finder {
+    found: Vec<Repair>,
+    /// Depth of braces and brackets.
+    depth: usize,
+    in_comment: bool,
+}
+
+/// Blanks of a length.
+fn blank(range: &Range<usize>) -> String {
+    " ".repeat(range.len())
+}
+
+/// A text with blanks behind it, where it fits.
+fn padded(text: &str, range: &Range<usize>) -> Option<String> {
+    (text.len() <= range.len()).then(|| format!("{text:<width$}", width = range.len()))
+}
+
+impl Finder {
+    fn find(mut self, text: &str) -> Vec<Repair> {
+        let mut start = 0;
+        for line in text.split_inclusive('\n') {
+            self.line(line.trim_end_matches(['\n', '\r']), start);
+            start += line.len();
+        }
+        self.found.sort_by_key(|r| r.range.start);
+        // A place is read in one way.
+        let mut end = 0;
+        self.found.retain(|r| {
+            let free = r.range.start >= end;
+            end = if free { r.range.end } else { end };
+            free
+        });
+        self.found
+    }
+
+    fn push(&mut self, form: Form, range: Range<usize>, read: String, help: impl Into<String>, fix: Option<&str>) {
+        self.found.push(Repair { form, range, read, help: help.into(), fix: fix.map(str::to_owned) });
+    }
+
+    fn line(&mut self, line: &str, start: usize) {
+        let whole = start..start + line.len();
+        if self.in_comment {
+            let end = line.find("*/").map(|at| start + at + 2);
+            self.in_comment = end.is_none();
+            let range = start..end.unwrap_or(whole.end);
+            self.push(Form::Comment, range.clone(), blank(&range), "write `//` before the comment on each line", None);
+            return;
+        }
+        let (tokens, foreign) = tokens(line);
+        let first = tokens.first().map(|t| (t.0, t.1.start));
+        // A line that begins an item ends blocks that were not closed.
+        if matches!(first, Some((Token::Word(word), 0)) if ITEMS.contains(&word)) {
+            self.depth = 0;
+        }
+        let in_brackets = matches!(first, Some((Token::Sign('('), _))) && line.trim_end().ends_with(')');
+        if self.depth == 0 && in_brackets {
+            self.push(Form::Comment, whole.clone(), blank(&whole), "write `//` before the comment", None);
+            return;
+        }
+        if let Some(at) = foreign {
+            let range = start + at..whole.end;
+            let block = line[at..].starts_with("/*");
+            let closed = line[at..].find("*/").map(|end| range.start + end + 2);
+            self.in_comment = block && closed.is_none();
+            let range = range.start..if block { closed.unwrap_or(range.end) } else { range.end };
+            self.push(Form::Comment, range.clone(), blank(&range), "write `//` before the comment", None);
+        }
+        self.signs(line, start, &tokens);
+        self.heads(start, &tokens);
+        for at in 0..tokens.len() {
+            self.values(line, start, &tokens[at..]);
+            self.lists(line, start, &tokens[at..]);
+            match tokens[at].0 {
+                Token::Sign('{' | '[') => self.depth += 1,
+                Token::Sign('}' | ']') => self.depth = self.depth.saturating_sub(1),
+                Token::Sign(_) if self.depth > 0 || at > 0 => self.between(start, &tokens, at),
+                _ => {}
+            }
+        }
+    }
+
+    /// Signs that the language does not have.
+    fn signs(&mut self, line: &str, start: usize, tokens: &[(Token<'_>, Range<usize>)]) {
+        for (token, at) in tokens {
+            let Token::Sign(sign) = *token else { continue };
+            let range = start + at.start..start + at.end;
+            let rest = &line[at.end..];
+            match sign {
+                'µ' | 'μ' if rest.starts_with('m') => {
+                    let range = range.start..range.end + 1;
+                    if let Some(read) = padded("um", &range) {
+                        self.push(Form::Micro, range, read, "write `um`", Some("um"));
+                    }
+                }
+                '“' | '”' | '„' | '‘' | '’' | '\'' | '«' | '»' => {
+                    let opens = rest.starts_with(|c: char| c.is_alphanumeric());
+                    let blanks = " ".repeat(range.len() - 1);
+                    let read = if opens { format!("{blanks}\"") } else { format!("\"{blanks}") };
+                    self.push(Form::Quotes, range, read, "write straight quotes: `\"`", None);
+                }
+                ';' => self.push(Form::Semicolon, range.clone(), blank(&range), "remove `;`", Some("")),
+                '≤' | '≥' => {
+                    let due = if sign == '≤' { "<=" } else { ">=" };
+                    let read = padded(due, &range).unwrap_or_else(|| blank(&range));
+                    self.push(Form::Relation, range, read, format!("write `{due}`"), Some(due));
+                }
+                '°' => {
+                    let room = range.start..range.end + rest.len() - rest.trim_start_matches(' ').len();
+                    // Two blanks or the end of the line, so that a word behind stays a word.
+                    let fits = room.len() > 3 || rest.trim().is_empty() && room.len() >= 3;
+                    let read = if fits { padded("deg", &room) } else { None };
+                    let (range, read) = read.map_or_else(|| (range.clone(), blank(&range)), |read| (room, read));
+                    self.push(Form::Degree, range, read, "write `deg`", None);
+                }
+                _ => {}
+            }
+        }
+    }
+
+    /// Items that are written in the manner of another language.
+    fn heads(&mut self, start: usize, tokens: &[(Token<'_>, Range<usize>)]) {
+        let at = |range: &Range<usize>| start + range.start..start + range.end;
+        if self.depth > 0 {
+            return;
+        }
+        match tokens {
+            [(Token::Word("post" | "edition"), _), (Token::Text(text), range), ..] => {
+                let name = text.trim_matches('"');
+                let help = format!("write `{name}`");
+                self.push(Form::Quoted, at(range), format!(" {name} "), help, Some(name));
+            }
+            [
+                (Token::Word("operation"), _),
+                (Token::Word(name), from),
+                (Token::Sign('='), _),
+                (Token::Word(kind), to),
+                ..,
+            ] => {
+                let range = start + from.start..start + to.end;
+                let due = format!("{kind} {name}");
+                if let Some(read) = padded(&due, &range) {
+                    self.push(Form::NamedOperation, range, read, format!("write `operation {due}`"), Some(&due));
+                }
+            }
+            [(Token::Word("require"), _), rest @ ..] => {
+                let Some(comma) = rest.iter().position(|t| t.0 == Token::Sign(',')) else { return };
+                let relation = |t: &(Token<'_>, Range<usize>)| matches!(t.0, Token::Sign('<' | '>'));
+                if rest[comma..].iter().any(relation) {
+                    let end = rest.last().map_or(0, |t| t.1.end);
+                    let range = start + rest[comma].1.start..start + end;
+                    let help = "write the next contract on a line of its own, as `require NAME <= VALUE`";
+                    self.push(Form::SeveralContracts, range.clone(), blank(&range), help, None);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// Numbers and units that are written in the manner of another language; `tokens` begins at the place.
+    fn values(&mut self, line: &str, start: usize, tokens: &[(Token<'_>, Range<usize>)]) {
+        let adjacent = |a: &Range<usize>, b: &Range<usize>| a.end == b.start;
+        let at = |from: &Range<usize>, to: &Range<usize>| start + from.start..start + to.end;
+        match tokens {
+            [
+                (Token::Number(whole), a),
+                (Token::Sign(','), comma),
+                (Token::Number(part), b),
+                (Token::Word(unit), _),
+                ..,
+            ] if adjacent(a, comma) && adjacent(comma, b) && is_unit(unit) => {
+                let (range, fast) = (at(a, b), matches!(*unit, "rpm" | "mm" | "m") && part.len() == 3);
+                if fast && *unit == "rpm" {
+                    let due = format!("{whole}{part}");
+                    let read = padded(&due, &range).unwrap_or_else(|| blank(&range));
+                    self.push(Form::DigitGroups, range, read, format!("write `{due} {unit}`"), Some(&due));
+                } else {
+                    let due = format!("{whole}.{part}");
+                    self.push(Form::DecimalComma, range, due.clone(), format!("write `{due} {unit}`"), Some(&due));
+                }
+            }
+            [(Token::Number(thousands), a), (Token::Number(rest), b), (Token::Word(unit), _), ..]
+                if rest.len() == 3 && !rest.contains('.') && is_unit(unit) =>
+            {
+                let due = format!("{thousands}{rest}");
+                let range = at(a, b);
+                let read = padded(&due, &range).unwrap_or_else(|| blank(&range));
+                self.push(Form::DigitGroups, range, read, format!("write `{due} {unit}`"), Some(&due));
+            }
+            [(Token::Number(_), a), (Token::Text(_) | Token::Sign('"'), b), ..] if adjacent(a, b) => {
+                let room = |length| start + b.start..start + b.start + length;
+                if line[b.start + 1..].starts_with(' ') {
+                    self.push(Form::Inch, room(2), "in".to_owned(), "write `in`", Some("in "));
+                } else {
+                    self.push(Form::Inch, room(1), " ".to_owned(), "write `in`", Some(" in"));
+                }
+            }
+            [
+                (Token::Number(_), before),
+                (Token::Number("1"), a),
+                (Token::Sign('/'), _),
+                (Token::Word("min"), b),
+                ..,
+            ] if !adjacent(before, a) => {
+                let range = at(a, b);
+                let read = padded("rpm", &range).unwrap_or_else(|| blank(&range));
+                self.push(Form::Turns, range, read, "write `rpm`", Some("rpm"));
+            }
+            [(Token::Number(_), _), (Token::Word("mm"), a), (Token::Sign('/'), _), (Token::Word("rev"), b), ..] => {
+                let blanks = line[b.end..].len() - line[b.end..].trim_start_matches(' ').len();
+                let room = start + a.start..start + b.end + blanks;
+                // One blank must stay before the next word.
+                let (range, read) = match padded("mm/tooth", &room) {
+                    Some(read) if blanks > 2 || b.end + blanks == line.len() => (room, read),
+                    _ => (at(a, b), "m/min ".to_owned()),
+                };
+                let help = "divide the feed per turn by the number of flutes, and write `mm/tooth`";
+                self.push(Form::PerTurn, range, read, help, None);
+            }
+            _ => {}
+        }
+    }
+
+    /// Lists that are written in the manner of another language; `tokens` begins at the place.
+    fn lists(&mut self, line: &str, start: usize, tokens: &[(Token<'_>, Range<usize>)]) {
+        let at = |from: &Range<usize>, to: &Range<usize>| start + from.start..start + to.end;
+        match tokens {
+            [
+                (Token::Word("sectors"), a),
+                (Token::Number(from), b),
+                (Token::Sign('-'), _),
+                (Token::Number(to), c),
+                ..,
+            ] => {
+                self.sectors(at(a, c), at(b, c), (from, to));
+            }
+            [(Token::Word("sectors"), a), (Token::Word("all"), c), ..] => {
+                let range = at(a, c);
+                self.push(Form::Sectors, range.clone(), blank(&range), "leave `sectors` out for all sectors", Some(""));
+            }
+            [(Token::Word("sectors"), a), (Token::Number(both), c), ..] if both.contains("..") => {
+                let ends = both.split_once("..").unwrap_or_default();
+                self.sectors(at(a, c), at(c, c), ends);
+            }
+            [(Token::Word("pressure"), a), (Token::Word("suction"), b), ..]
+            | [(Token::Word("suction"), a), (Token::Word("pressure"), b), ..]
+            | [(Token::Word("inlet"), a), (Token::Word("outlet"), b), ..]
+            | [(Token::Word("outlet"), a), (Token::Word("inlet"), b), ..]
+                if !line.trim_start().starts_with("vane") =>
+            {
+                let range = start + a.end..start + b.start;
+                if !range.is_empty() {
+                    self.push(
+                        Form::NoComma,
+                        range.clone(),
+                        format!(",{}", " ".repeat(range.len() - 1)),
+                        "write a comma between the two words",
+                        Some(", "),
+                    );
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn sectors(&mut self, range: Range<usize>, list: Range<usize>, (from, to): (&str, &str)) {
+        let ends = from.parse::<u32>().ok().zip(to.parse::<u32>().ok()).filter(|(a, b)| a < b && b - a < 40);
+        let numbers = ends.map(|(a, b)| (a..=b).map(|n| n.to_string()).collect::<Vec<_>>().join(", "));
+        let Some(numbers) = numbers else { return };
+        let help = format!("write `sectors {numbers}`; or leave `sectors` out for all sectors");
+        self.found.push(Repair { form: Form::Sectors, range: range.clone(), read: blank(&range), help, fix: None });
+        // The list alone is what the fix replaces.
+        if let Some(last) = self.found.last_mut() {
+            last.fix = (list.start == range.start).then_some(numbers);
+        }
+    }
+
+    /// Signs between a name and its value, and between entries.
+    fn between(&mut self, start: usize, tokens: &[(Token<'_>, Range<usize>)], at: usize) {
+        let (sign, range) = (tokens[at].0, start + tokens[at].1.start..start + tokens[at].1.end);
+        let before = at.checked_sub(1).map(|k| tokens[k].0);
+        let after = tokens.get(at + 1).map(|t| (t.0, start + t.1.start));
+        let word_before = matches!(before, Some(Token::Word(_)));
+        match (sign, after) {
+            (Token::Sign(':'), Some(_)) if word_before => {
+                self.push(Form::Colon, range.clone(), blank(&range), "remove `:`", Some(""));
+            }
+            (Token::Sign('='), Some((Token::Sign('<' | '>'), next))) if next == range.end => {
+                let due = if matches!(after, Some((Token::Sign('<'), _))) { "<=" } else { ">=" };
+                let range = range.start..next + 1;
+                self.push(Form::Relation, range, due.to_owned(), format!("write `{due}`"), Some(due));
+            }
+            (Token::Sign('='), Some(_)) if word_before && self.depth > 0 => {
+                self.push(Form::Equals, range.clone(), blank(&range), "remove `=`", Some(""));
+            }
+            (Token::Sign(','), Some((Token::Word(word), _))) if self.depth > 0 && !LABELS.contains(&word) => {
+                if matches!(tokens.get(at + 2), Some((Token::Number(_), _))) {
+                    self.push(Form::Comma, range.clone(), blank(&range), "remove the comma", Some(" "));
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+/// Words that stand before a value inside of one entry.
+const LABELS: [&str; 5] = ["vane", "hub", "shroud", "chord", "rough"];
+
+/// The first word of a unit.
+fn is_unit(word: &str) -> bool {
+    matches!(word, "mm" | "um" | "in" | "deg" | "rad" | "rpm" | "m" | "mm3" | "cm3" | "s" | "min" | "h")
+}
+
+/// The pieces of a line before its comment, and the place of a comment in the manner of another language.
+fn tokens(line: &str) -> (Vec<(Token<'_>, Range<usize>)>, Option<usize>) {
+    let mut found = Vec::new();
+    let mut at = 0;
+    while let Some(c) = line[at..].chars().next() {
+        let rest = &line[at..];
+        if rest.starts_with("//") {
+            break;
+        }
+        if c == '#' || rest.starts_with("/*") {
+            return (found, Some(at));
+        }
+        let length = |of: &dyn Fn(char) -> bool| rest.find(|c: char| !of(c)).unwrap_or(rest.len());
+        let (token, end) = match c {
+            ' ' | '\t' => {
+                at += 1;
+                continue;
+            }
+            '"' => match rest[1..].find('"') {
+                Some(close) => (Token::Text(&rest[..close + 2]), close + 2),
+                None => (Token::Sign('"'), 1),
+            },
+            c if c.is_ascii_alphabetic() || c == '_' => {
+                let end = length(&|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.'));
+                (Token::Word(&rest[..end]), end)
+            }
+            c if c.is_ascii_digit() => {
+                let end = length(&|c| c.is_ascii_digit() || c == '.');
+                (Token::Number(&rest[..end]), end)
+            }
+            c => (Token::Sign(c), c.len_utf8()),
+        };
+        found.push((token, at..at + end));
+        at += end;
+    }
+    (found, None)
+}

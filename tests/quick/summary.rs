@@ -1,0 +1,43 @@
+//! The certificate in short, as a run prints it.
+
+use crate::support::golden::check;
+use crate::support::jobs;
+use impellerc::verify::summary::{COLUMNS, Verdict};
+
+fn verdict(errors: usize) -> Verdict<'static> {
+    Verdict { errors, name: "reduced", machine: "5mc850-c (shipped)", post: "siemens-840d" }
+}
+
+#[test]
+fn the_verdict_comes_first_and_lines_are_short() {
+    let certificate = &jobs::reduced("siemens-840d").certificate;
+    let text = certificate.summary(verdict(0));
+    check("reduced", "summary", &text);
+    let held = certificate.contracts.len();
+    assert!(text.starts_with(&format!("PASS reduced: {held} of {held} contracts, ")), "{text}");
+    let wide: Vec<&str> = text.lines().filter(|line| line.chars().count() > COLUMNS).collect();
+    assert_eq!(wide, [""; 0]);
+    // Each figure of a proof says so, with what was found.
+    for contract in certificate.contracts.iter().filter(|c| c.kind == "gouge") {
+        let [_, found] = &contract.figures;
+        let due = format!("proved <= {found} (deepest found {})", contract.measured.as_ref().unwrap());
+        assert!(text.contains(&due), "{due}\n{text}");
+    }
+}
+
+#[test]
+fn a_failed_contract_comes_before_those_that_hold() {
+    let mut certificate = jobs::reduced("siemens-840d").certificate.clone();
+    let last = certificate.contracts.last_mut().unwrap();
+    last.holds = false;
+    let name = last.name();
+    let all = certificate.contracts.len();
+    let text = certificate.judgement(verdict(1));
+    assert!(text.starts_with(&format!("FAIL reduced: {} of {all} contracts, 1 error, ", all - 1)), "{text}");
+    let contracts: Vec<&str> = text.lines().skip(2).filter(|line| !line.starts_with("      ")).collect();
+    assert!(contracts[0].starts_with(&format!("! {name} ")) && contracts[0].contains("FAILS"), "{text}");
+    assert_eq!(contracts.iter().filter(|line| line.contains("FAILS")).count(), 1);
+    // An error without a contract is no success either.
+    let held = jobs::reduced("siemens-840d").certificate.verdict(verdict(2));
+    assert!(held.starts_with("FAIL") && held.contains(", 2 errors, "), "{held}");
+}
