@@ -6,7 +6,7 @@ use super::distributions::{at_spans, distribution, share, single};
 use super::model::{AnglesAtSpan, AnglesSpec, CamberSpec, DistributionSpec, EdgePlace, Looks, MeridianPlace, SpanSpec};
 use super::properties::{Properties, Range, name_of};
 use super::quantity::Dimension;
-use super::vocabulary::{self, Kind};
+use super::vocabulary::{self, TopicKind};
 use crate::diag::Diag;
 use crate::diag::codes::{geometry, job as codes};
 use crate::sections::angles::{EdgeShape, STEEPEST, limits};
@@ -152,7 +152,8 @@ impl<'a> AnglesGiven<'a> {
         let at = share(place, "`span`", geometry::SPANS, cx)?;
         // A splitter on the camber surface of the main blade has its angles.
         let of = self.of.is_some();
-        let known = vocabulary::properties(Kind::Block, "span").into_iter().filter(|name| !of || *name == "thickness");
+        let known =
+            vocabulary::properties(TopicKind::Block, "span").into_iter().filter(|name| !of || *name == "thickness");
         let known: Vec<&str> = known.collect();
         let owner = "the span".to_owned();
         let mut p = Properties::new(owner, word.span, block, &known, &mut cx.scope, cx.sink);

@@ -6,7 +6,7 @@ use super::operations::{ALLOWANCE, OperationReader, leads};
 use super::properties::Properties;
 use super::quantity::Dimension;
 use super::rough::each;
-use super::vocabulary::{self, Kind};
+use super::vocabulary::{self, TopicKind};
 use crate::diag::Diag;
 use crate::diag::codes::job as codes;
 use crate::method::{AxisMethod, Spacing};
@@ -38,7 +38,7 @@ impl OperationReader<'_> {
         let count = list(body).map_or(0, |entry| entry.values.len());
         // A single tool finishes the whole floor and leaves nothing.
         let allowance: &[&str] = if count > 1 { &["allowance"] } else { &[] };
-        let others = vocabulary::properties(Kind::Operation, "channel").into_iter().filter(|name| *name != "tool");
+        let others = vocabulary::properties(TopicKind::Operation, "channel").into_iter().filter(|name| *name != "tool");
         let known: Vec<&str> = [TOOLS].into_iter().chain(others).chain(allowance.iter().copied()).collect();
         let owner = format!("operation {}", self.name);
         let mut p = Properties::new(owner, head(item), body, &known, &mut cx.scope, cx.sink);

@@ -9,7 +9,7 @@ pub(super) use super::properties::named;
 use super::properties::{LabelledValue, Properties, Range};
 use super::quantity::Dimension;
 use super::tools::Declared;
-use super::vocabulary::{self, Kind};
+use super::vocabulary::{self, TopicKind};
 use crate::diag::Diag;
 use crate::diag::codes::job as codes;
 use crate::material::Material;
@@ -67,7 +67,7 @@ pub(super) fn resolve(
     for item in &file.items {
         let ItemKind::Operation { kind, name, .. } = &item.kind else { continue };
         any = true;
-        let kinds = vocabulary::names(Kind::Operation);
+        let kinds = vocabulary::names(TopicKind::Operation);
         if !kinds.contains(&kind.text.as_str()) {
             let message = format!("operation `{}` is not in the language", kind.text);
             let diag = Diag::error(codes::NOT_IN_LANGUAGE, message);
@@ -175,7 +175,7 @@ struct Layers {
 impl OperationReader<'_> {
     fn read(&mut self, item: &Item, cx: &mut Context<'_>) -> Option<OperationSpec> {
         let ItemKind::Operation { kind, body, .. } = &item.kind else { return None };
-        let known = vocabulary::properties(Kind::Operation, &kind.text);
+        let known = vocabulary::properties(TopicKind::Operation, &kind.text);
         let owner = format!("operation {}", self.name);
         let mut p = Properties::new(owner, head(item), body, &known, &mut cx.scope, cx.sink);
         let tool = self.tool(kind, &mut p);

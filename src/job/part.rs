@@ -13,7 +13,7 @@ use super::model::{
 };
 use super::properties::{Properties, Range, name_of};
 use super::quantity::Dimension;
-use super::vocabulary::{self, Kind};
+use super::vocabulary::{self, TopicKind};
 use crate::diag::Diag;
 use crate::diag::codes::{geometry, job as codes};
 use crate::part::{BladeId, FaceId, Fillet, RulingEnd};
@@ -36,7 +36,7 @@ const MAX_SECTIONS: usize = 30;
 const MAX_SPLITTERS: usize = 8;
 
 pub(super) fn resolve(name: &Name, body: &Block, head: Span, cx: &mut Context<'_>) -> Option<PartSpec> {
-    let known = vocabulary::properties(Kind::Item, "part");
+    let known = vocabulary::properties(TopicKind::Item, "part");
     let owner = format!("part {}", name.text);
     let mut p = Properties::repeated(owner, head, body, (&known, &["splitter"]), &mut cx.scope, cx.sink);
     let vanes = vane_count(&mut p);
@@ -152,7 +152,7 @@ impl FormGiven {
 
     /// Names of its entries, and of those that may be repeated.
     fn entries(self) -> (Vec<&'static str>, &'static [&'static str]) {
-        let of = |block| vocabulary::properties(Kind::Block, block);
+        let of = |block| vocabulary::properties(TopicKind::Block, block);
         match self {
             Self::Faces => (of("vane"), &[]),
             Self::Sections => (of("sections"), &[]),
@@ -413,7 +413,7 @@ fn face(word: &Name, values: &[&Value], cx: &mut Context<'_>) -> Option<FaceSpec
         return None;
     };
     let owner = format!("the {} face", word.text);
-    let known = vocabulary::properties(Kind::Block, &kind.text);
+    let known = vocabulary::properties(TopicKind::Block, &kind.text);
     let mut p = Properties::new(owner, word.span, block, &known, &mut cx.scope, cx.sink);
     let splines = ["tip", "root"].map(|name| match p.take(name) {
         None => {

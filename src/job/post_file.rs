@@ -3,7 +3,7 @@
 use super::library::{LibraryReader, SpannedText, toml_fault};
 use super::properties::{Properties, Range, name_of};
 use super::quantity::Dimension;
-use super::vocabulary::{self, Kind};
+use super::vocabulary::{self, TopicKind};
 use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
 use crate::post_file::{
@@ -274,7 +274,8 @@ pub(super) fn with_properties(
     sink: &mut Sink,
 ) -> PostFile {
     let owner = format!("post {}", post.name);
-    let mut properties = Properties::new(owner, head, block, &vocabulary::properties(Kind::Item, "post"), scope, sink);
+    let mut properties =
+        Properties::new(owner, head, block, &vocabulary::properties(TopicKind::Item, "post"), scope, sink);
     if let Some(Some(orientation)) = name_of(&mut properties, "orientation", &Orientation::ALL, Orientation::name) {
         post.orientation = orientation;
         refuse_without_words(&post, head, properties.sink);

@@ -12,7 +12,7 @@ use super::operations::Workpiece;
 use super::properties::{Properties, Range, name_of};
 use super::quantity::Dimension;
 use super::tool_file::{self, ToolLibrary};
-use super::vocabulary::{self, Kind};
+use super::vocabulary::{self, TopicKind};
 use super::{contracts, operations, part, post_file, stock_file, tools};
 use crate::diag::codes::{files as file_codes, job as codes};
 use crate::diag::{Aborted, Diag, Sink};
@@ -216,7 +216,7 @@ fn stock(file: &File, cx: &mut Context<'_>) -> Option<StockSpec> {
         cx.sink.push(suggest(diag, &kind.text, kind.span, "kind of stock", &["turned"]));
         return None;
     }
-    let known = vocabulary::properties(Kind::Item, "stock");
+    let known = vocabulary::properties(TopicKind::Item, "stock");
     let mut p = Properties::new("the stock".to_owned(), span, &body, &known, &mut cx.scope, cx.sink);
     if !p.has("over") {
         p.missing("over", "over shroud 0 mm");
@@ -252,7 +252,7 @@ fn clamping_of(word: &Name, values: &[&Value], back: Mm, cx: &mut Context<'_>) -
         );
         return None;
     };
-    let known = vocabulary::properties(Kind::Block, "clamping");
+    let known = vocabulary::properties(TopicKind::Block, "clamping");
     let mut p = Properties::new("the clamping".to_owned(), word.span, block, &known, &mut cx.scope, cx.sink);
     let below = match p.has("below") {
         true => p.number("below", Dimension::LENGTH, Range::Within(10_000.0), "below -42 mm").map(|b| Mm(b.0))?,

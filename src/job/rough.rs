@@ -5,7 +5,7 @@ use super::model::{CutterKind, OperationKind, OperationSpec, ToolSpec};
 use super::operations::{LEAST_DEPTH, OperationReader, ROUGHS, allowances, leads};
 use super::properties::{Properties, Range, named};
 use super::quantity::Dimension;
-use super::vocabulary::{self, Kind};
+use super::vocabulary::{self, TopicKind};
 use crate::diag::{Diag, codes::job as codes};
 use crate::method::{Levels, Milling, Slots};
 use crate::syntax::ast::{Expr, Item, ItemKind, Name};
@@ -41,7 +41,7 @@ impl OperationReader<'_> {
             owner,
             head(item),
             body,
-            &vocabulary::properties(Kind::Operation, "rough"),
+            &vocabulary::properties(TopicKind::Operation, "rough"),
             &mut cx.scope,
             cx.sink,
         );

@@ -7,7 +7,7 @@ use super::model::{CutterKind, LoadLimits, OperationSpec, ToolSpec};
 use super::properties::{Properties, Range};
 use super::quantity::Dimension;
 use super::tool_file::{ToolLibrary, shape_fault};
-use super::vocabulary::{self, Kind};
+use super::vocabulary::{self, TopicKind};
 use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
 use crate::source::Span;
@@ -120,7 +120,7 @@ fn free_name(name: &str, file: &File) -> String {
 
 /// Names of the properties that tools of a kind may have.
 fn known(kind: &str) -> Vec<&'static str> {
-    let mut known = vocabulary::properties(Kind::Tool, kind);
+    let mut known = vocabulary::properties(TopicKind::Tool, kind);
     // `flute` of a lollipop has a message of its own.
     if kind == "lollipop" {
         known.push("flute");
@@ -137,7 +137,7 @@ fn shape(
     library: &ToolLibrary,
     cx: &mut Context<'_>,
 ) -> Option<ToolSpec> {
-    let kinds = vocabulary::names(Kind::Tool);
+    let kinds = vocabulary::names(TopicKind::Tool);
     if !kinds.contains(&kind.text.as_str()) {
         let diag =
             Diag::error(codes::NOT_IN_LANGUAGE, format!("tools of the kind `{}` are not in the language", kind.text));

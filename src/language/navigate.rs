@@ -1,7 +1,7 @@
 //! Places of a text that belong together: names and their definitions, items, blocks.
 
 use super::{JOB, Understood, word_round};
-use crate::job::vocabulary::{self, Kind, Topic};
+use crate::job::vocabulary::{self, Topic, TopicKind};
 use crate::source::Span;
 use crate::syntax::ast::{File, Item, ItemKind, Name, ToolSource};
 use std::ops::Range;
@@ -80,12 +80,12 @@ fn of_language(tree: &File, text: &str, at: usize) -> Option<Meaning> {
 /// The topic of an item.
 fn topic_of(item: &Item) -> Option<&'static Topic> {
     let (kind, name) = match &item.kind {
-        ItemKind::Operation { kind, .. } => (Kind::Operation, kind.text.as_str()),
-        ItemKind::Tool { source: ToolSource::Shape(kind, _), .. } => (Kind::Tool, kind.text.as_str()),
-        ItemKind::Part { .. } => (Kind::Item, "part"),
-        ItemKind::Stock { .. } => (Kind::Item, "stock"),
-        ItemKind::Tolerance(_) => (Kind::Item, "tolerance"),
-        ItemKind::Post { .. } => (Kind::Item, "post"),
+        ItemKind::Operation { kind, .. } => (TopicKind::Operation, kind.text.as_str()),
+        ItemKind::Tool { source: ToolSource::Shape(kind, _), .. } => (TopicKind::Tool, kind.text.as_str()),
+        ItemKind::Part { .. } => (TopicKind::Item, "part"),
+        ItemKind::Stock { .. } => (TopicKind::Item, "stock"),
+        ItemKind::Tolerance(_) => (TopicKind::Item, "tolerance"),
+        ItemKind::Post { .. } => (TopicKind::Item, "post"),
         _ => return None,
     };
     vocabulary::topic(kind, name)

@@ -73,7 +73,7 @@ struct Repair {
 
 /// A piece of a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Token<'a> {
+enum LinePiece<'a> {
     Word(&'a str),
     Number(&'a str),
     Text(&'a str),
@@ -82,7 +82,7 @@ enum Token<'a> {
 
 /// The text as the parser reads it; the forms are reported.
 pub(super) fn repaired(text: &str, source: SourceId, sink: &mut Sink) -> Option<String> {
-    let repairs = Finder::default().find(text);
+    let repairs = FormFinder::default().find(text);
     if repairs.is_empty() {
         return None;
     }
@@ -114,7 +114,7 @@ pub(super) fn repaired(text: &str, source: SourceId, sink: &mut Sink) -> Option<
 
 /// What is left open at the end of a line.
 #[derive(Default)]
-struct Finder {
+struct FormFinder {
     found: Vec<Repair>,
     /// Depth of braces and brackets.
     depth: usize,
@@ -131,7 +131,7 @@ fn padded(text: &str, range: &Range<usize>) -> Option<String> {
     (text.len() <= range.len()).then(|| format!("{text:<width$}", width = range.len()))
 }
 
-impl Finder {
+impl FormFinder {
     fn find(mut self, text: &str) -> Vec<Repair> {
         let mut start = 0;
         for line in text.split_inclusive('\n') {
@@ -165,10 +165,10 @@ impl Finder {
         let (tokens, foreign) = tokens(line);
         let first = tokens.first().map(|t| (t.0, t.1.start));
         // A line that begins an item ends blocks that were not closed.
-        if matches!(first, Some((Token::Word(word), 0)) if ITEMS.contains(&word)) {
+        if matches!(first, Some((LinePiece::Word(word), 0)) if ITEMS.contains(&word)) {
             self.depth = 0;
         }
-        let in_brackets = matches!(first, Some((Token::Sign('('), _))) && line.trim_end().ends_with(')');
+        let in_brackets = matches!(first, Some((LinePiece::Sign('('), _))) && line.trim_end().ends_with(')');
         if self.depth == 0 && in_brackets {
             self.push(Form::Comment, whole.clone(), blank(&whole), "write `//` before the comment", None);
             return;
@@ -187,18 +187,18 @@ impl Finder {
             self.values(line, start, &tokens[at..]);
             self.lists(line, start, &tokens[at..]);
             match tokens[at].0 {
-                Token::Sign('{' | '[') => self.depth += 1,
-                Token::Sign('}' | ']') => self.depth = self.depth.saturating_sub(1),
-                Token::Sign(_) if self.depth > 0 || at > 0 => self.between(start, &tokens, at),
+                LinePiece::Sign('{' | '[') => self.depth += 1,
+                LinePiece::Sign('}' | ']') => self.depth = self.depth.saturating_sub(1),
+                LinePiece::Sign(_) if self.depth > 0 || at > 0 => self.between(start, &tokens, at),
                 _ => {}
             }
         }
     }
 
     /// Signs that the language does not have.
-    fn signs(&mut self, line: &str, start: usize, tokens: &[(Token<'_>, Range<usize>)]) {
+    fn signs(&mut self, line: &str, start: usize, tokens: &[(LinePiece<'_>, Range<usize>)]) {
         for (token, at) in tokens {
-            let Token::Sign(sign) = *token else { continue };
+            let LinePiece::Sign(sign) = *token else { continue };
             let range = start + at.start..start + at.end;
             let rest = &line[at.end..];
             match sign {
@@ -234,22 +234,22 @@ impl Finder {
     }
 
     /// Items that are written in the manner of another language.
-    fn heads(&mut self, start: usize, tokens: &[(Token<'_>, Range<usize>)]) {
+    fn heads(&mut self, start: usize, tokens: &[(LinePiece<'_>, Range<usize>)]) {
         let at = |range: &Range<usize>| start + range.start..start + range.end;
         if self.depth > 0 {
             return;
         }
         match tokens {
-            [(Token::Word("post" | "edition"), _), (Token::Text(text), range), ..] => {
+            [(LinePiece::Word("post" | "edition"), _), (LinePiece::Text(text), range), ..] => {
                 let name = text.trim_matches('"');
                 let help = format!("write `{name}`");
                 self.push(Form::Quoted, at(range), format!(" {name} "), help, Some(name));
             }
             [
-                (Token::Word("operation"), _),
-                (Token::Word(name), from),
-                (Token::Sign('='), _),
-                (Token::Word(kind), to),
+                (LinePiece::Word("operation"), _),
+                (LinePiece::Word(name), from),
+                (LinePiece::Sign('='), _),
+                (LinePiece::Word(kind), to),
                 ..,
             ] => {
                 let range = start + from.start..start + to.end;
@@ -258,9 +258,9 @@ impl Finder {
                     self.push(Form::NamedOperation, range, read, format!("write `operation {due}`"), Some(&due));
                 }
             }
-            [(Token::Word("require"), _), rest @ ..] => {
-                let Some(comma) = rest.iter().position(|t| t.0 == Token::Sign(',')) else { return };
-                let relation = |t: &(Token<'_>, Range<usize>)| matches!(t.0, Token::Sign('<' | '>'));
+            [(LinePiece::Word("require"), _), rest @ ..] => {
+                let Some(comma) = rest.iter().position(|t| t.0 == LinePiece::Sign(',')) else { return };
+                let relation = |t: &(LinePiece<'_>, Range<usize>)| matches!(t.0, LinePiece::Sign('<' | '>'));
                 if rest[comma..].iter().any(relation) {
                     let end = rest.last().map_or(0, |t| t.1.end);
                     let range = start + rest[comma].1.start..start + end;
@@ -273,15 +273,15 @@ impl Finder {
     }
 
     /// Numbers and units that are written in the manner of another language; `tokens` begins at the place.
-    fn values(&mut self, line: &str, start: usize, tokens: &[(Token<'_>, Range<usize>)]) {
+    fn values(&mut self, line: &str, start: usize, tokens: &[(LinePiece<'_>, Range<usize>)]) {
         let adjacent = |a: &Range<usize>, b: &Range<usize>| a.end == b.start;
         let at = |from: &Range<usize>, to: &Range<usize>| start + from.start..start + to.end;
         match tokens {
             [
-                (Token::Number(whole), a),
-                (Token::Sign(','), comma),
-                (Token::Number(part), b),
-                (Token::Word(unit), _),
+                (LinePiece::Number(whole), a),
+                (LinePiece::Sign(','), comma),
+                (LinePiece::Number(part), b),
+                (LinePiece::Word(unit), _),
                 ..,
             ] if adjacent(a, comma) && adjacent(comma, b) && is_unit(unit) => {
                 let (range, fast) = (at(a, b), matches!(*unit, "rpm" | "mm" | "m") && part.len() == 3);
@@ -294,7 +294,7 @@ impl Finder {
                     self.push(Form::DecimalComma, range, due.clone(), format!("write `{due} {unit}`"), Some(&due));
                 }
             }
-            [(Token::Number(thousands), a), (Token::Number(rest), b), (Token::Word(unit), _), ..]
+            [(LinePiece::Number(thousands), a), (LinePiece::Number(rest), b), (LinePiece::Word(unit), _), ..]
                 if rest.len() == 3 && !rest.contains('.') && is_unit(unit) =>
             {
                 let due = format!("{thousands}{rest}");
@@ -302,7 +302,7 @@ impl Finder {
                 let read = padded(&due, &range).unwrap_or_else(|| blank(&range));
                 self.push(Form::DigitGroups, range, read, format!("write `{due} {unit}`"), Some(&due));
             }
-            [(Token::Number(_), a), (Token::Text(_) | Token::Sign('"'), b), ..] if adjacent(a, b) => {
+            [(LinePiece::Number(_), a), (LinePiece::Text(_) | LinePiece::Sign('"'), b), ..] if adjacent(a, b) => {
                 let room = |length| start + b.start..start + b.start + length;
                 if line[b.start + 1..].starts_with(' ') {
                     self.push(Form::Inch, room(2), "in".to_owned(), "write `in`", Some("in "));
@@ -311,17 +311,23 @@ impl Finder {
                 }
             }
             [
-                (Token::Number(_), before),
-                (Token::Number("1"), a),
-                (Token::Sign('/'), _),
-                (Token::Word("min"), b),
+                (LinePiece::Number(_), before),
+                (LinePiece::Number("1"), a),
+                (LinePiece::Sign('/'), _),
+                (LinePiece::Word("min"), b),
                 ..,
             ] if !adjacent(before, a) => {
                 let range = at(a, b);
                 let read = padded("rpm", &range).unwrap_or_else(|| blank(&range));
                 self.push(Form::Turns, range, read, "write `rpm`", Some("rpm"));
             }
-            [(Token::Number(_), _), (Token::Word("mm"), a), (Token::Sign('/'), _), (Token::Word("rev"), b), ..] => {
+            [
+                (LinePiece::Number(_), _),
+                (LinePiece::Word("mm"), a),
+                (LinePiece::Sign('/'), _),
+                (LinePiece::Word("rev"), b),
+                ..,
+            ] => {
                 let blanks = line[b.end..].len() - line[b.end..].trim_start_matches(' ').len();
                 let room = start + a.start..start + b.end + blanks;
                 // One blank must stay before the next word.
@@ -337,30 +343,30 @@ impl Finder {
     }
 
     /// Lists that are written in the manner of another language; `tokens` begins at the place.
-    fn lists(&mut self, line: &str, start: usize, tokens: &[(Token<'_>, Range<usize>)]) {
+    fn lists(&mut self, line: &str, start: usize, tokens: &[(LinePiece<'_>, Range<usize>)]) {
         let at = |from: &Range<usize>, to: &Range<usize>| start + from.start..start + to.end;
         match tokens {
             [
-                (Token::Word("sectors"), a),
-                (Token::Number(from), b),
-                (Token::Sign('-'), _),
-                (Token::Number(to), c),
+                (LinePiece::Word("sectors"), a),
+                (LinePiece::Number(from), b),
+                (LinePiece::Sign('-'), _),
+                (LinePiece::Number(to), c),
                 ..,
             ] => {
                 self.sectors(at(a, c), at(b, c), (from, to));
             }
-            [(Token::Word("sectors"), a), (Token::Word("all"), c), ..] => {
+            [(LinePiece::Word("sectors"), a), (LinePiece::Word("all"), c), ..] => {
                 let range = at(a, c);
                 self.push(Form::Sectors, range.clone(), blank(&range), "leave `sectors` out for all sectors", Some(""));
             }
-            [(Token::Word("sectors"), a), (Token::Number(both), c), ..] if both.contains("..") => {
+            [(LinePiece::Word("sectors"), a), (LinePiece::Number(both), c), ..] if both.contains("..") => {
                 let ends = both.split_once("..").unwrap_or_default();
                 self.sectors(at(a, c), at(c, c), ends);
             }
-            [(Token::Word("pressure"), a), (Token::Word("suction"), b), ..]
-            | [(Token::Word("suction"), a), (Token::Word("pressure"), b), ..]
-            | [(Token::Word("inlet"), a), (Token::Word("outlet"), b), ..]
-            | [(Token::Word("outlet"), a), (Token::Word("inlet"), b), ..]
+            [(LinePiece::Word("pressure"), a), (LinePiece::Word("suction"), b), ..]
+            | [(LinePiece::Word("suction"), a), (LinePiece::Word("pressure"), b), ..]
+            | [(LinePiece::Word("inlet"), a), (LinePiece::Word("outlet"), b), ..]
+            | [(LinePiece::Word("outlet"), a), (LinePiece::Word("inlet"), b), ..]
                 if !line.trim_start().starts_with("vane") =>
             {
                 let range = start + a.end..start + b.start;
@@ -391,25 +397,25 @@ impl Finder {
     }
 
     /// Signs between a name and its value, and between entries.
-    fn between(&mut self, start: usize, tokens: &[(Token<'_>, Range<usize>)], at: usize) {
+    fn between(&mut self, start: usize, tokens: &[(LinePiece<'_>, Range<usize>)], at: usize) {
         let (sign, range) = (tokens[at].0, start + tokens[at].1.start..start + tokens[at].1.end);
         let before = at.checked_sub(1).map(|k| tokens[k].0);
         let after = tokens.get(at + 1).map(|t| (t.0, start + t.1.start));
-        let word_before = matches!(before, Some(Token::Word(_)));
+        let word_before = matches!(before, Some(LinePiece::Word(_)));
         match (sign, after) {
-            (Token::Sign(':'), Some(_)) if word_before => {
+            (LinePiece::Sign(':'), Some(_)) if word_before => {
                 self.push(Form::Colon, range.clone(), blank(&range), "remove `:`", Some(""));
             }
-            (Token::Sign('='), Some((Token::Sign('<' | '>'), next))) if next == range.end => {
-                let due = if matches!(after, Some((Token::Sign('<'), _))) { "<=" } else { ">=" };
+            (LinePiece::Sign('='), Some((LinePiece::Sign('<' | '>'), next))) if next == range.end => {
+                let due = if matches!(after, Some((LinePiece::Sign('<'), _))) { "<=" } else { ">=" };
                 let range = range.start..next + 1;
                 self.push(Form::Relation, range, due.to_owned(), format!("write `{due}`"), Some(due));
             }
-            (Token::Sign('='), Some(_)) if word_before && self.depth > 0 => {
+            (LinePiece::Sign('='), Some(_)) if word_before && self.depth > 0 => {
                 self.push(Form::Equals, range.clone(), blank(&range), "remove `=`", Some(""));
             }
-            (Token::Sign(','), Some((Token::Word(word), _))) if self.depth > 0 && !LABELS.contains(&word) => {
-                if matches!(tokens.get(at + 2), Some((Token::Number(_), _))) {
+            (LinePiece::Sign(','), Some((LinePiece::Word(word), _))) if self.depth > 0 && !LABELS.contains(&word) => {
+                if matches!(tokens.get(at + 2), Some((LinePiece::Number(_), _))) {
                     self.push(Form::Comma, range.clone(), blank(&range), "remove the comma", Some(" "));
                 }
             }
@@ -427,7 +433,7 @@ fn is_unit(word: &str) -> bool {
 }
 
 /// The pieces of a line before its comment, and the place of a comment in the manner of another language.
-fn tokens(line: &str) -> (Vec<(Token<'_>, Range<usize>)>, Option<usize>) {
+fn tokens(line: &str) -> (Vec<(LinePiece<'_>, Range<usize>)>, Option<usize>) {
     let mut found = Vec::new();
     let mut at = 0;
     while let Some(c) = line[at..].chars().next() {
@@ -445,18 +451,18 @@ fn tokens(line: &str) -> (Vec<(Token<'_>, Range<usize>)>, Option<usize>) {
                 continue;
             }
             '"' => match rest[1..].find('"') {
-                Some(close) => (Token::Text(&rest[..close + 2]), close + 2),
-                None => (Token::Sign('"'), 1),
+                Some(close) => (LinePiece::Text(&rest[..close + 2]), close + 2),
+                None => (LinePiece::Sign('"'), 1),
             },
             c if c.is_ascii_alphabetic() || c == '_' => {
                 let end = length(&|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.'));
-                (Token::Word(&rest[..end]), end)
+                (LinePiece::Word(&rest[..end]), end)
             }
             c if c.is_ascii_digit() => {
                 let end = length(&|c| c.is_ascii_digit() || c == '.');
-                (Token::Number(&rest[..end]), end)
+                (LinePiece::Number(&rest[..end]), end)
             }
-            c => (Token::Sign(c), c.len_utf8()),
+            c => (LinePiece::Sign(c), c.len_utf8()),
         };
         found.push((token, at..at + end));
         at += end;

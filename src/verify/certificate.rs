@@ -176,6 +176,11 @@ pub(super) fn um(mm: f64) -> String {
     if mm >= super::surface::FAR { NOT_REACHED.to_owned() } else { format!("{:.2}", mm * 1e3) }
 }
 
+/// A distance in the columns, mm.
+pub(super) fn gap(c: &Option<Clearance>) -> String {
+    c.as_ref().map_or("far".to_owned(), |c| format!("{:.3}", c.distance))
+}
+
 /// Figures of a surface as in its line: area, gouge and its bound, excess and its bound, percentiles.
 fn figures(s: &SurfaceReport) -> [String; 8] {
     let [p5, p50, p95] = s.percentiles.map(um);
@@ -187,9 +192,7 @@ fn figures(s: &SurfaceReport) -> [String; 8] {
 impl Certificate {
     /// The lines on the proof at the head of the NC text: whether everything was verified, and what was verified.
     pub fn head(&self) -> Vec<String> {
-        let waived = self.allowed.iter().filter(|a| a.waives);
-        let mut lines: Vec<String> =
-            waived.map(|a| format!("NOT VERIFIED: {}, which the job allows: {}", a.kind, a.reason)).collect();
+        let mut lines: Vec<String> = self.not_verified().collect();
         if lines.is_empty() {
             lines.push("verified from the first block to the last".to_owned());
         }
@@ -208,6 +211,24 @@ impl Certificate {
             lines.push(format!("{}: {:.2} um, {:.3} deg", o.name, run.contour.value * 1e3, run.orientation.value));
         }
         lines
+    }
+
+    /// A line for each default contract in place of which the job allows the quantity.
+    pub(super) fn not_verified(&self) -> impl Iterator<Item = String> {
+        let waived = self.allowed.iter().filter(|a| a.waives);
+        waived.map(|a| format!("NOT VERIFIED: {}, which the job allows: {}", a.kind, a.reason))
+    }
+
+    /// The most by which the control leaves the programmed motion, mm, and the operation.
+    pub(super) fn departure(&self) -> Option<(f64, &str)> {
+        let all = self.operations.iter().zip(&self.machine.runs).map(|(o, run)| (run.contour.value, o.name.as_str()));
+        all.max_by(|a, b| a.0.total_cmp(&b.0))
+    }
+
+    /// Where the tool stays at rapid.
+    pub(super) fn at_rapid(&self) -> String {
+        let distance = self.rapid.as_ref().map_or_else(|| "far".to_owned(), |c| length(c.distance));
+        format!("  at rapid the tool stays {distance} outside of the stock")
     }
 
     /// The text form. `places` names the moves.
@@ -396,10 +417,7 @@ impl Certificate {
 
     /// Clearances of the tools: to the stock at rapid and between operations, to chuck, table and fixtures.
     fn write_surroundings(&self, program: &Program, motion: &Motion, t: &mut String) -> std::fmt::Result {
-        match &self.rapid {
-            Some(c) => writeln!(t, "  at rapid the tool stays {} outside of the stock", length(c.distance))?,
-            None => writeln!(t, "  at rapid the tool stays far outside of the stock")?,
-        }
+        writeln!(t, "{}", self.at_rapid())?;
         let p = &self.perimeter;
         let [.., first, second] = program.machine.names();
         writeln!(
@@ -445,9 +463,8 @@ impl Certificate {
             let default = if c.default { "; the default, as the job says nothing of it" } else { "" };
             writeln!(t, "  {:<9} {} {bound}: {found}, {verdict}{default}", c.name(), c.relation)?;
         }
-        let departures =
-            self.operations.iter().zip(&self.machine.runs).map(|(o, run)| (run.contour.value * 1e3, &o.name));
-        if let Some((most, name)) = departures.max_by(|a, b| a.0.total_cmp(&b.0)) {
+        if let Some((most, name)) = self.departure() {
+            let most = most * 1e3;
             writeln!(t, "  of the programmed motion; the control departs from it by at most {most:.2} um, in {name}")?;
         }
         Ok(())
@@ -544,7 +561,6 @@ impl Certificate {
         )?;
         let mut totals = (0, [0.0; 3], [0.0; 3]);
         for o in &self.operations {
-            let gap = |c: &Option<Clearance>| c.as_ref().map_or("far".to_owned(), |c| format!("{:.3}", c.distance));
             writeln!(
                 t,
                 "  {:<12} {:<8} {:>6} {:>7} {:>9.0} {:>9.0} {:>9.0} {:>8} {:>8} {:>8} {:>8} {:>8}",

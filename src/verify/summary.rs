@@ -1,8 +1,7 @@
 //! The certificate in short: verdict, contracts, operations and surfaces, in lines of at most 100 columns.
 
 use super::alike::{Alike, alike};
-use super::certificate::{Certificate, ContractReport, um};
-use super::clearance::Clearance;
+use super::certificate::{Certificate, ContractReport, gap, um};
 use super::surface::{self, FAR, SurfaceReport};
 use crate::contract::clock;
 use crate::units::length;
@@ -86,8 +85,8 @@ impl Certificate {
     /// Verdict and contracts; the contracts that fail come first.
     pub fn judgement(&self, verdict: Verdict<'_>) -> String {
         let mut t = self.verdict(verdict);
-        for a in self.allowed.iter().filter(|a| a.waives) {
-            t.push_str(&wrapped(&format!("NOT VERIFIED: {}, which the job allows: {}", a.kind, a.reason), 2));
+        for line in self.not_verified() {
+            t.push_str(&wrapped(&line, 2));
         }
         t.push('\n');
         let (holds, fails): (Vec<_>, Vec<_>) = self.contracts.iter().partition(|c| c.holds);
@@ -125,7 +124,6 @@ impl Certificate {
             "  {:<14} {:<10} {passes:>6} {moves:>7} {cutting:>10} {time:>8} {links:>8} {rapids:>8} {shank:>8} {holder:>8}",
             "operation", "tool"
         )?;
-        let gap = |c: &Option<Clearance>| c.as_ref().map_or("far".to_owned(), |c| format!("{:.3}", c.distance));
         for o in &self.operations {
             let [cut, link, rapid] = o.time.map(clock);
             writeln!(
@@ -201,10 +199,7 @@ impl Certificate {
                 length(kept.allowed)
             )?;
         }
-        match &self.rapid {
-            Some(c) => writeln!(t, "  at rapid the tool stays {} outside of the stock", length(c.distance))?,
-            None => writeln!(t, "  at rapid the tool stays far outside of the stock")?,
-        }
+        writeln!(t, "{}", self.at_rapid())?;
         if let Some(stock) = &self.stock {
             let collisions = stock.collisions().count();
             let hits = if collisions == 0 { "no collision".to_owned() } else { format!("{collisions} collisions") };
@@ -214,8 +209,7 @@ impl Certificate {
                 stock.air_share() * 100.0
             )?;
         }
-        let departures = self.operations.iter().zip(&self.machine.runs).map(|(o, run)| (run.contour.value, &o.name));
-        if let Some((most, name)) = departures.max_by(|a, b| a.0.total_cmp(&b.0)) {
+        if let Some((most, name)) = self.departure() {
             writeln!(
                 t,
                 "  figures are those of the programmed motion; the control departs from it by <= {}, in {name}",

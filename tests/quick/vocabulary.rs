@@ -1,7 +1,7 @@
 //! The tables of the words of the language against the front end that uses them, and the page that is made from them.
 
 use impellerc::diag::{Severity, Sink};
-use impellerc::job::vocabulary::{self, Kind, Topic, Without};
+use impellerc::job::vocabulary::{self, Topic, TopicKind, Without};
 use impellerc::job::{self, InMemory, print};
 use impellerc::language::understand;
 use impellerc::source::SourceMap;
@@ -19,8 +19,12 @@ fn with_example(topic: &Topic, example: &str) -> String {
     let operation = "operation channel { tool t2  speed 8000 rpm  feed 250 mm/min  scallop 50 um }\n";
     let rest = rest.split_once("tolerance").unwrap().1.replace("require rest      <= 1 mm\n", "");
     match (topic.kind, topic.name) {
-        (Kind::Operation, _) | (Kind::Item, "operation") => format!("{before}{plunger}{example}\ntolerance{rest}"),
-        (Kind::Tool, _) | (Kind::Item, "tool" | "let") => format!("{before}{example}\n{operation}tolerance{rest}"),
+        (TopicKind::Operation, _) | (TopicKind::Item, "operation") => {
+            format!("{before}{plunger}{example}\ntolerance{rest}")
+        }
+        (TopicKind::Tool, _) | (TopicKind::Item, "tool" | "let") => {
+            format!("{before}{example}\n{operation}tolerance{rest}")
+        }
         (_, name) => {
             // The items of the job that the example replaces are single lines.
             let job = format!(
@@ -35,7 +39,7 @@ fn with_example(topic: &Topic, example: &str) -> String {
 
 /// Topics whose example is a whole text; the others have a form with `...`.
 fn whole() -> impl Iterator<Item = &'static Topic> {
-    vocabulary::topics().filter(|t| t.kind != Kind::Block && !t.example.contains("..."))
+    vocabulary::topics().filter(|t| t.kind != TopicKind::Block && !t.example.contains("..."))
 }
 
 fn errors(text: &str) -> Vec<String> {
@@ -84,7 +88,7 @@ fn marked(text: &str) -> BTreeSet<String> {
 #[test]
 fn values_are_those_that_the_front_end_knows() {
     let mut compared = 0;
-    for topic in whole().filter(|t| t.kind == Kind::Operation || matches!(t.name, "stock" | "post")) {
+    for topic in whole().filter(|t| t.kind == TopicKind::Operation || matches!(t.name, "stock" | "post")) {
         for property in topic.all() {
             let words = marked(property.value);
             if words.len() < 2 || matches!(property.name, "allowance" | "rest") {
@@ -107,7 +111,7 @@ fn values_are_those_that_the_front_end_knows() {
 #[test]
 fn defaults_are_those_of_the_front_end() {
     let mut compared = 0;
-    for topic in whole().filter(|t| t.kind == Kind::Operation) {
+    for topic in whole().filter(|t| t.kind == TopicKind::Operation) {
         let plain = printed(&with_example(topic, topic.example));
         for property in topic.all() {
             let Without::Is(value) = property.without else { continue };

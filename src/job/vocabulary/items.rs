@@ -1,27 +1,32 @@
 //! Items of a job.
 
 use super::Without::{Is, Means, Required};
-use super::{Kind, Property, Topic, property};
-
-const fn item(
-    name: &'static str,
-    meaning: &'static str,
-    example: &'static str,
-    properties: &'static [&'static [Property]],
-) -> Topic {
-    Topic { name, kind: Kind::Item, meaning, example, properties }
-}
+use super::{Topic, TopicKind, property, topic_of};
 
 pub(super) const TOPICS: &[Topic] = &[
-    item("edition", "States the language that the job is written in; the first item.", "edition 2026", &[]),
-    item(
+    topic_of(
+        TopicKind::Item,
+        "edition",
+        "States the language that the job is written in; the first item.",
+        "edition 2026",
+        &[],
+    ),
+    topic_of(
+        TopicKind::Item,
         "use",
         "Takes a machine or a library of tools and holders. `impellerc machines` and `impellerc tools` list them.",
         "use machine \"5mc850-c\"\nuse tools \"carbide\"",
         &[],
     ),
-    item("let", "Names a value. The compiler checks the dimensions of all arithmetic.", "let ridge = 0.5 * 20 um", &[]),
-    item(
+    topic_of(
+        TopicKind::Item,
+        "let",
+        "Names a value. The compiler checks the dimensions of all arithmetic.",
+        "let ridge = 0.5 * 20 um",
+        &[],
+    ),
+    topic_of(
+        TopicKind::Item,
         "part",
         "The impeller: a blade that is repeated about Z, splitters, hub and shroud.",
         "part blade { vanes 8  vane main { ... }  hub revolve main.pressure.root  shroud revolve main.pressure.tip }",
@@ -44,7 +49,8 @@ pub(super) const TOPICS: &[Topic] = &[
             ),
         ]],
     ),
-    item(
+    topic_of(
+        TopicKind::Item,
         "stock",
         "What the lathe leaves; `turned` is the only kind.",
         "stock turned { over shroud 0 mm  bore 10 mm  back -40 mm  material titanium }",
@@ -62,19 +68,22 @@ pub(super) const TOPICS: &[Topic] = &[
             ),
         ]],
     ),
-    item(
+    topic_of(
+        TopicKind::Item,
         "tool",
         "A tool: of the library, or by its kind and sizes. Kinds are flat, ball, bull, tapered-ball, barrel and lollipop.",
         "tool t9 = ball { diameter 6 mm  flutes 4  flute 20 mm  reach 40 mm  holder \"er16-mini\" }",
         &[],
     ),
-    item(
+    topic_of(
+        TopicKind::Item,
         "operation",
         "One kind of milling with its tool. Operations run in the order of the job; kinds are rough, plunge, groove, expand, flank, point, fillet, edge, tip and channel.",
         "operation flank finish { tool t1  speed 8000 rpm  feed 250 mm/min }",
         &[],
     ),
-    item(
+    topic_of(
+        TopicKind::Item,
         "tolerance",
         "How far the control may leave the path when it smooths: in finishing and in roughing.",
         "tolerance chord 1 um, rough 10 um",
@@ -88,19 +97,22 @@ pub(super) const TOPICS: &[Topic] = &[
             property("rough", "length from 10 nm to 1 mm", Is("10 um"), "Tolerance of roughing."),
         ]],
     ),
-    item(
+    topic_of(
+        TopicKind::Item,
         "require",
         "A contract: the program is written only if it holds. It may name surfaces (`on hub, fillet`) and operations (`on operation flank`).",
         "require gouge <= 5 um on hub, fillet",
         &[],
     ),
-    item(
+    topic_of(
+        TopicKind::Item,
         "allow",
         "Permits a deviation at a named place, with the reason.",
         "allow excess on fillet \"blended by hand\"",
         &[],
     ),
-    item(
+    topic_of(
+        TopicKind::Item,
         "post",
         "The control; `impellerc posts` lists them.",
         "post siemens-840d { block-numbers 10 }",

@@ -40,7 +40,7 @@ const fn property(name: &'static str, value: &'static str, without: Without, mea
 
 /// What a topic is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Kind {
+pub enum TopicKind {
     /// An item of a job.
     Item,
     /// A block of the part or of the stock.
@@ -51,7 +51,7 @@ pub enum Kind {
     Operation,
 }
 
-impl Kind {
+impl TopicKind {
     /// All kinds with their titles, in the order of the reference.
     pub const ALL: [(Self, &'static str); 4] = [
         (Self::Item, "Items"),
@@ -67,7 +67,7 @@ pub struct Topic {
     /// Its word.
     pub name: &'static str,
     /// What it is.
-    pub kind: Kind,
+    pub kind: TopicKind,
     /// Meaning.
     pub meaning: &'static str,
     /// A text that compiles in its place.
@@ -76,13 +76,23 @@ pub struct Topic {
     pub properties: &'static [&'static [Property]],
 }
 
+const fn topic_of(
+    kind: TopicKind,
+    name: &'static str,
+    meaning: &'static str,
+    example: &'static str,
+    properties: &'static [&'static [Property]],
+) -> Topic {
+    Topic { name, kind, meaning, example, properties }
+}
+
 /// All topics.
 pub fn topics() -> impl Iterator<Item = &'static Topic> {
     [items::TOPICS, part::TOPICS, tools::TOPICS, operations::TOPICS].into_iter().flatten()
 }
 
 /// The topic of a kind with this name.
-pub fn topic(kind: Kind, name: &str) -> Option<&'static Topic> {
+pub fn topic(kind: TopicKind, name: &str) -> Option<&'static Topic> {
     topics().find(|t| t.kind == kind && t.name == name)
 }
 
@@ -99,12 +109,12 @@ impl Topic {
 }
 
 /// Names of the topics of a kind.
-pub(super) fn names(kind: Kind) -> Vec<&'static str> {
+pub(super) fn names(kind: TopicKind) -> Vec<&'static str> {
     topics().filter(|t| t.kind == kind).map(|t| t.name).collect()
 }
 
 /// Names of the properties of a topic; none where there is no such topic.
-pub(super) fn properties(kind: Kind, name: &str) -> Vec<&'static str> {
+pub(super) fn properties(kind: TopicKind, name: &str) -> Vec<&'static str> {
     topic(kind, name).into_iter().flat_map(Topic::all).map(|p| p.name).collect()
 }
 
@@ -174,12 +184,12 @@ fn page(topic: &Topic) -> String {
     text
 }
 
-fn article(kind: Kind) -> &'static str {
+fn article(kind: TopicKind) -> &'static str {
     match kind {
-        Kind::Item => ", an item of a job",
-        Kind::Block => ", a block",
-        Kind::Tool => ", a kind of tool",
-        Kind::Operation => ", an operation",
+        TopicKind::Item => ", an item of a job",
+        TopicKind::Block => ", a block",
+        TopicKind::Tool => ", a kind of tool",
+        TopicKind::Operation => ", an operation",
     }
 }
 
@@ -208,11 +218,11 @@ pub fn reference() -> String {
         "# Reference of the language\n\n`impellerc explain --reference` writes this page from the tables of the compiler. \
          [language.md](language.md) introduces the language.\n",
     );
-    for (kind, title) in Kind::ALL {
+    for (kind, title) in TopicKind::ALL {
         let _ = write!(text, "\n## {title}\n");
         for topic in topics().filter(|t| t.kind == kind) {
             // A block, and a form with `...`, is no job.
-            let form = kind == Kind::Block || topic.example.contains("...");
+            let form = kind == TopicKind::Block || topic.example.contains("...");
             let [open, close] = if form { ["`", "`"] } else { ["```\n", "\n```"] };
             let _ = write!(text, "\n### `{}`\n\n{}\n\n{open}{}{close}\n", topic.name, topic.meaning, topic.example);
             if topic.all().next().is_some() {

@@ -1,7 +1,7 @@
 //! Operations and their properties.
 
 use super::Without::{Is, Means, Required};
-use super::{Kind, Property, Topic, property};
+use super::{Property, Topic, TopicKind, property, topic_of};
 
 const TOOL: &[Property] = &[property("tool", "name of a tool", Required, "The tool of the operation.")];
 
@@ -102,12 +102,12 @@ const DEPTH: &[Property] =
     &[property("depth", "length from 0.01 mm to the flutes", Required, "Largest step down from layer to layer.")];
 
 pub(super) const TOPICS: &[Topic] = &[
-    Topic {
-        name: "rough",
-        kind: Kind::Operation,
-        meaning: "Clears the channels level by level, by lines from the middle out to both walls.",
-        example: "operation rough {\n  tools t1  speed 8000 rpm  feed 1000 mm/min  depth 2 mm  stepover 2 mm  allowance vane 0.3 mm, hub 0.3 mm\n}",
-        properties: &[
+    topic_of(
+        TopicKind::Operation,
+        "rough",
+        "Clears the channels level by level, by lines from the middle out to both walls.",
+        "operation rough {\n  tools t1  speed 8000 rpm  feed 1000 mm/min  depth 2 mm  stepover 2 mm  allowance vane 0.3 mm, hub 0.3 mm\n}",
+        &[
             TOOLS,
             COMMON,
             &[
@@ -147,13 +147,13 @@ pub(super) const TOPICS: &[Topic] = &[
                 ),
             ],
         ],
-    },
-    Topic {
-        name: "plunge",
-        kind: Kind::Operation,
-        meaning: "Clears the channels by strokes along the tool axis down to the floor, row by row; for deep and narrow channels.",
-        example: "operation plunge { tool t4  speed 8000 rpm  feed 150 mm/min  allowance vane 0.3 mm, hub 0.3 mm }",
-        properties: &[
+    ),
+    topic_of(
+        TopicKind::Operation,
+        "plunge",
+        "Clears the channels by strokes along the tool axis down to the floor, row by row; for deep and narrow channels.",
+        "operation plunge { tool t4  speed 8000 rpm  feed 150 mm/min  allowance vane 0.3 mm, hub 0.3 mm }",
+        &[
             TOOL,
             COMMON,
             &[property(
@@ -164,20 +164,20 @@ pub(super) const TOPICS: &[Topic] = &[
             )],
             ALLOWANCE,
         ],
-    },
-    Topic {
-        name: "groove",
-        kind: Kind::Operation,
-        meaning: "Cuts a slot in the middle of each channel, layer by layer (Wei 2021, section 3.1).",
-        example: "operation groove { tool t1  speed 8000 rpm  feed 300 mm/min  depth 2 mm  allowance vane 0.3 mm, hub 0.3 mm }",
-        properties: &[TOOL, COMMON, DEPTH, ALLOWANCE],
-    },
-    Topic {
-        name: "expand",
-        kind: Kind::Operation,
-        meaning: "Opens the slot of `groove` to both walls, along V-shaped lines (Wei 2021, section 3.2). `depth` and `allowance` are by default those of the groove before it.",
-        example: "operation groove { tool t1  speed 8000 rpm  feed 300 mm/min  depth 2 mm  allowance vane 0.3 mm, hub 0.3 mm }\noperation expand { tool t1  speed 8000 rpm  feed 300 mm/min  residual 0.5 mm }",
-        properties: &[
+    ),
+    topic_of(
+        TopicKind::Operation,
+        "groove",
+        "Cuts a slot in the middle of each channel, layer by layer (Wei 2021, section 3.1).",
+        "operation groove { tool t1  speed 8000 rpm  feed 300 mm/min  depth 2 mm  allowance vane 0.3 mm, hub 0.3 mm }",
+        &[TOOL, COMMON, DEPTH, ALLOWANCE],
+    ),
+    topic_of(
+        TopicKind::Operation,
+        "expand",
+        "Opens the slot of `groove` to both walls, along V-shaped lines (Wei 2021, section 3.2). `depth` and `allowance` are by default those of the groove before it.",
+        "operation groove { tool t1  speed 8000 rpm  feed 300 mm/min  depth 2 mm  allowance vane 0.3 mm, hub 0.3 mm }\noperation expand { tool t1  speed 8000 rpm  feed 300 mm/min  residual 0.5 mm }",
+        &[
             TOOL,
             COMMON,
             &[property(
@@ -199,13 +199,13 @@ pub(super) const TOPICS: &[Topic] = &[
                 "Height of the ridges between two lines of roughing.",
             )],
         ],
-    },
-    Topic {
-        name: "flank",
-        kind: Kind::Operation,
-        meaning: "Finishes the faces of the vanes with the side of the cutter.",
-        example: "operation flank { tool t1  speed 8000 rpm  feed 250 mm/min  faces pressure, suction }",
-        properties: &[
+    ),
+    topic_of(
+        TopicKind::Operation,
+        "flank",
+        "Finishes the faces of the vanes with the side of the cutter.",
+        "operation flank { tool t1  speed 8000 rpm  feed 250 mm/min  faces pressure, suction }",
+        &[
             TOOL,
             COMMON,
             FACES,
@@ -239,13 +239,13 @@ pub(super) const TOPICS: &[Topic] = &[
             MILLING,
             ORDER,
         ],
-    },
-    Topic {
-        name: "point",
-        kind: Kind::Operation,
-        meaning: "Finishes the faces of the vanes with the tip of the cutter, along lines of constant scallop height.",
-        example: "operation point { tool t1  speed 8000 rpm  feed 250 mm/min  scallop 20 um }",
-        properties: &[
+    ),
+    topic_of(
+        TopicKind::Operation,
+        "point",
+        "Finishes the faces of the vanes with the tip of the cutter, along lines of constant scallop height.",
+        "operation point { tool t1  speed 8000 rpm  feed 250 mm/min  scallop 20 um }",
+        &[
             TOOL,
             COMMON,
             FACES,
@@ -262,20 +262,20 @@ pub(super) const TOPICS: &[Topic] = &[
             )],
             METHOD,
         ],
-    },
-    Topic {
-        name: "fillet",
-        kind: Kind::Operation,
-        meaning: "Finishes the fillets between vanes and hub, along lines of constant scallop height. The cutter needs a ball that fits into the fillet.",
-        example: "operation fillet { tool t1  speed 8000 rpm  feed 250 mm/min  scallop 20 um }",
-        properties: &[TOOL, COMMON, FACES, BLADES, SCALLOP, LINES, MILLING, METHOD],
-    },
-    Topic {
-        name: "edge",
-        kind: Kind::Operation,
-        meaning: "Finishes leading and trailing edges of the vanes, by lines that wrap round them.",
-        example: "operation edge { tool t1  speed 8000 rpm  feed 250 mm/min  scallop 20 um }",
-        properties: &[
+    ),
+    topic_of(
+        TopicKind::Operation,
+        "fillet",
+        "Finishes the fillets between vanes and hub, along lines of constant scallop height. The cutter needs a ball that fits into the fillet.",
+        "operation fillet { tool t1  speed 8000 rpm  feed 250 mm/min  scallop 20 um }",
+        &[TOOL, COMMON, FACES, BLADES, SCALLOP, LINES, MILLING, METHOD],
+    ),
+    topic_of(
+        TopicKind::Operation,
+        "edge",
+        "Finishes leading and trailing edges of the vanes, by lines that wrap round them.",
+        "operation edge { tool t1  speed 8000 rpm  feed 250 mm/min  scallop 20 um }",
+        &[
             TOOL,
             COMMON,
             &[property("edges", "`inlet`, `outlet`", Is("inlet, outlet"), "Edges to finish.")],
@@ -284,20 +284,20 @@ pub(super) const TOPICS: &[Topic] = &[
             LINES,
             METHOD,
         ],
-    },
-    Topic {
-        name: "tip",
-        kind: Kind::Operation,
-        meaning: "Finishes the tips of the vanes, which the lathe otherwise leaves.",
-        example: "operation tip { tool t1  speed 8000 rpm  feed 250 mm/min  scallop 20 um }",
-        properties: &[TOOL, COMMON, BLADES, SCALLOP, LINES, METHOD],
-    },
-    Topic {
-        name: "channel",
-        kind: Kind::Operation,
-        meaning: "Finishes the hub between the vanes. With a list `tools` instead of `tool`, the wider tools finish the middle and the last one the rest.",
-        example: "operation channel { tool t1  speed 8000 rpm  feed 250 mm/min  scallop 20 um }",
-        properties: &[
+    ),
+    topic_of(
+        TopicKind::Operation,
+        "tip",
+        "Finishes the tips of the vanes, which the lathe otherwise leaves.",
+        "operation tip { tool t1  speed 8000 rpm  feed 250 mm/min  scallop 20 um }",
+        &[TOOL, COMMON, BLADES, SCALLOP, LINES, METHOD],
+    ),
+    topic_of(
+        TopicKind::Operation,
+        "channel",
+        "Finishes the hub between the vanes. With a list `tools` instead of `tool`, the wider tools finish the middle and the last one the rest.",
+        "operation channel { tool t1  speed 8000 rpm  feed 250 mm/min  scallop 20 um }",
+        &[
             TOOL,
             COMMON,
             SCALLOP,
@@ -310,5 +310,5 @@ pub(super) const TOPICS: &[Topic] = &[
             LINES,
             METHOD,
         ],
-    },
+    ),
 ];

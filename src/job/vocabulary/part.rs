@@ -1,7 +1,7 @@
 //! Blocks of the part and the stock.
 
 use super::Without::{Is, Means, Required};
-use super::{Kind, Property, Topic, property};
+use super::{Property, Topic, TopicKind, property, topic_of};
 
 const FILLET: &[Property] = &[property(
     "fillet",
@@ -47,17 +47,9 @@ const SPANS: &[Property] = &[
 
 const LOOKS: &str = "`clockwise` or `counter-clockwise`";
 
-const fn block(
-    name: &'static str,
-    meaning: &'static str,
-    example: &'static str,
-    properties: &'static [&'static [Property]],
-) -> Topic {
-    Topic { name, kind: Kind::Block, meaning, example, properties }
-}
-
 pub(super) const TOPICS: &[Topic] = &[
-    block(
+    topic_of(
+        TopicKind::Block,
         "vane",
         "The main blade by its two faces. `vane NAME { }` stands in the part.",
         "vane main { pressure ruled { tip spline from \"c.csv\" curve tip_pressure mm  root spline from \"c.csv\" curve root_pressure mm }  ... }",
@@ -69,13 +61,15 @@ pub(super) const TOPICS: &[Topic] = &[
             FILLET,
         ],
     ),
-    block(
+    topic_of(
+        TopicKind::Block,
         "ruled",
         "A face of straight lines between a curve at the tip and one at the root.",
         "pressure ruled { tip spline [(15, -38, 0) (5, -42, -9) (-7, -59, -24)] mm  root spline [(6, -16, -10) (-1, -26, -24) (-8, -59, -32)] mm }",
         &[CURVES],
     ),
-    block(
+    topic_of(
+        TopicKind::Block,
         "lofted",
         "A face through curves at the tip, at the root, and at sections between them.",
         "pressure lofted { tip spline ... mm  sections [0.5 spline ... mm]  root spline ... mm }",
@@ -89,7 +83,8 @@ pub(super) const TOPICS: &[Topic] = &[
             )],
         ],
     ),
-    block(
+    topic_of(
+        TopicKind::Block,
         "sections",
         "A blade by closed sections in a table. `vane NAME { sections loops from \"FILE\" mm }` stands in the part.",
         "vane main { sections loops from \"sections.csv\" mm  fillet 0.8 mm }",
@@ -129,7 +124,8 @@ pub(super) const TOPICS: &[Topic] = &[
             FILLET,
         ],
     ),
-    block(
+    topic_of(
+        TopicKind::Block,
         "angles",
         "A blade by angles of its camber lines and thicknesses at spans; `docs/blades.md` explains it. `vane NAME { span ... }` stands in the part.",
         "vane main { span 0 % { beta 30 deg  start 0 deg  thickness 2 mm }  span 100 % { beta 50 deg  start 0 deg  thickness 1 mm }  leading-edge round  trailing-edge cut-off }",
@@ -158,7 +154,8 @@ pub(super) const TOPICS: &[Topic] = &[
             FILLET,
         ],
     ),
-    block(
+    topic_of(
+        TopicKind::Block,
         "of",
         "A splitter as a part of the main blade, with its own thickness and edges. `splitter NAME { of main ... }` stands in the part.",
         "splitter half { of main  from hub 45 %, shroud 36 %  angle 46 %  span 0 % { thickness 1.6 mm }  span 100 % { thickness 1 mm }  leading-edge round  trailing-edge cut-off }",
@@ -168,7 +165,8 @@ pub(super) const TOPICS: &[Topic] = &[
             FILLET,
         ],
     ),
-    block(
+    topic_of(
+        TopicKind::Block,
         "span",
         "Angles and thickness of a blade at a share of the way from hub to shroud.",
         "span 0 % { beta [(0 %, 50 deg) (100 %, 35 deg)]  start 0 deg  thickness 2 mm }",
@@ -205,7 +203,8 @@ pub(super) const TOPICS: &[Topic] = &[
             ),
         ]],
     ),
-    block(
+    topic_of(
+        TopicKind::Block,
         "clamping",
         "The space of chuck and table, in the stock.",
         "clamping { below -42 mm  diameter 60 mm }",

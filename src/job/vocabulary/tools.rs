@@ -1,7 +1,7 @@
 //! Kinds of tools and their properties.
 
 use super::Without::{Means, Required};
-use super::{Kind, Property, Topic, property};
+use super::{Property, Topic, TopicKind, property, topic_of};
 
 const COMMON: &[Property] = &[
     property(
@@ -56,29 +56,23 @@ const PLUNGE: &[Property] = &[property(
     "How wide, from the rim, the teeth of the end cut; half of the diameter is a tool that cuts at its centre.",
 )];
 
-const fn tool(
-    name: &'static str,
-    meaning: &'static str,
-    example: &'static str,
-    properties: &'static [&'static [Property]],
-) -> Topic {
-    Topic { name, kind: Kind::Tool, meaning, example, properties }
-}
-
 pub(super) const TOPICS: &[Topic] = &[
-    tool(
+    topic_of(
+        TopicKind::Tool,
         "flat",
         "A cylinder with a flat end.",
         "tool t9 = flat { diameter 6 mm  flutes 4  flute 20 mm  reach 40 mm  holder \"er16-mini\" }",
         &[COMMON, FLUTE, PLUNGE],
     ),
-    tool(
+    topic_of(
+        TopicKind::Tool,
         "ball",
         "A cylinder that ends in a half ball.",
         "tool t9 = ball { diameter 6 mm  flutes 4  flute 20 mm  reach 40 mm  holder \"er16-mini\" }",
         &[COMMON, FLUTE, PLUNGE],
     ),
-    tool(
+    topic_of(
+        TopicKind::Tool,
         "bull",
         "A cylinder with a rounded corner, a bull nose.",
         "tool t9 = bull { diameter 6 mm  corner 1 mm  flutes 4  flute 20 mm  reach 40 mm  holder \"er16-mini\" }",
@@ -89,7 +83,8 @@ pub(super) const TOPICS: &[Topic] = &[
             PLUNGE,
         ],
     ),
-    tool(
+    topic_of(
+        TopicKind::Tool,
         "tapered-ball",
         "A cone that ends in a ball.",
         "tool t9 = tapered-ball { diameter 4 mm  angle 3 deg  flutes 4  flute 20 mm  reach 40 mm  shank 8 mm  holder \"er16-mini\" }",
@@ -99,7 +94,8 @@ pub(super) const TOPICS: &[Topic] = &[
             &[property("angle", "angle from 0.1 to 45 deg", Required, "Angle between the side and the tool axis.")],
         ],
     ),
-    tool(
+    topic_of(
+        TopicKind::Tool,
         "barrel",
         "A cutter whose side is an arc of a large radius.",
         "tool t9 = barrel { diameter 8 mm  barrel 85 mm  tip 2 mm  flutes 4  flute 22 mm  reach 40 mm  holder \"er16-mini\" }",
@@ -112,7 +108,8 @@ pub(super) const TOPICS: &[Topic] = &[
             ],
         ],
     ),
-    tool(
+    topic_of(
+        TopicKind::Tool,
         "lollipop",
         "A ball on a thinner neck. Its flutes end at the neck; it has no `flute`.",
         "tool t9 = lollipop { diameter 6 mm  neck 4 mm  flutes 4  reach 40 mm  holder \"er16-mini\" }",
