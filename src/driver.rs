@@ -37,7 +37,7 @@ use crate::source::{Origin, SourceFile, SourceMap, Span};
 use crate::syntax::ast::{File, ItemKind};
 use crate::units::trim;
 use crate::verify::Verified;
-use crate::verify::certificate::{Certificate, ContractReport};
+use crate::verify::certificate::{Certificate, ContractReport, OperationReport};
 use crate::{analysis, job, lower};
 pub use import::{Import, import};
 pub use job_check::check;
@@ -48,7 +48,7 @@ pub use library_list::{LibraryKind, list_library};
 pub use nc_check::{NcCheck, verify};
 pub use nc_diff::{NcDiff, diff};
 pub use new_job::{BEGINNINGS, Beginning, new_job};
-pub use stages::{Emit, PartForm, Stages};
+pub use stages::{Emit, PartForm, RunState, Stages};
 use std::path::{Path, PathBuf};
 
 /// Options that a compilation and a check of NC text share.
@@ -125,6 +125,10 @@ pub struct Outcome {
     pub emitted: Option<String>,
     /// Contracts that were judged, including those that failed.
     pub contracts: Vec<ContractReport>,
+    /// Operations that were judged.
+    pub operations: Vec<OperationReport>,
+    /// Name of an operation, and a decision of its planning.
+    pub notes: Vec<(String, String)>,
 }
 
 impl Outcome {
@@ -150,7 +154,7 @@ pub fn compile(options: &Options, stages: &mut Stages) -> Outcome {
 
 fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<(), Aborted> {
     let Some(program) = front(options, stages, outcome)? else { return Ok(()) };
-    let Outcome { sources, sink, emitted, contracts } = outcome;
+    let Outcome { sources, sink, emitted, contracts, operations, notes } = outcome;
     if options.emit == Some(Emit::Ir) {
         *emitted = Some(print::program(&program));
         return Ok(());
@@ -171,14 +175,16 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     let (judged, certificate) = stages.watched("verify", |progress| {
         rest_stock::examine(&options.run, &program, plan.motion, (&mut stock, &mut outputs), progress, sink)
     })?;
+    stages.go_on()?;
     contracts.clone_from(&certificate.contracts);
+    operations.clone_from(&certificate.operations);
+    *notes = report::notes(&program, &plan.cl);
     let inputs = inputs(sources);
-    let notes = report::notes(&program, &plan.cl);
     let shown = report::Shown {
         program: &program,
         motion: judged.as_ref().map_or_else(|refused| refused, Verified::get),
         certificate: &certificate,
-        notes: &notes,
+        notes,
         stock: &stock,
         nc: None,
         post: post.name(),

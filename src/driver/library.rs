@@ -139,7 +139,7 @@ pub(super) struct Listed {
 }
 
 /// First sentence of the comment that a library file begins with.
-fn about(text: &str) -> String {
+pub(super) fn about(text: &str) -> String {
     let comment =
         text.lines().map_while(|line| line.strip_prefix('#')).map(str::trim).take_while(|line| !line.is_empty());
     let words = comment.collect::<Vec<_>>().join(" ");

@@ -168,7 +168,7 @@ fn measure(
     stages: &mut Stages,
     outcome: &mut Outcome,
 ) -> Result<(), Aborted> {
-    let Outcome { sources, sink, emitted, contracts } = outcome;
+    let Outcome { sources, sink, emitted, contracts, operations, .. } = outcome;
     let mut outputs = Outputs::default();
     for (what, path) in [("certificate", &check.certificate), ("source map", &check.source_map)] {
         if let Some(path) = path {
@@ -212,6 +212,7 @@ fn measure(
     });
     let certificate = certificate?;
     contracts.clone_from(&certificate.contracts);
+    operations.clone_from(&certificate.operations);
     if let Some((path, file)) = stated {
         compare_figures(path, file, &certificate, sink);
     }

@@ -1,9 +1,11 @@
 //! The stages of a run: their times, their display on a terminal, and the values that can be printed.
 
+use crate::diag::Aborted;
 use crate::progress::{Progress, State};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -41,12 +43,58 @@ pub enum PartForm {
     Sections,
 }
 
+/// A run as other threads see it: the stage that lasts, and the request to end the run.
+#[derive(Debug, Default)]
+pub struct RunState {
+    stage: Mutex<Option<(&'static str, Arc<Progress>)>>,
+    cancelled: AtomicBool,
+}
+
+impl RunState {
+    fn stage_now(&self) -> MutexGuard<'_, Option<(&'static str, Arc<Progress>)>> {
+        self.stage.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Ends the run: it makes no value and writes no file. Work that cannot be left is done to its end first.
+    pub fn cancel(&self) {
+        // The stage is locked, so that none begins between the two.
+        let stage = self.stage_now();
+        self.cancelled.store(true, Ordering::Relaxed);
+        if let Some((_, progress)) = &*stage {
+            progress.cancel();
+        }
+    }
+
+    /// True after the run was cancelled.
+    pub fn is_cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::Relaxed)
+    }
+
+    /// The stage that lasts with its current work, and the share of this work that is done, 0 to 1.
+    pub fn stage(&self) -> Option<(String, Option<f64>)> {
+        let (name, progress) = self.stage_now().clone()?;
+        let work = progress.current();
+        let text = work.as_ref().map_or_else(|| name.to_owned(), |work| format!("{name}: {}", work.name));
+        Some((text, work.map(|work| work.share())))
+    }
+
+    /// A stage begins.
+    fn enter(&self, name: &'static str, progress: &Arc<Progress>) {
+        let mut stage = self.stage_now();
+        if self.is_cancelled() {
+            progress.cancel();
+        }
+        *stage = Some((name, Arc::clone(progress)));
+    }
+}
+
 /// Times of the stages that ran.
 #[derive(Debug, Default)]
 pub struct Stages {
     times: Vec<(&'static str, Duration)>,
     /// Show long stages on standard error. Only for a terminal: a pipe should receive no such text.
     pub progress: bool,
+    state: Arc<RunState>,
 }
 
 /// Time after which a stage is shown; shorter stages would flicker.
@@ -117,8 +165,21 @@ impl Stages {
 
     /// Runs a stage that reports its progress.
     pub fn watched<T>(&mut self, name: &'static str, work: impl FnOnce(&Progress) -> T) -> T {
-        let progress = Arc::new(Progress::default());
-        self.timed(name, Some(Arc::clone(&progress)), || work(&progress))
+        let (progress, state) = (Arc::new(Progress::default()), self.state());
+        state.enter(name, &progress);
+        let value = self.timed(name, Some(Arc::clone(&progress)), || work(&progress));
+        *state.stage_now() = None;
+        value
+    }
+
+    /// What other threads see of the run.
+    pub fn state(&self) -> Arc<RunState> {
+        Arc::clone(&self.state)
+    }
+
+    /// Ends a run that was cancelled; nothing goes to the sink.
+    pub(super) fn go_on(&self) -> Result<(), Aborted> {
+        if self.state.is_cancelled() { Err(Aborted) } else { Ok(()) }
     }
 
     fn timed<T>(&mut self, name: &'static str, progress: Option<Arc<Progress>>, work: impl FnOnce() -> T) -> T {

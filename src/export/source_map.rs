@@ -6,13 +6,14 @@
 
 use super::certificate_file::sha256;
 use crate::ir::{Motion, MoveKind, Program};
+use crate::kin::{Joints, Machine};
 use serde::{Deserialize, Serialize};
 
 /// Name of the format.
 pub const FORMAT: &str = "impellerc-source-map";
 
 /// Version of the format.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// Digits of the hash of a line.
 const DIGITS: usize = 8;
@@ -50,6 +51,8 @@ pub struct MappedBlock {
     pub line: usize,
     /// Index of the operation.
     pub operation: u32,
+    /// Index of the move in the operation.
+    pub index: u32,
     /// Index of the pass in the operation.
     pub pass: u32,
     /// `rapid`, `link` or `cut`.
@@ -58,6 +61,9 @@ pub struct MappedBlock {
     pub tip: [f64; 3],
     /// Vector from the tip to the holder, part frame.
     pub axis: [f64; 3],
+    /// Positions of the axes at the end of the block, as the machine shows them without tool centre point control, mm and
+    /// degrees.
+    pub positions: [f64; 5],
     /// Passes in which the block is executed again, turned about the axis of the part, in the order of the calls. What the
     /// other fields say is true of the first time.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -86,6 +92,8 @@ pub struct SourceMapFile {
     pub compiler: String,
     /// File name of the job.
     pub job: String,
+    /// Names of the axes, in the order of [`MappedBlock::positions`].
+    pub axes: [String; 5],
     /// Operations of the text in their order.
     pub operations: Vec<MappedOperation>,
     /// Blocks in their order.
@@ -101,6 +109,14 @@ fn rounded(value: f64, decimals: i32) -> f64 {
     let scale = 10f64.powi(decimals);
     // The sum makes a negative zero positive.
     (value * scale).round() / scale + 0.0
+}
+
+/// Positions of the axes as the machine shows them, mm and degrees.
+fn shown_positions(machine: &Machine, joints: &Joints, length: f64) -> [f64; 5] {
+    let [x, y, z, first, second] = machine.positions(joints, length);
+    let turned = |k: usize, angle: f64| rounded(machine.rotary[k].word_sign * angle.to_degrees(), 5);
+    let [x, y, z] = [x, y, z].map(|mm| rounded(mm, 5));
+    [x, y, z, turned(0, first), turned(1, second)]
 }
 
 /// Short hash of a line without its block number.
@@ -135,6 +151,7 @@ impl SourceMapFile {
             version: VERSION,
             compiler: format!("impellerc {}", env!("CARGO_PKG_VERSION")),
             job: job.to_owned(),
+            axes: program.machine.names().map(str::to_owned),
             operations: operations.collect(),
             blocks: Vec::new(),
             frames: Vec::new(),
@@ -150,8 +167,9 @@ impl SourceMapFile {
                 map.frames.push(MappedFrame { line, file: file.to_owned(), file_line });
             }
             let Some((operation, index)) = written.source else { continue };
-            let made = motion.operations.get(operation as usize).and_then(|o| o.moves.get(index as usize));
-            let Some(m) = made else { continue };
+            let made = motion.operations.get(operation as usize);
+            let Some((made, m)) = made.and_then(|o| Some((o, o.moves.get(index as usize)?))) else { continue };
+            let length = program.tools[program.operations[made.operation].tool].length();
             let pose = program.machine.forward(&m.joints);
             let kind = match m.kind {
                 MoveKind::Rapid => "rapid",
@@ -161,10 +179,12 @@ impl SourceMapFile {
             map.blocks.push(MappedBlock {
                 line,
                 operation,
+                index,
                 pass: m.pass,
                 kind: kind.to_owned(),
                 tip: pose.tip.coords.map(|x| rounded(x, 5)).into(),
                 axis: pose.axis.map(|x| rounded(x, 8)).into(),
+                positions: shown_positions(&program.machine, &m.joints, length),
                 again: written.again.iter().filter_map(|index| pass_of(operation, *index)).collect(),
             });
         }
@@ -228,6 +248,16 @@ impl LaidMap {
         let end = old.iter().rev().zip(new.iter().rev()).take(most).take_while(same).count();
         let lines = [old.len(), new.len()];
         Self { map, shared: [start, end], lines }
+    }
+
+    /// Names of the axes.
+    pub fn axes(&self) -> &[String; 5] {
+        &self.map.axes
+    }
+
+    /// File name of the job.
+    pub fn job(&self) -> &str {
+        &self.map.job
     }
 
     /// Number of lines of the text, and of those that the map knows.
@@ -301,6 +331,7 @@ mod tests {
             version: VERSION,
             compiler: String::new(),
             job: "a.imp".to_owned(),
+            axes: ["X", "Y", "Z", "A", "C"].map(str::to_owned),
             operations: Vec::new(),
             blocks: Vec::new(),
             frames: Vec::new(),

@@ -4,6 +4,8 @@ use super::model::{ContractSpec, OperationSpec, StockSpec, ToolSpec};
 use crate::contract::ContractKind;
 use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
+use crate::method::Slots;
+use crate::operation::OperationKind;
 use crate::units::{Mm, length, trim};
 
 /// Longest usual stick-out, in diameters of the cutter or of the shank, whichever is wider.
@@ -18,7 +20,10 @@ const CLOSEST: f64 = 0.02;
 /// What a job without errors states.
 pub(super) struct Stated<'a> {
     pub(super) stock: Option<&'a StockSpec>,
+    /// The tools that operations use.
     pub(super) tools: &'a [&'a ToolSpec],
+    /// All tools in their order.
+    pub(super) all_tools: &'a [Option<&'a ToolSpec>],
     pub(super) operations: &'a [OperationSpec],
     pub(super) contracts: &'a [ContractSpec],
     /// Tolerance of finishing.
@@ -35,6 +40,9 @@ pub(super) fn warn(stated: &Stated<'_>, sink: &mut Sink) {
     for tool in stated.tools {
         stick_out(tool, sink);
         without_holder(tool, sink);
+    }
+    for operation in stated.operations {
+        too_deep(operation, stated, sink);
     }
     for contract in stated.contracts.iter().filter(|c| !c.default) {
         bound(contract, stated.chord, sink);
@@ -62,6 +70,31 @@ fn before_roughing(stated: &Stated<'_>, sink: &mut Sink) {
     });
 }
 
+/// Depth of the slots of an operation that opens channels at full width.
+fn slot_depth(kind: &OperationKind) -> Option<Mm> {
+    match *kind {
+        OperationKind::Groove { depth, .. } | OperationKind::Rough { depth, slots: Slots::Full, .. } => Some(depth),
+        _ => None,
+    }
+}
+
+/// A depth of cut at full width over the limit that the job or the library states for the tool.
+fn too_deep(operation: &OperationSpec, stated: &Stated<'_>, sink: &mut Sink) {
+    let Some(depth) = slot_depth(&operation.kind) else { return };
+    let tool = stated.all_tools.get(operation.tool).copied().flatten();
+    let Some((tool, limit)) = tool.and_then(|tool| Some((tool, tool.limits.depth?))) else { return };
+    if depth.get() > limit.get() {
+        sink.push(
+            warning(format!("{} steps down by {depth}; the limit of {} is {limit}", operation.name, tool.name))
+                .label(operation.span, format!("`depth` of {depth}"))
+                .label(tool.span, "`max-depth` of this tool")
+                .help(format!(
+                    "write `depth {limit}` or less: where the cut is a slot, the job is refused after planning"
+                )),
+        );
+    }
+}
+
 fn stick_out(tool: &ToolSpec, sink: &mut Sink) {
     let wide = tool.diameter.get().max(tool.shank.get());
     let ratio = tool.reach.get() / wide;
@@ -77,7 +110,7 @@ fn stick_out(tool: &ToolSpec, sink: &mut Sink) {
 fn without_holder(tool: &ToolSpec, sink: &mut Sink) {
     if tool.holder.is_none() {
         sink.push(
-            warning(format!("{} has no holder: nothing above its reach is checked for collisions", tool.name))
+            warning(format!("{} has no holder: nothing above its reach is checked for collisions, and its length is that of no real tool", tool.name))
                 .label(tool.span, "no `holder`")
                 .help(
                     "add `holder \"er16-mini\"`, or the name of another holder; `impellerc tools carbide` shows them",

@@ -46,6 +46,11 @@ impl LetScope {
         self.names.insert(name.text.clone(), Binding { value, span: name.span, used: false });
     }
 
+    /// The values that are readable.
+    pub(super) fn values(&self) -> BTreeMap<String, Quantity> {
+        self.names.iter().filter_map(|(name, binding)| Some((name.clone(), binding.value?))).collect()
+    }
+
     /// Warns of unused names.
     pub(super) fn warn_unused(&self, sink: &mut Sink) {
         for (name, binding) in self.names.iter().filter(|(_, b)| !b.used) {

@@ -13,6 +13,7 @@ mod eval;
 pub mod files;
 mod finishing;
 mod library;
+mod library_check;
 mod limits;
 mod machine_keys;
 pub mod model;
@@ -32,6 +33,7 @@ mod tools;
 pub mod vocabulary;
 
 pub use files::{Fault, Files, InMemory, MissingFile};
+pub use library_check::{LibraryFile, read_library_file};
 pub use model::{Job, PartialJob};
 pub use post_file::shipped as shipped_post;
 pub use resolve::{resolve, understand};

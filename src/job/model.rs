@@ -3,6 +3,7 @@
 pub use super::blade_model::{
     AnglesAtSpan, AnglesSpec, CamberSpec, CurveSpec, DistributionSpec, EdgePlace, Looks, MeridianPlace, SpanSpec,
 };
+use super::quantity::Quantity;
 pub use crate::contract::ContractKind;
 use crate::contract::{Bound, Guarded, OfOperations, Region, Scope};
 use crate::material::Material;
@@ -14,6 +15,7 @@ use crate::sections::{EdgeForm, LoopEdges};
 use crate::source::Span;
 use crate::stock::Mesh;
 use crate::units::{Mm, Mm3PerMin, MmPerMin, Rad, Rpm};
+use std::collections::BTreeMap;
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 
@@ -48,6 +50,8 @@ pub struct Job {
 /// The readable content of a text, with or without faults: an editor answers from it while a job is being written.
 #[derive(Clone, Debug)]
 pub struct PartialJob {
+    /// Values of `let`, where they are readable.
+    pub values: BTreeMap<String, Quantity>,
     /// Machine, where it is readable.
     pub machine: Option<MachineSpec>,
     /// Part, where it is readable.
@@ -75,8 +79,9 @@ pub struct PartialJob {
 impl PartialJob {
     /// The job, where the text has no fault.
     pub fn job(self) -> Option<Job> {
-        let Self { machine, part, stock, tools, operations, contracts, allowed, chord, chord_rough, post, whole } =
-            self;
+        let Self {
+            machine, part, stock, tools, operations, contracts, allowed, chord, chord_rough, post, whole, ..
+        } = self;
         if !whole {
             return None;
         }

@@ -142,6 +142,20 @@ impl Quantity {
     }
 }
 
+/// The number with the unit of its dimension that messages suggest: `3.5 mm`.
+impl fmt::Display for Quantity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let unit = self.dimension.usual_unit();
+        let one = Self::new(1.0, unit).map_or(1.0, |one| one.value);
+        write!(f, "{}", trim(self.value / one, 6))?;
+        match (unit, self.dimension) {
+            ("", Dimension::NONE) => Ok(()),
+            ("", other) => write!(f, " {other}"),
+            (unit, _) => write!(f, " {unit}"),
+        }
+    }
+}
+
 /// A factor, written as a quotient where that keeps decimal values exact.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Scale {

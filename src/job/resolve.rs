@@ -58,14 +58,21 @@ pub fn understand(file: &File, files: &mut dyn Files, sources: &mut SourceMap, s
         tools::warn_unused(&tools, &operations, cx.sink);
         let used = |at: &usize| operations.iter().any(|o| o.tool == *at);
         let specs: Vec<_> = (0..tools.len()).filter(used).filter_map(|at| tools[at].spec.as_ref()).collect();
-        doubts::warn(
-            &Stated { stock: stock.as_ref(), tools: &specs, operations: &operations, contracts: &contracts, chord },
-            cx.sink,
-        );
+        let all_tools: Vec<_> = tools.iter().map(|tool| tool.spec.as_ref()).collect();
+        let stated = Stated {
+            stock: stock.as_ref(),
+            tools: &specs,
+            all_tools: &all_tools,
+            operations: &operations,
+            contracts: &contracts,
+            chord,
+        };
+        doubts::warn(&stated, cx.sink);
     }
     let whole = !cx.sink.has_errors() && !file.damaged && !file.faulty;
     let tools = tools.into_iter().map(|t| t.spec).collect();
-    PartialJob { machine, part, stock, tools, operations, contracts, allowed, chord, chord_rough, post, whole }
+    let values = cx.scope.values();
+    PartialJob { values, machine, part, stock, tools, operations, contracts, allowed, chord, chord_rough, post, whole }
 }
 
 /// The only item of a kind; reports a second one, and a missing one with an example.

@@ -4,16 +4,21 @@
 //! [`Positions`] turns them into lines and columns of an editor.
 
 mod complete;
+mod hints;
+mod names;
 mod navigate;
 mod positions;
 
 pub use complete::words_at;
-pub use navigate::{Meaning, Outlined, definition, folds, meaning, outline};
+pub use hints::{Hint, hints};
+pub use names::{definition, places, rename};
+pub use navigate::{Meaning, NamedFile, Outlined, folds, meaning, named_file, outline};
 pub use positions::{Position, Positions};
 
 use crate::diag::{Diag, Sink};
-use crate::job::{self, Files};
+use crate::job::{self, Files, PartialJob};
 use crate::source::{SourceId, SourceMap};
+use crate::syntax::KnownItems;
 use crate::syntax::ast::File;
 use std::ops::Range;
 
@@ -24,6 +29,8 @@ pub struct Understood {
     pub sources: SourceMap,
     /// Its tree.
     pub tree: File,
+    /// What of the job is readable.
+    pub job: PartialJob,
     /// What the front end says of it.
     pub diags: Vec<Diag>,
 }
@@ -42,11 +49,11 @@ fn word_round(text: &str, at: usize, of_word: impl Fn(char) -> bool) -> Range<us
     start..at + text[at..].chars().take_while(|c| of_word(*c)).count()
 }
 
-/// Reads a text with the front end, which needs some milliseconds.
-pub fn understand(name: &str, text: &str, files: &mut dyn Files) -> Understood {
+/// Reads a text with the front end, which needs some milliseconds. `known` has the items of the text before a change.
+pub fn understand(name: &str, text: &str, files: &mut dyn Files, known: &mut KnownItems) -> Understood {
     let (mut sources, mut sink) = (SourceMap::default(), Sink::default());
     let source = sources.add(name, text);
-    let tree = crate::syntax::parse(text, source, &mut sink);
-    job::understand(&tree, files, &mut sources, &mut sink);
-    Understood { sources, tree, diags: sink.diags().to_vec() }
+    let tree = crate::syntax::parse_again(text, source, known, &mut sink);
+    let job = job::understand(&tree, files, &mut sources, &mut sink);
+    Understood { sources, tree, job, diags: sink.diags().to_vec() }
 }

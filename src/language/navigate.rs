@@ -1,9 +1,10 @@
 //! Places of a text that belong together: names and their definitions, items, blocks.
 
+use super::names::{self, Named};
 use super::{JOB, Understood, word_round};
 use crate::job::vocabulary::{self, Topic, TopicKind};
 use crate::source::Span;
-use crate::syntax::ast::{File, Item, ItemKind, Name, ToolSource};
+use crate::syntax::ast::{Block, File, Item, ItemKind, Spline, SplinePoints, ToolSource, Value};
 use std::ops::Range;
 
 /// What a place means, and the bytes that it holds for.
@@ -24,30 +25,10 @@ pub struct Outlined {
     pub range: Range<usize>,
 }
 
-/// The name that an item gives to what it states.
-fn given(item: &Item) -> Option<&Name> {
-    match &item.kind {
-        ItemKind::Let { name, .. } | ItemKind::Tool { name, .. } => Some(name),
-        ItemKind::Operation { name, .. } => name.as_ref(),
-        _ => None,
-    }
-}
-
-/// The bytes of the name at a place.
-fn word(text: &str, at: usize) -> Range<usize> {
-    word_round(text, at, |c| c.is_ascii_alphanumeric() || matches!(c, '-' | '_'))
-}
-
-/// The item that gives the name at a place, and the bytes of the name in it.
-fn named<'f>(tree: &'f File, text: &str, at: usize) -> Option<(&'f Item, Range<usize>)> {
-    let word = text.get(word(text, at)).filter(|word| !word.is_empty())?;
-    let mut found = tree.items.iter().filter_map(|item| Some((item, given(item)?)));
-    found.find(|(_, name)| name.text == word).map(|(item, name)| (item, name.span.range()))
-}
-
-/// The bytes at which the name at a place is given.
-pub fn definition(understood: &Understood, text: &str, at: usize) -> Option<Range<usize>> {
-    named(&understood.tree, text, at).map(|(_, range)| range)
+/// The item that gives the name at a place.
+fn giver<'f>(understood: &'f Understood, at: usize) -> Option<&'f Item> {
+    let place = names::definition(understood, at)?;
+    understood.tree.items.iter().find(|item| item.span.range().contains(&place.start))
 }
 
 /// What stands at a place: a fault with the page of its code, or the item that gives the name.
@@ -59,9 +40,16 @@ pub fn meaning(understood: &Understood, text: &str, at: usize) -> Option<Meaning
         Some(Meaning { text, range: span.range() })
     });
     let by_name = || {
-        let (item, _) = named(&understood.tree, text, at)?;
-        let written = text.get(item.span.range())?;
-        Some(Meaning { text: format!("```impeller\n{}\n```", written.trim_end()), range: word(text, at) })
+        let mention = names::mention_at(&understood.tree, at)?;
+        let item = giver(understood, at)?;
+        // A blade is as long as the part: its name says enough.
+        let written = match mention.named {
+            Named::Blade => format!("blade `{}` of the part", mention.name.text),
+            _ => format!("```impeller\n{}\n```", text.get(item.span.range())?.trim_end()),
+        };
+        let value = understood.job.values.get(&mention.name.text).filter(|_| mention.named == Named::Value);
+        let value = value.map_or_else(String::new, |value| format!("\n\nvalue {value}"));
+        Some(Meaning { text: written + &value, range: mention.name.span.range() })
     };
     at_fault.or_else(by_name).or_else(|| of_language(&understood.tree, text, at))
 }
@@ -89,6 +77,71 @@ fn topic_of(item: &Item) -> Option<&'static Topic> {
         _ => return None,
     };
     vocabulary::topic(kind, name)
+}
+
+/// A file that the text names.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum NamedFile {
+    /// A machine.
+    Machine(String),
+    /// A library of tools.
+    Tools(String),
+    /// A post file.
+    Post(String),
+    /// A tool of the libraries.
+    Tool(String),
+    /// A holder of the libraries.
+    Holder(String),
+    /// A curve of a file beside the job.
+    Curve {
+        /// Path beside the job.
+        file: String,
+        /// Name of the curve, where the text gives one.
+        curve: Option<String>,
+    },
+}
+
+/// The file that the text names at a place, and the bytes of the name.
+pub fn named_file(tree: &File, at: usize) -> Option<(NamedFile, Range<usize>)> {
+    let item = tree.items.iter().find(|item| item.span.range().contains(&at))?;
+    let here = |span: Span| Some(span.range()).filter(|range| range.contains(&at));
+    match &item.kind {
+        ItemKind::Use { kind, what } => {
+            let name = what.text.clone();
+            let file = if kind.text == "machine" { NamedFile::Machine(name) } else { NamedFile::Tools(name) };
+            Some((file, here(what.span)?))
+        }
+        ItemKind::Post { name, .. } if here(name.span).is_some() => {
+            Some((NamedFile::Post(name.text.clone()), name.span.range()))
+        }
+        ItemKind::Tool { source: ToolSource::Library(text), .. } => {
+            Some((NamedFile::Tool(text.text.clone()), here(text.span)?))
+        }
+        ItemKind::Tool { source: ToolSource::Shape(_, body), .. }
+        | ItemKind::Part { body, .. }
+        | ItemKind::Stock { body, .. } => in_block(body, at),
+        _ => None,
+    }
+}
+
+/// The file that an entry of a block names at a place.
+fn in_block(block: &Block, at: usize) -> Option<(NamedFile, Range<usize>)> {
+    let entry = block.entries.iter().find(|entry| entry.span.range().contains(&at))?;
+    entry.values.iter().find_map(|value| match value {
+        Value::Block(_, inner) | Value::Placed(_, inner) => in_block(inner, at),
+        Value::Text(text) if entry.name.text == "holder" && text.span.range().contains(&at) => {
+            Some((NamedFile::Holder(text.text.clone()), text.span.range()))
+        }
+        Value::Spline(Spline { points: SplinePoints::File { file, curve }, .. })
+        | Value::Loop(Spline { points: SplinePoints::File { file, curve }, .. }) => {
+            let span = [file.span, curve.span].into_iter().find(|span| span.range().contains(&at))?;
+            Some((NamedFile::Curve { file: file.text.clone(), curve: Some(curve.text.clone()) }, span.range()))
+        }
+        Value::Loops { file, .. } if file.span.range().contains(&at) => {
+            Some((NamedFile::Curve { file: file.text.clone(), curve: None }, file.span.range()))
+        }
+        _ => None,
+    })
 }
 
 /// The items in the order of the text.

@@ -5,10 +5,12 @@
 
 pub mod ast;
 mod format;
+mod known;
 mod parse;
 pub mod print;
 mod repair;
 mod scan;
 
 pub use format::{Unformatted, format};
-pub use parse::parse;
+pub use known::KnownItems;
+pub use parse::{parse, parse_again};

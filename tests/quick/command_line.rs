@@ -1,7 +1,7 @@
 //! Commands as a user types them: the check of a job, and words that are nearly a command.
 
 use std::path::Path;
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 fn run(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_impellerc")).current_dir(folder).args(arguments).output().unwrap()
@@ -138,4 +138,76 @@ fn shells_and_manual_know_every_command() {
         assert!(completions.iter().all(|text| text.contains(name)), "{name}");
         assert!(name == "help" || page.contains(&format!("impellerc\\-{name}")), "{name} is not in the manual page");
     }
+}
+
+/// `report` writes the report of a job and no NC text; its file has the name of the job where none is given.
+#[test]
+fn a_report_is_written_without_nc_text() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["small.imp", "vane_curves.csv"] {
+        std::fs::copy(Path::new("jobs/small").join(name), folder.path().join(name)).unwrap();
+    }
+    let run = Command::new(env!("CARGO_BIN_EXE_impellerc"))
+        .current_dir(folder.path())
+        .args(["report", "small.imp", "--stock-cell", "0.5"])
+        .output()
+        .unwrap();
+    let said = String::from_utf8_lossy(&run.stdout);
+    assert!(said.starts_with("PASS small: ") && said.contains("wrote small.html"), "{said}");
+    let mut files: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+    files.sort();
+    assert_eq!(files, ["small.html", "small.imp", "vane_curves.csv"]);
+    let html = std::fs::read_to_string(folder.path().join("small.html")).unwrap();
+    assert!(html.starts_with("<!doctype html>") || html.starts_with("<!DOCTYPE html>"));
+}
+
+/// `--watch` runs again when the job or a curve file changes, and not when another file does.
+#[test]
+fn changes_are_watched() {
+    use std::io::{BufRead as _, BufReader};
+    let folder = tempfile::tempdir().unwrap();
+    let [job, curves] = ["small.imp", "vane_curves.csv"].map(|name| folder.path().join(name));
+    for path in [&job, &curves] {
+        std::fs::copy(Path::new("jobs/small").join(path.file_name().unwrap()), path).unwrap();
+    }
+    let mut child = Command::new(env!("CARGO_BIN_EXE_impellerc"))
+        .current_dir(folder.path())
+        .args(["check", "small.imp", "--watch"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // Lines through a thread, so that a silent program does not hang the test.
+    let (send, lines) = std::sync::mpsc::channel();
+    let err = BufReader::new(child.stderr.take().unwrap());
+    std::thread::spawn(move || err.lines().map_while(Result::ok).try_for_each(|line| send.send(line)));
+    let until_waits = || {
+        let mut seen = Vec::new();
+        loop {
+            let line = lines.recv_timeout(std::time::Duration::from_secs(60)).unwrap_or_else(|_| panic!("{seen:?}"));
+            if line.contains("waiting for a change of small.imp and one more file") {
+                return seen.join("\n");
+            }
+            seen.push(line);
+        }
+    };
+    let first = until_waits();
+    assert!(first.contains("IMP0351") && !first.contains("IMP0204"), "{first}");
+    std::fs::write(folder.path().join("other.txt"), "nothing of the run").unwrap();
+    let text = std::fs::read_to_string(&job).unwrap();
+    std::fs::write(&job, text.replacen("scallop", "scalop", 1)).unwrap();
+    let faulty = until_waits();
+    assert!(faulty.contains("scalop"), "{faulty}");
+    // Editors write another file and move it into the place of the old one.
+    let beside = folder.path().join("beside");
+    std::fs::write(&beside, &text).unwrap();
+    std::fs::rename(&beside, &job).unwrap();
+    assert!(!until_waits().contains("scalop"));
+    let points = std::fs::read_to_string(&curves).unwrap();
+    std::fs::write(&curves, points.replacen("tip_pressure", "tip_presure", 1)).unwrap();
+    assert!(until_waits().contains("vane_curves.csv"));
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let rest: Vec<String> = lines.try_iter().collect();
+    assert!(rest.is_empty(), "{rest:?}");
 }

@@ -25,17 +25,31 @@ fn links(path: &Path, text: &str) -> Vec<PathBuf> {
 
 #[test]
 fn links_lead_to_files_and_every_page_is_linked() {
-    let pages = pages();
+    let (contents, pages): (Vec<_>, Vec<_>) = pages().into_iter().partition(|(path, _)| path.ends_with("SUMMARY.md"));
+    let docs = Path::new("docs").canonicalize().unwrap();
     let mut linked: BTreeSet<PathBuf> = BTreeSet::new();
     for (path, text) in &pages {
         for target in links(path, text) {
             assert!(target.exists(), "{} links {}", path.display(), target.display());
-            linked.insert(target.canonicalize().unwrap());
+            let target = target.canonicalize().unwrap();
+            // A book has its own pages and pictures alone.
+            let of_book = path.starts_with("docs") || path.starts_with("./docs");
+            assert!(!of_book || target.starts_with(&docs), "{} leaves the book: {}", path.display(), target.display());
+            linked.insert(target);
         }
     }
+    let mut of_docs = Vec::new();
     for (path, _) in pages.iter().filter(|(path, _)| path.starts_with("docs")) {
-        assert!(linked.contains(&path.canonicalize().unwrap()), "no page links {}", path.display());
+        let path = path.canonicalize().unwrap();
+        assert!(linked.contains(&path), "no page links {}", path.display());
+        of_docs.push(path);
     }
+    // The contents of the book have each page once.
+    let [(path, text)] = &contents[..] else { panic!("the contents of the book are missing") };
+    let mut listed: Vec<PathBuf> = links(path, text).iter().map(|page| page.canonicalize().unwrap()).collect();
+    listed.sort();
+    of_docs.sort();
+    assert_eq!(listed, of_docs);
 }
 
 #[test]

@@ -131,8 +131,9 @@ of the cutter is engaged. These cases are reported: a motion down along the axis
 end, which has no teeth (`plunge-width`), a way down with material under this middle that is steeper than `ramp` \
 of the tool, a cut deeper than `max-depth` of the tool, a feed per tooth above \
 `max-chip` of the tool, a removal rate above `max-rate` of the tool, more power than the spindle of the machine has, and \
-a finishing operation that cuts a slot of full width deeper than a quarter of the diameter. All but the last are \
-errors. The last is an error if the slot is deeper than the diameter and the feed per tooth is above 3 % of it as well. \
+a finishing operation that cuts a slot of full width deeper than a quarter of the diameter. All but \
+two are errors. A way down that is steeper than the default of `ramp`, which no one stated, is a remark. The last is an error \
+only if the slot is deeper than the diameter and the feed per tooth is above 3 % of it as well. \
 Without `max-chip` and `max-depth`, the limits are shares of the diameter that fall with the stick-out, and with the \
 `material` of the stock.\n\nExample: `flank` directly after `groove`, without an \
 `expand` between them.\n\nWith cells of the stock that are coarse for the cutter (`--stock-cell`) material that is gone can \

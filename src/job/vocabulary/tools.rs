@@ -7,7 +7,7 @@ const COMMON: &[Property] = &[
     property(
         "number",
         "whole number from 1 to 9999",
-        Means("the next free number"),
+        Means("the place of the tool in the job, from 1"),
         "Number in the tool table of the control.",
     ),
     property(
@@ -21,7 +21,7 @@ const COMMON: &[Property] = &[
         "shank",
         "length from 0.1 to 500 mm",
         Means("the diameter"),
-        "Diameter of the shank, from the end of the flutes on.",
+        "Diameter of the shank: from the end of the flutes, or of the neck, to the holder.",
     ),
     property("reach", "length from 0.01 to 1000 mm", Required, "From the tip to the holder: the stick-out."),
     property(
@@ -34,10 +34,15 @@ const COMMON: &[Property] = &[
         "max-chip",
         "length from 0.01 um to 100 mm",
         Means("by diameter, stick-out and material"),
-        "Largest feed per tooth.",
+        "Largest feed per tooth. A stated one holds for each material.",
     ),
-    property("max-depth", "length from 0.01 to 1000 mm", Means("by diameter and material"), "Largest depth of a slot."),
-    property("max-rate", "mm3/min or cm3/min", Means("by diameter and material"), "Largest removal rate."),
+    property(
+        "max-depth",
+        "length from 0.01 to 1000 mm",
+        Means("by diameter, stick-out and material"),
+        "Largest depth of a slot. A stated one holds for each material.",
+    ),
+    property("max-rate", "mm3/min or cm3/min", Means("no limit"), "Largest removal rate."),
     property(
         "ramp",
         "angle from 0.1 to 90 deg",
@@ -52,7 +57,7 @@ const FLUTE: &[Property] =
 const PLUNGE: &[Property] = &[property(
     "plunge-width",
     "length",
-    Means("by the kind of cutter"),
+    Means("the corner and half of the flat part of the end"),
     "How wide, from the rim, the teeth of the end cut; half of the diameter is a tool that cuts at its centre.",
 )];
 

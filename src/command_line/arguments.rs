@@ -1,0 +1,485 @@
+//! Arguments of the command line: commands, options, their help.
+
+use super::import_arguments::ImportArguments;
+use clap::builder::PossibleValuesParser;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap_complete::Shell;
+use impellerc::driver::{BEGINNINGS, Emit, Options, PartForm, PartOptions, RunOptions};
+use impellerc::export::step::StepProtocol;
+use std::path::PathBuf;
+
+/// Exit codes, for the help.
+const EXIT_CODES: &str = "Exit codes:
+  0  no error: every contract holds; warnings and remarks do not count
+  1  a contract fails, the motion has a fault such as a collision, or the certificate belongs to another NC text
+  2  job, library, NC text, certificate or command line has a fault, or no program can be planned for the job
+  3  a file cannot be read or written
+If several apply, the largest is returned. A run writes all outputs or none. An output must not be an input of the run.";
+
+/// Values of `--emit` that are written to the file of `-o`.
+const PART_FORMS: [(&str, &str); 4] = [("emit", "step"), ("emit", "stl"), ("emit", "3mf"), ("emit", "sections")];
+
+/// Exit codes of a check, for the help.
+const CHECK_CODES: &str = "Exit codes:
+  0  no error; warnings and remarks do not count
+  1  the control cannot have this machine, or cannot do what the job asks for
+  2  job, library or command line has a fault, or the facts show that no program can be planned
+  3  a file cannot be read";
+
+/// Exit codes of an import, for the help.
+const IMPORT_CODES: &str = "Exit codes:
+  0  the blades were read; warnings do not count
+  2  a file or the command line has a fault, or leaves out what no option states
+  3  a file cannot be read or written";
+
+/// Exit codes of the commands that write jobs, for the help.
+const TEXT_CODES: &str = "Exit codes:
+  0  done
+  1  `--check`: a job is not in its usual form
+  2  a text or the command line has a fault
+  3  a file cannot be read or written";
+
+/// Exit codes of the commands that list the library, for the help.
+const LIST_CODES: &str = "Exit codes:
+  0  done
+  2  there is no such file in the library, or the command line has a fault
+  3  a file or a folder cannot be read";
+
+/// Exit codes of a comparison, for the help.
+const DIFF_CODES: &str = "Exit codes:
+  0  for the machine both texts are the same
+  1  an operation differs
+  2  job, library, NC text or command line has a fault
+  3  a file cannot be read";
+
+/// Compiles the job of an impeller into a verified five-axis NC program
+#[derive(Parser)]
+#[command(version, about, args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+#[command(after_help = EXIT_CODES)]
+pub(super) struct Arguments {
+    #[command(subcommand)]
+    pub(super) command: Option<Command>,
+
+    /// Job file
+    #[arg(required = true)]
+    pub(super) job: Option<PathBuf>,
+
+    /// Write the NC text to this file; without this option the job is planned and verified, but no NC text is written
+    #[arg(short, long, value_name = "FILE", required_if_eq_any = PART_FORMS)]
+    pub(super) output: Option<PathBuf>,
+
+    /// Write the NC text with this post file of the library instead of the post of the job, such as linuxcnc
+    #[arg(long, value_name = "NAME")]
+    pub(super) post: Option<String>,
+
+    /// Print the result of this stage, and stop after it; forms of the part are written to the file of `-o`
+    #[arg(long, value_enum, value_name = "STAGE")]
+    pub(super) emit: Option<EmitArgument>,
+
+    /// Application protocol of the STEP file
+    #[arg(long, value_enum, default_value = "ap242", value_name = "PROTOCOL")]
+    pub(super) step_protocol: ProtocolArgument,
+
+    /// Largest chord error of the triangles of STL and 3MF, from 0.1 um to 1 mm, such as 10um
+    #[arg(long, default_value = "10um", value_name = "LENGTH", value_parser = chord)]
+    pub(super) chord: f64,
+
+    /// Number of sections of each blade, from 2 to 101
+    #[arg(long, default_value = "11", value_name = "NUMBER", value_parser = sections)]
+    pub(super) sections: usize,
+
+    /// Write the certificate to this file, with the hash of the NC text
+    #[arg(long, value_name = "FILE.json")]
+    pub(super) certificate: Option<PathBuf>,
+
+    /// Write a picture of the part and the paths to this file
+    #[arg(long, value_name = "FILE.png")]
+    pub(super) picture: Option<PathBuf>,
+
+    /// Write the source map to this file: of each block the cutter location, pass, operation and line of the job
+    #[arg(long, value_name = "FILE.json")]
+    pub(super) source_map: Option<PathBuf>,
+
+    /// Write the setup sheet to this file: zero, tools, restart points, checks before the first run; HTML or Markdown
+    #[arg(long, value_name = "FILE.html")]
+    pub(super) setup_sheet: Option<PathBuf>,
+
+    /// Write a report for a browser to this file: deviations, paths, stock, plots, contracts; also if a contract fails
+    #[arg(long, value_name = "FILE.html")]
+    pub(super) report: Option<PathBuf>,
+
+    /// Compile again whenever the job or a file that it reads changes, until Ctrl+C
+    #[arg(long)]
+    pub(super) watch: bool,
+
+    #[command(flatten)]
+    pub(super) run: RunArguments,
+}
+
+impl Arguments {
+    /// The options of a compilation, in the form of the driver.
+    pub(super) fn options(self) -> Options {
+        let part = PartOptions { protocol: self.step_protocol.into(), chord: self.chord, sections: self.sections };
+        Options {
+            job: self.job.unwrap_or_default(),
+            output: self.output,
+            picture: self.picture,
+            source_map: self.source_map,
+            setup_sheet: self.setup_sheet,
+            certificate: self.certificate,
+            emit: self.emit.map(Emit::from),
+            part,
+            run: self.run.options(self.post, self.report),
+        }
+    }
+}
+
+/// What both commands take.
+#[derive(Args)]
+pub(super) struct RunArguments {
+    /// Search this folder first for machine, tool and post files (subfolders `machines`, `tools` and `posts`)
+    #[arg(long, value_name = "DIR")]
+    pub(super) library: Option<PathBuf>,
+
+    /// Use this machine of the library instead of the machine of the job
+    #[arg(long, value_name = "NAME")]
+    pub(super) machine: Option<String>,
+
+    /// Allow `spline from` to read curve files in this folder too, not only in the folder of the job
+    #[arg(long, value_name = "DIR")]
+    pub(super) curves: Option<PathBuf>,
+
+    /// Cell size of the stock simulation, at most 1 mm (more for parts over 200 mm); default 1/8 of the radius of the
+    /// smallest cutter, 1/20 where the job requires `engagement`
+    #[arg(long, value_name = "MM", allow_negative_numbers = true)]
+    pub(super) stock_cell: Option<f64>,
+
+    /// Write the stock after each operation to this folder, as STL files
+    #[arg(long, value_name = "DIR")]
+    pub(super) stock: Option<PathBuf>,
+
+    /// Largest memory for planning or for the check of NC text, such as 4GB; default 2GB
+    #[arg(long, value_name = "SIZE", value_parser = memory, allow_hyphen_values = true)]
+    pub(super) memory: Option<f64>,
+
+    /// Print all figures of the proof: surfaces with places, stock, axes, active limits, how the operations were planned
+    #[arg(long)]
+    pub(super) details: bool,
+
+    /// Print the time of each stage; has no effect with the formats `sarif` and `junit`
+    #[arg(long)]
+    pub(super) timings: bool,
+
+    /// Format of errors, warnings and remarks
+    #[arg(long, value_enum, default_value = "human", value_name = "FORMAT")]
+    pub(super) error_format: ErrorFormat,
+}
+
+impl RunArguments {
+    /// The options in the form of the driver.
+    pub(super) fn options(self, post: Option<String>, report: Option<PathBuf>) -> RunOptions {
+        let Self { library, curves, machine, stock_cell, stock, memory, details, .. } = self;
+        RunOptions { library, curves, post, machine, report, stock_cell, stock, memory, details }
+    }
+}
+
+/// What the commands take that read a job and plan nothing.
+#[derive(Args)]
+pub(super) struct ReadingArguments {
+    /// Search this folder first for machine, tool and post files (subfolders `machines`, `tools` and `posts`)
+    #[arg(long, value_name = "DIR")]
+    pub(super) library: Option<PathBuf>,
+
+    /// Allow `spline from` to read curve files in this folder too, not only in the folder of the job
+    #[arg(long, value_name = "DIR")]
+    pub(super) curves: Option<PathBuf>,
+
+    /// Print the time of each stage; has no effect with the formats `sarif` and `junit`
+    #[arg(long)]
+    pub(super) timings: bool,
+
+    /// Format of errors, warnings and remarks
+    #[arg(long, value_enum, default_value = "human", value_name = "FORMAT")]
+    pub(super) error_format: ErrorFormat,
+}
+
+/// What the commands take that list the library.
+#[derive(Args)]
+pub(super) struct LibraryArguments {
+    /// Name of the file to show, without `.toml`
+    pub(super) name: Option<String>,
+
+    /// Search this folder first (subfolders `machines`, `tools` and `posts`)
+    #[arg(long, value_name = "DIR")]
+    pub(super) library: Option<PathBuf>,
+}
+
+/// The words of the jobs to begin with.
+fn beginnings() -> PossibleValuesParser {
+    BEGINNINGS.map(|b| clap::builder::PossibleValue::new(b.name).help(b.about)).into()
+}
+
+#[derive(Subcommand)]
+pub(super) enum Command {
+    /// Explains the code of a message, such as IMP0206, or a word of the language: item, operation, tool, property, unit
+    Explain {
+        /// Code such as IMP0206 or 206, or word such as `flank`, `scallop`, `mm/min`; without it, all codes are listed
+        words: Vec<String>,
+
+        /// Print the reference of the language: all items, operations, tools, properties, quantities and units
+        #[arg(long, conflicts_with = "words")]
+        reference: bool,
+    },
+    /// Writes a commented job that compiles, to begin with
+    #[command(after_help = TEXT_CODES)]
+    New {
+        /// File to write; it must not exist. Its name becomes the name of the part
+        file: PathBuf,
+
+        /// What the job makes: `vanes`, eight ruled vanes from curves of points, all operations; `pump`, a wheel with five long
+        /// vanes, roughed with three tools; `turbo`, a compressor wheel with splitters, written by angles and thicknesses
+        #[arg(long, value_name = "KIND", default_value = BEGINNINGS[0].name, value_parser = beginnings())]
+        kind: String,
+    },
+    /// Writes jobs in their usual form: indentation and blanks; words, numbers and comments stay as they are
+    #[command(after_help = TEXT_CODES)]
+    Fmt {
+        /// Job files; `-` formats standard input to standard output
+        #[arg(required = true)]
+        jobs: Vec<PathBuf>,
+
+        /// Write nothing; tell which jobs are not in their usual form
+        #[arg(long)]
+        check: bool,
+
+        /// Format of errors, warnings and remarks
+        #[arg(long, value_enum, default_value = "human", value_name = "FORMAT")]
+        error_format: ErrorFormat,
+    },
+    /// Serves editors over standard input and output, by the language server protocol
+    Lsp {
+        /// Search this folder first for machine, tool and post files (subfolders `machines`, `tools` and `posts`)
+        #[arg(long, value_name = "DIR")]
+        library: Option<PathBuf>,
+    },
+    /// Lists the machines that jobs can use, with where they come from, or shows the file of one
+    #[command(after_help = LIST_CODES)]
+    Machines(LibraryArguments),
+    /// Lists the tool libraries that jobs can use, with where they come from, or shows the file of one
+    #[command(after_help = LIST_CODES)]
+    Tools(LibraryArguments),
+    /// Lists the post files that jobs can use, with where they come from, or shows the file of one
+    #[command(after_help = LIST_CODES)]
+    Posts(LibraryArguments),
+    /// Prints the completions of a shell: `impellerc completions bash > impellerc.bash`
+    Completions {
+        /// Shell
+        shell: Shell,
+    },
+    /// Prints the manual page in the format of `man`, with all commands
+    Man,
+    /// Judges a job without planning it: text, machine, post, memory, and facts about the part
+    #[command(after_help = CHECK_CODES)]
+    Check {
+        /// Job file
+        job: PathBuf,
+
+        /// Post file of the library instead of the post of the job
+        #[arg(long, value_name = "NAME")]
+        post: Option<String>,
+
+        /// Use this machine of the library instead of the machine of the job
+        #[arg(long, value_name = "NAME")]
+        machine: Option<String>,
+
+        /// Largest memory that planning may need, such as 4GB; default 2GB
+        #[arg(long, value_name = "SIZE", value_parser = memory, allow_hyphen_values = true)]
+        memory: Option<f64>,
+
+        /// Check again whenever the job or a file that it reads changes, until Ctrl+C
+        #[arg(long)]
+        watch: bool,
+
+        #[command(flatten)]
+        reading: ReadingArguments,
+    },
+    /// Verifies NC text from any source against a job, a certificate or both
+    #[command(after_help = EXIT_CODES)]
+    Verify {
+        /// NC file
+        nc: PathBuf,
+
+        /// Job with the part, the tools and the contracts
+        #[arg(long, value_name = "FILE")]
+        job: Option<PathBuf>,
+
+        /// Dialect of the NC text; default: the dialect of the job, unless the words of the text show another one
+        #[arg(long, value_name = "NAME")]
+        post: Option<String>,
+
+        /// Certificate that must belong to the NC text
+        #[arg(long, value_name = "FILE.json")]
+        certificate: Option<PathBuf>,
+
+        /// Source map of the NC text: findings say for which pass and line of the job a block was written. The text may
+        /// have been edited since
+        #[arg(long, value_name = "FILE.json")]
+        source_map: Option<PathBuf>,
+
+        /// Write a report for a browser to this file: deviations, paths, stock, plots, contracts; also if a contract fails
+        #[arg(long, value_name = "FILE.html")]
+        report: Option<PathBuf>,
+
+        #[command(flatten)]
+        run: Box<RunArguments>,
+    },
+    /// Plans and verifies a job and writes its report for a browser, also if a contract fails; no NC text is written
+    #[command(after_help = EXIT_CODES)]
+    Report {
+        /// Job file
+        job: PathBuf,
+
+        /// File to write; default: the name of the job with the ending `.html`, in the current folder
+        #[arg(short, long, value_name = "FILE.html")]
+        output: Option<PathBuf>,
+
+        /// Post file of the library instead of the post of the job
+        #[arg(long, value_name = "NAME")]
+        post: Option<String>,
+
+        /// Write the report again whenever the job or a file that it reads changes, until Ctrl+C
+        #[arg(long)]
+        watch: bool,
+
+        #[command(flatten)]
+        run: Box<RunArguments>,
+    },
+    /// Reads blades from files of designers, says what they hold, and writes a part in the job language
+    #[command(after_help = IMPORT_CODES)]
+    Import(Box<ImportArguments>),
+    /// Tells what differs for the machine between two NC texts of one job: poses, speeds, times, ranges of the axes.
+    /// The texts may be in two dialects
+    #[command(after_help = DIFF_CODES)]
+    Diff {
+        /// First NC file
+        first: PathBuf,
+
+        /// Second NC file
+        second: PathBuf,
+
+        /// Job of both texts
+        #[arg(long, value_name = "FILE")]
+        job: PathBuf,
+
+        /// Machine of the second text, where it is another one than that of the first
+        #[arg(long, value_name = "NAME")]
+        other_machine: Option<String>,
+
+        /// Machine of both texts instead of the machine of the job
+        #[arg(long, value_name = "NAME")]
+        machine: Option<String>,
+
+        #[command(flatten)]
+        reading: ReadingArguments,
+    },
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum ErrorFormat {
+    /// Text for people, with the lines of the job
+    Human,
+    /// One JSON object on each line
+    Json,
+    /// SARIF 2.1.0, for code reviews
+    Sarif,
+    /// JUnit XML, for build servers
+    Junit,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub(super) enum EmitArgument {
+    /// Syntax tree of the job
+    Ast,
+    /// Job with all defaults
+    Job,
+    /// Geometry of part, stock, tools and operations
+    Ir,
+    /// Cutter contacts
+    Cc,
+    /// Cutter locations
+    Cl,
+    /// Positions of the machine axes
+    Motion,
+    /// NC text
+    Nc,
+    /// The part as a solid in a STEP file, which `-o` names
+    Step,
+    /// The part as triangles in an STL file, which `-o` names
+    Stl,
+    /// The part as triangles in a 3MF file, which `-o` names
+    #[value(name = "3mf")]
+    ThreeMf,
+    /// Sections of the blades for TurboGrid: the `.inf` file that `-o` names, with files of hub, shroud and profiles beside it
+    Sections,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub(super) enum ProtocolArgument {
+    /// ISO 10303-242
+    Ap242,
+    /// ISO 10303-214
+    Ap214,
+}
+
+impl From<EmitArgument> for Emit {
+    fn from(emit: EmitArgument) -> Self {
+        match emit {
+            EmitArgument::Ast => Self::Ast,
+            EmitArgument::Job => Self::Job,
+            EmitArgument::Ir => Self::Ir,
+            EmitArgument::Cc => Self::Cc,
+            EmitArgument::Cl => Self::Cl,
+            EmitArgument::Motion => Self::Motion,
+            EmitArgument::Nc => Self::Nc,
+            EmitArgument::Step => Self::Part(PartForm::Step),
+            EmitArgument::Stl => Self::Part(PartForm::Stl),
+            EmitArgument::ThreeMf => Self::Part(PartForm::ThreeMf),
+            EmitArgument::Sections => Self::Part(PartForm::Sections),
+        }
+    }
+}
+
+impl From<ProtocolArgument> for StepProtocol {
+    fn from(protocol: ProtocolArgument) -> Self {
+        match protocol {
+            ProtocolArgument::Ap242 => Self::Ap242,
+            ProtocolArgument::Ap214 => Self::Ap214,
+        }
+    }
+}
+
+/// Millimetres of a chord error such as `10um` or `0.01 mm`.
+fn chord(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let units = [("um", 1e-3), ("mm", 1.0)];
+    let split = units.iter().find_map(|(unit, size)| Some((text.strip_suffix(unit)?, size)));
+    let length = split.and_then(|(number, size)| Some(number.trim().parse::<f64>().ok()? * size));
+    let within = length.filter(|mm| (0.999e-4..=1.0).contains(mm));
+    within.ok_or_else(|| "the chord error must be from 0.1um to 1mm, such as 10um".to_owned())
+}
+
+/// Number of sections of a blade.
+fn sections(text: &str) -> Result<usize, String> {
+    let number = text.trim().parse().ok().filter(|n| (2..=101).contains(n));
+    number.ok_or_else(|| "a blade has from 2 to 101 sections".to_owned())
+}
+
+/// Number of bytes of a size such as `4GB` or `500 MB`.
+fn memory(text: &str) -> Result<f64, String> {
+    let text = text.trim();
+    let units = [("GB", 1e9), ("MB", 1e6)];
+    let split = units.iter().find_map(|(unit, size)| Some((text.strip_suffix(unit)?, size)));
+    let bytes = split.and_then(|(number, size)| Some(number.trim().parse::<f64>().ok()? * size));
+    let within = bytes.filter(|b| (1e8..=1e13).contains(b));
+    within.ok_or_else(|| "the size must be from 100MB to 10000GB, such as 4GB".to_owned())
+}

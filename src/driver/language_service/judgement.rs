@@ -1,0 +1,220 @@
+//! Threads that judge a saved job: facts as in `impellerc check`, then planning and verification with progress.
+//!
+//! What a thread finds is published only while the editor still has the text that was judged. A new save cancels the
+//! verification of the text before it.
+
+use super::Options;
+use super::messages::{diagnostics, notice, published, request};
+use crate::diag::Diag;
+use crate::driver::{Outcome, RunState, Stages, check, compile};
+use crate::language::JOB;
+use crate::verify::certificate::{ContractReport, OperationReport};
+use lsp_server::Message;
+use serde_json::{Value, json};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::time::Duration;
+
+/// Sends a message to the editor; false when the editor is gone.
+pub(super) type Send = dyn Fn(Message) -> bool + std::marker::Send + Sync;
+
+/// What the editor can do, and what its user wants.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Wishes {
+    /// It shows progress that the service begins.
+    pub(super) progress: bool,
+    /// It asks again for lenses when it is told so.
+    pub(super) lenses: bool,
+    /// A saved job is planned and verified.
+    pub(super) verify: bool,
+}
+
+/// What verification found of a text.
+#[derive(Debug)]
+pub(super) struct Proof {
+    pub(super) text: String,
+    pub(super) contracts: Vec<ContractReport>,
+    pub(super) operations: Vec<OperationReport>,
+    /// Operation, and a decision of its planning.
+    pub(super) notes: Vec<(String, String)>,
+}
+
+/// What the facts say of a text.
+#[derive(Debug)]
+pub(super) struct Facts {
+    pub(super) text: String,
+    pub(super) diags: Vec<Diag>,
+}
+
+/// A text to be judged.
+#[derive(Debug)]
+struct Wanted {
+    text: String,
+    /// Whether it is also planned and verified.
+    verify: bool,
+}
+
+/// What the threads and the service share. Diagnostics are sent while it is locked, so that those of an older text never come
+/// last.
+#[derive(Debug, Default)]
+pub(super) struct Judgement {
+    /// Version of the text that the editor has; `None` when the file was closed.
+    pub(super) version: Option<i64>,
+    /// The text that the editor had when it asked for the last time, where no thread has taken it yet.
+    wanted: Option<Wanted>,
+    running: bool,
+    /// The verification that runs.
+    run: Option<Arc<RunState>>,
+    pub(super) facts: Option<Facts>,
+    pub(super) proof: Option<Proof>,
+}
+
+pub(super) fn lock(judgement: &Mutex<Judgement>) -> MutexGuard<'_, Judgement> {
+    judgement.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Judgement {
+    /// Ends the verification that runs.
+    pub(super) fn cancel(&mut self) {
+        self.run.iter().for_each(|run| run.cancel());
+    }
+}
+
+/// The token of the progress of a file.
+pub(super) fn token(uri: &str) -> String {
+    format!("verify {uri}")
+}
+
+/// Judges a text of a saved file in a thread.
+pub(super) fn judge(
+    shared: &Arc<Mutex<Judgement>>,
+    text: &str,
+    saved: bool,
+    (uri, options): (&str, Options),
+    (send, wishes): (Weak<Send>, Wishes),
+) {
+    {
+        let mut judgement = lock(shared);
+        judgement.cancel();
+        judgement.wanted = Some(Wanted { text: text.to_owned(), verify: saved && wishes.verify });
+        if judgement.running {
+            return;
+        }
+        judgement.running = true;
+    }
+    let judge = Judge { shared: Arc::clone(shared), uri: uri.to_owned(), options, send, wishes };
+    std::thread::spawn(move || judge.run());
+}
+
+/// A thread that judges the texts of one file.
+struct Judge {
+    shared: Arc<Mutex<Judgement>>,
+    uri: String,
+    options: Options,
+    /// Weak: the service does not wait for a thread that judges when its editor ends it.
+    send: Weak<Send>,
+    wishes: Wishes,
+}
+
+impl Judge {
+    fn send(&self, message: Message) {
+        if let Some(send) = self.send.upgrade() {
+            send(message);
+        }
+    }
+
+    fn run(&self) {
+        loop {
+            let (version, wanted) = {
+                let mut judgement = lock(&self.shared);
+                let next = judgement.version.zip(judgement.wanted.take());
+                judgement.running = next.is_some();
+                let Some(next) = next else { return };
+                next
+            };
+            let facts = check(&self.options, &mut Stages::default());
+            let sound = !facts.sink.has_errors();
+            if self.publish(&facts, &wanted.text, version) && sound && wanted.verify {
+                self.verify(&wanted.text, version);
+            }
+        }
+    }
+
+    /// Publishes what was found of a text, where the editor still has it. False where it has another one.
+    fn publish(&self, outcome: &Outcome, text: &str, version: i64) -> bool {
+        // An editor can show a text that is not saved: places of the file are not places of this text.
+        let Some(file) = outcome.sources.get(JOB).filter(|file| file.text == text) else { return false };
+        let diags = diagnostics(outcome.sink.diags(), &outcome.sources, &file.text, &self.uri);
+        let mut judgement = lock(&self.shared);
+        if judgement.version != Some(version) {
+            return false;
+        }
+        judgement.facts = Some(Facts { text: text.to_owned(), diags: outcome.sink.diags().to_vec() });
+        self.send(published(&self.uri, version, &diags));
+        true
+    }
+
+    /// Plans and verifies the file.
+    fn verify(&self, text: &str, version: i64) {
+        let mut stages = Stages::default();
+        let state = stages.state();
+        {
+            let mut judgement = lock(&self.shared);
+            if judgement.wanted.is_some() || judgement.version != Some(version) {
+                return;
+            }
+            judgement.run = Some(Arc::clone(&state));
+        }
+        let outcome = self.with_progress(&state, || compile(&self.options, &mut stages));
+        lock(&self.shared).run = None;
+        if state.is_cancelled() || !self.publish(&outcome, text, version) {
+            return;
+        }
+        let Outcome { contracts, operations, notes, .. } = outcome;
+        lock(&self.shared).proof = Some(Proof { text: text.to_owned(), contracts, operations, notes });
+        if self.wishes.lenses {
+            self.send(request(&format!("lenses {}", self.uri), "workspace/codeLens/refresh", Value::Null));
+        }
+    }
+
+    /// Shows in the editor how far the work is.
+    fn with_progress(&self, state: &RunState, work: impl FnOnce() -> Outcome) -> Outcome {
+        if !self.wishes.progress {
+            return work();
+        }
+        let token = token(&self.uri);
+        let tell = |value: Value| self.send(notice("$/progress", json!({ "token": token, "value": value })));
+        self.send(request(&token, "window/workDoneProgress/create", json!({ "token": token })));
+        let name = self.options.job.file_name().map_or_else(String::new, |name| name.display().to_string());
+        tell(json!({ "kind": "begin", "title": format!("impellerc: {name}"), "cancellable": true }));
+        let ended = AtomicBool::new(false);
+        let outcome = std::thread::scope(|threads| {
+            threads.spawn(|| {
+                let mut told = String::new();
+                while !ended.load(Ordering::Relaxed) {
+                    // The share is that of the current work, which begins at zero several times: a percentage of the protocol
+                    // must not fall.
+                    let now = state.stage().map(|(text, share)| match share {
+                        Some(share) => format!("{text} {:.0} %", 100.0 * share),
+                        None => text,
+                    });
+                    if let Some(now) = now.filter(|now| *now != told) {
+                        tell(json!({ "kind": "report", "message": now }));
+                        told = now;
+                    }
+                    std::thread::sleep(TELL);
+                }
+            });
+            let outcome = work();
+            ended.store(true, Ordering::Relaxed);
+            outcome
+        });
+        let verdict = outcome.emitted.as_deref().and_then(|text| text.lines().next());
+        let message = if state.is_cancelled() { "cancelled" } else { verdict.unwrap_or("refused") };
+        tell(json!({ "kind": "end", "message": message }));
+        outcome
+    }
+}
+
+/// Time between two looks at the progress.
+const TELL: Duration = Duration::from_millis(200);
