@@ -6,6 +6,7 @@ use super::knots::merge_knots;
 use super::proximity::{Patch, Projection};
 use super::{GeomError, NurbsCurve, NurbsSurface, SurfaceDerivatives};
 use nalgebra::{DMatrix, Point3, Rotation3, Vector3};
+use std::sync::OnceLock;
 
 /// S(u, v) = sum over k of `L_k(v)` `C_k(u)`. The `C_k` are the sections at the places `v_k`. The `L_k` are splines of
 /// degree 3 (lower for fewer than four sections) that are 1 at `v_k` and 0 at all other places.
@@ -20,7 +21,26 @@ pub struct LoftedSurface {
     knots: [Vec<f64>; 2],
     /// Control points, row after row of equal u.
     control: Vec<Vector3<f64>>,
+    seeds: Seeds,
 }
+
+/// Points of the whole surface from which the search for closest points begins, computed when they are first needed: column
+/// after column of equal u.
+#[derive(Clone, Debug, Default)]
+struct Seeds(OnceLock<Vec<Vector3<f64>>>);
+
+/// Seeds follow from the surface: surfaces are equal whether these are computed or not.
+impl PartialEq for Seeds {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+/// Seeds along u, as for ruled surfaces.
+const ALONG: usize = 48;
+
+/// Seeds between two sections.
+const BETWEEN: usize = 4;
 
 /// Mean distance below which two sections count as coincident, mm.
 const SAME_SECTION: f64 = 1e-5;
@@ -54,6 +74,11 @@ pub fn places(sections: &[Vec<&NurbsCurve>]) -> Result<Vec<f64>, GeomError> {
     let last = places.len() - 1;
     places[last] = 1.0;
     Ok(places)
+}
+
+/// The end of interval `i` of `n` of a range.
+fn between(range: [f64; 2], i: usize, n: usize) -> f64 {
+    range[0] + (range[1] - range[0]) * i as f64 / n as f64
 }
 
 impl LoftedSurface {
@@ -109,7 +134,7 @@ impl LoftedSurface {
                 control.push((0..count).map(|k| same[k].control()[i].xyz() * weights[(j, k)]).sum());
             }
         }
-        Ok(Self { sections, places, degree: [along, degree], knots: [merged, knots], control })
+        Ok(Self { sections, places, degree: [along, degree], knots: [merged, knots], control, seeds: Seeds::default() })
     }
 
     /// The sections, from v = 0 to v = 1.
@@ -206,47 +231,57 @@ impl LoftedSurface {
         Self {
             sections: self.sections.iter().map(|c| c.rotated(angle)).collect(),
             control: self.control.iter().map(|c| turn * c).collect(),
+            seeds: Seeds::default(),
             ..self.clone()
         }
     }
 
-    /// Closest point of a patch: distances on a grid, then Newton's method from each local minimum of the grid, inside
-    /// the patch.
-    pub fn closest(&self, p: &Point3<f64>, patch: Patch) -> Projection {
-        /// Seeds along u, as for ruled surfaces.
-        const ALONG: usize = 48;
-        /// Seeds between two sections.
-        const BETWEEN: usize = 4;
+    /// Points of a patch on a grid: column after column of equal u.
+    fn grid(&self, patch: Patch) -> Vec<Vector3<f64>> {
         let across = BETWEEN * (self.sections.len() - 1);
-        let at = |range: [f64; 2], i: usize, n: usize| range[0] + (range[1] - range[0]) * i as f64 / n as f64;
         // The line at each u, and the weights at each v, are computed once.
         let rows: Vec<(usize, [f64; MAX_DEGREE + 1])> = (0..=across)
             .map(|j| {
-                let v = at(patch.v, j, across);
+                let v = between(patch.v, j, across);
                 let inside = v.clamp(0.0, 1.0);
                 let basis = basis::evaluate(&self.knots[1], self.degree[1], inside, 1);
                 let weight = |k: usize| basis.values[0][k] + basis.values[1][k] * (v - inside);
                 (basis.first, std::array::from_fn(weight))
             })
             .collect();
-        let column = |i: usize| -> Vec<f64> {
-            let line = self.line(at(patch.u, i, ALONG));
-            let distance = |(first, weights): &(usize, [f64; MAX_DEGREE + 1])| {
-                let point: Vector3<f64> = line[*first..].iter().zip(weights).map(|(c, weight)| c * *weight).sum();
-                (point - p.coords).norm()
+        let mut points = Vec::with_capacity((ALONG + 1) * (across + 1));
+        for i in 0..=ALONG {
+            let line = self.line(between(patch.u, i, ALONG));
+            let point = |(first, weights): &(usize, [f64; MAX_DEGREE + 1])| -> Vector3<f64> {
+                line[*first..].iter().zip(weights).map(|(c, weight)| c * *weight).sum()
             };
-            rows.iter().map(distance).collect()
+            points.extend(rows.iter().map(point));
+        }
+        points
+    }
+
+    /// Closest point of a patch: distances on a grid, then Newton's method from each local minimum of the grid, inside
+    /// the patch.
+    pub fn closest(&self, p: &Point3<f64>, patch: Patch) -> Projection {
+        let across = BETWEEN * (self.sections.len() - 1);
+        let of_patch;
+        let grid = if patch == Patch::WHOLE {
+            self.seeds.0.get_or_init(|| self.grid(Patch::WHOLE))
+        } else {
+            of_patch = self.grid(patch);
+            &of_patch
         };
-        let seeds: Vec<Vec<f64>> = (0..=ALONG).map(column).collect();
+        let distances: Vec<f64> = grid.iter().map(|point| (point - p.coords).norm()).collect();
+        let distance = |i: usize, j: usize| distances[i * (across + 1) + j];
         let mut best: Option<Projection> = None;
         for i in 0..=ALONG {
             for j in 0..=across {
                 let around = (i.saturating_sub(1)..=(i + 1).min(ALONG))
                     .flat_map(|a| (j.saturating_sub(1)..=(j + 1).min(across)).map(move |b| (a, b)));
-                if around.into_iter().any(|(a, b)| seeds[a][b] < seeds[i][j]) {
+                if around.into_iter().any(|(a, b)| distance(a, b) < distance(i, j)) {
                     continue;
                 }
-                let found = self.refine(p, [at(patch.u, i, ALONG), at(patch.v, j, across)], patch);
+                let found = self.refine(p, [between(patch.u, i, ALONG), between(patch.v, j, across)], patch);
                 if best.is_none_or(|b| found.distance < b.distance) {
                     best = Some(found);
                 }

@@ -4,6 +4,7 @@ use crate::geom::proximity::{ClosestPair, Patch, Projection};
 use crate::geom::range::Partials;
 use crate::geom::{LoftedSurface, NurbsCurve, RuledSurface, SurfaceDerivatives};
 use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
 
 /// A surface over u, from inlet (0) to outlet (1), and v, from root (0) to tip (1). Outside of both ranges it continues
 /// straight.
@@ -207,15 +208,18 @@ impl FaceSurface {
         const STEPS: usize = 200;
         /// Gain below which the search ends, mm.
         const SAME: f64 = 1e-12;
-        let at = |range: [f64; 2], i: u32, n: u32| range[0] + (range[1] - range[0]) * f64::from(i) / f64::from(n);
+        let at = |range: [f64; 2], i: u32, n: u32| range[0] + (range[1] - range[0]) * f64::from(i) / f64::from(n.max(1));
+        // A patch that is a line has all its places with the first v.
+        let across = if patch.v[0] < patch.v[1] { SEEDS[1] } else { 0 };
         let from = |p: &Point3<f64>| {
             let second = other.closest(p, other_patch);
             let first = self.closest(&second.point, patch);
             ClosestPair { first, second, distance: first.distance }
         };
-        let seeds = (0..=SEEDS[0]).flat_map(|i| (0..=SEEDS[1]).map(move |j| (i, j)));
-        let starts = seeds.map(|(i, j)| from(&self.point(at(patch.u, i, SEEDS[0]), at(patch.v, j, SEEDS[1]))));
-        let nearest = starts.min_by(|a, b| a.distance.total_cmp(&b.distance));
+        let seeds: Vec<(u32, u32)> = (0..=SEEDS[0]).flat_map(|i| (0..=across).map(move |j| (i, j))).collect();
+        let start = |(i, j): (u32, u32)| self.point(at(patch.u, i, SEEDS[0]), at(patch.v, j, SEEDS[1]));
+        let starts: Vec<ClosestPair> = seeds.into_par_iter().map(|seed| from(&start(seed))).collect();
+        let nearest = starts.into_iter().min_by(|a, b| a.distance.total_cmp(&b.distance));
         let mut best = nearest.unwrap_or_else(|| from(&self.point(patch.u[0], patch.v[0])));
         for _ in 0..STEPS {
             let next = from(&best.first.point);
