@@ -44,7 +44,7 @@ pub use job_check::check;
 pub use job_format::{Format, format};
 pub use language_service::serve;
 pub use library::DiskFiles;
-pub use library_list::{LibraryKind, list_library};
+pub use library_list::{LibraryKind, library_schema, list_library};
 pub use nc_check::{NcCheck, verify};
 pub use nc_diff::{NcDiff, diff};
 pub use new_job::{BEGINNINGS, Beginning, new_job};

@@ -13,9 +13,25 @@ let turn = Promise.resolve();
 // The panel of each job, by its address.
 const panels = new Map();
 
-function program() {
-  return vscode.workspace.getConfiguration('impellerc').get('path') || 'impellerc';
+function setting(name) {
+  return vscode.workspace.getConfiguration('impellerc').get(name);
 }
+
+function program() {
+  return setting('path') || 'impellerc';
+}
+
+// The folder of the library, as arguments of the program; none where the setting is empty.
+function library() {
+  return setting('library') ? ['--library', setting('library')] : [];
+}
+
+// Texts that the service knows: jobs, files of a library, and NC text with its source map beside it.
+const TEXTS = [
+  { scheme: 'file', language: 'impeller' },
+  { scheme: 'file', pattern: '**/{machines,tools,posts}/*.toml' },
+  { scheme: 'file', pattern: '**/*.{nc,ngc,mpf,spf,tap}' },
+];
 
 // Says why the program does not start, and offers the setting that names it.
 async function tellNotStarted(error) {
@@ -39,8 +55,11 @@ async function start() {
     void tellNotStarted(error);
     return;
   }
-  const server = { command, args: ['lsp'] };
-  const options = { documentSelector: [{ scheme: 'file', language: 'impeller' }] };
+  const server = { command, args: ['lsp', ...library()] };
+  const options = {
+    documentSelector: TEXTS,
+    initializationOptions: { verifyOnSave: setting('verifyOnSave') !== false },
+  };
   client = new LanguageClient('impellerc', 'impellerc', server, options);
   await client.start();
 }
@@ -75,7 +94,7 @@ async function showReport() {
       (_, cancelled) => {
         const ending = new AbortController();
         cancelled.onCancellationRequested(() => ending.abort());
-        return makeReport({ program: program(), job, signal: ending.signal });
+        return makeReport({ program: program(), library: library(), job, signal: ending.signal });
       },
     );
   } catch (error) {
@@ -119,7 +138,7 @@ exports.activate = async (context) => {
     output,
     vscode.commands.registerCommand('impellerc.showReport', showReport),
     vscode.workspace.onDidChangeConfiguration((change) => {
-      if (change.affectsConfiguration('impellerc.path')) inTurn(stop, start);
+      if (change.affectsConfiguration('impellerc')) inTurn(stop, start);
     }),
   );
   await inTurn(start);

@@ -11,15 +11,13 @@ const POLICY = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsaf
 // Compiles `job` into a folder that is removed again. Resolves to the exit code, what the program printed, and the text
 // of the report where it wrote one: it does also when a contract fails. Rejects when the program cannot be started
 // (`code` is then ENOENT or EACCES), and when `signal` ends it (`name` is then AbortError).
-async function makeReport({ program, job, signal }) {
+async function makeReport({ program, library = [], job, signal }) {
   const folder = await fs.mkdtemp(path.join(os.tmpdir(), 'impellerc-'));
   try {
     const name = path.basename(job, '.imp');
     const report = path.join(folder, `${name}.html`);
-    const { code, printed } = await run(program, [job, '-o', path.join(folder, `${name}.nc`), '--report', report], {
-      cwd: path.dirname(job),
-      signal,
-    });
+    const words = ['report', job, '-o', report, ...library];
+    const { code, printed } = await run(program, words, { cwd: path.dirname(job), signal });
     const html = await fs.readFile(report, 'utf8').catch((error) => {
       if (error.code !== 'ENOENT') throw error;
     });

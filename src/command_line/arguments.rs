@@ -209,6 +209,10 @@ pub(super) struct LibraryArguments {
     /// Name of the file to show, without `.toml`
     pub(super) name: Option<String>,
 
+    /// Print the JSON schema of these files, with which editors complete and check them
+    #[arg(long, conflicts_with = "name")]
+    pub(super) schema: bool,
+
     /// Search this folder first (subfolders `machines`, `tools` and `posts`)
     #[arg(long, value_name = "DIR")]
     pub(super) library: Option<PathBuf>,

@@ -111,7 +111,10 @@ fn language_server(library: Option<PathBuf>) -> ExitCode {
 
 /// Lists the library, or shows a file of it.
 fn listed(kind: LibraryKind, arguments: &LibraryArguments) -> ExitCode {
-    let LibraryArguments { name, library } = arguments;
+    let LibraryArguments { name, library, schema } = arguments;
+    if *schema {
+        return printed(driver::library_schema(kind).as_bytes());
+    }
     finish(Shown::HUMAN, |_| driver::list_library(kind, name.as_deref(), library.as_deref()))
 }
 

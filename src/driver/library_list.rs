@@ -4,7 +4,7 @@ use super::library::Listed;
 use super::{DiskFiles, Outcome, or_reported};
 use crate::diag::codes::files;
 use crate::diag::{Aborted, Diag};
-use crate::job::Files;
+use crate::job::{Files, LibraryFile};
 use crate::source::Origin;
 use std::path::Path;
 
@@ -28,6 +28,16 @@ impl LibraryKind {
             Self::Posts => "posts",
         }
     }
+}
+
+/// The JSON schema of the files of a kind.
+pub fn library_schema(kind: LibraryKind) -> String {
+    let kind = match kind {
+        LibraryKind::Machines => LibraryFile::Machine,
+        LibraryKind::Tools => LibraryFile::Tools,
+        LibraryKind::Posts => LibraryFile::Post,
+    };
+    format!("{:#}\n", crate::job::library_schema(kind))
 }
 
 /// Lists the files of a kind for jobs in the working folder, or gives the text of one of them.

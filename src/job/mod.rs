@@ -14,6 +14,7 @@ pub mod files;
 mod finishing;
 mod library;
 mod library_check;
+mod library_schema;
 mod limits;
 mod machine_keys;
 pub mod model;
@@ -34,6 +35,7 @@ pub mod vocabulary;
 
 pub use files::{Fault, Files, InMemory, MissingFile};
 pub use library_check::{LibraryFile, read_library_file};
+pub use library_schema::library_schema;
 pub use model::{Job, PartialJob};
 pub use post_file::shipped as shipped_post;
 pub use resolve::{resolve, understand};

@@ -211,6 +211,11 @@ const LIBRARY_UNITS: &[(&str, Scale, Dimension)] = &[
     ("deg/s3", Scale::Times(216_000.0 * std::f64::consts::PI / 180.0), Dimension::TURNING_JERK),
 ];
 
+/// Units of a dimension in files of the library.
+pub(super) fn library_units(dimension: Dimension) -> Vec<&'static str> {
+    JOB_UNITS.iter().chain(LIBRARY_UNITS).filter(|unit| unit.2 == dimension).map(|unit| unit.0).collect()
+}
+
 /// All unit names of the job language.
 pub fn unit_names() -> Vec<&'static str> {
     JOB_UNITS.iter().map(|u| u.0).collect()

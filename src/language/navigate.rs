@@ -26,7 +26,7 @@ pub struct Outlined {
 }
 
 /// The item that gives the name at a place.
-fn giver<'f>(understood: &'f Understood, at: usize) -> Option<&'f Item> {
+fn giver(understood: &Understood, at: usize) -> Option<&Item> {
     let place = names::definition(understood, at)?;
     understood.tree.items.iter().find(|item| item.span.range().contains(&place.start))
 }

@@ -322,8 +322,8 @@ pub(super) fn beside(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<()
     done(sink, before)
 }
 
-/// Reports faces that end short of hub or shroud by more than the part allows.
-pub(super) fn extensions(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(), Aborted> {
+/// Reports faces that end short of hub or shroud by more than the part allows, with what is doubtful about the size of the part.
+pub(super) fn extensions(spec: &PartSpec, part: &Part, doubt: Option<&str>, sink: &mut Sink) -> Result<(), Aborted> {
     let before = sink.count();
     for (what, surface, tip) in [("hub", &part.hub, false), ("shroud", &part.shroud, true)] {
         let short = |side: FaceId| {
@@ -342,22 +342,24 @@ pub(super) fn extensions(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Resul
         let end = if tip { "tip" } else { "root" };
         let name = format!("{} {end}", name_of(spec, part, side));
         let enough = (gap * 100.0).ceil() / 100.0;
-        sink.push(
-            Diag::error(codes::EXTENSION, format!("the {name} ends {} short of the {what}", length(gap)))
-                .label(
-                    if tip { text.tip } else { text.root },
-                    format!("at most {} are extended", length(spec.extend.get())),
-                )
-                .place(name, p)
-                .note(if tip {
-                    "many files give the casing as the shroud: then the gap is the gap between tips and casing"
-                } else {
-                    "the first section should lie on the hub or below it"
-                })
-                .help(format!(
-                    "extend the faces with `extend {enough:.2} mm`, or give the {what} through the {end}s of the blades"
-                )),
-        );
+        let mut diag = Diag::error(codes::EXTENSION, format!("the {name} ends {} short of the {what}", length(gap)))
+            .label(
+                if tip { text.tip } else { text.root },
+                format!("at most {} are extended", length(spec.extend.get())),
+            )
+            .place(name, p)
+            .note(if tip {
+                "many files give the casing as the shroud: then the gap is the gap between tips and casing"
+            } else {
+                "the first section should lie on the hub or below it"
+            })
+            .help(format!(
+                "extend the faces with `extend {enough:.2} mm`, or give the {what} through the {end}s of the blades"
+            ));
+        if let Some(doubt) = doubt {
+            diag = diag.note(doubt);
+        }
+        sink.push(diag);
     }
     done(sink, before)
 }

@@ -4,6 +4,7 @@ mod angles;
 mod checks;
 mod curves;
 mod face_curves;
+mod facing;
 mod left;
 mod limits;
 mod names;
@@ -36,7 +37,7 @@ use std::sync::Arc;
 /// # Errors
 /// [`Aborted`] when the geometry is faulty.
 pub fn lower(job: &Job, sink: &mut Sink) -> Result<Program, Aborted> {
-    let part = part::part(&job.part, sink)?;
+    let part = part::part(&job.part, &job.tools, sink)?;
     let mut stock = Stock::turned(&part, job.stock.over_shroud, Mm(job.stock.bore.get() / 2.0), job.stock.back);
     let clamping = &job.stock.clamping;
     stock.clamping = Clamping {

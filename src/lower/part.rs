@@ -3,16 +3,17 @@
 use super::angles::AngleBladeGiven;
 use super::face_curves::FaceCurves;
 use super::sections::{SectionBlade, fitted};
-use super::{checks, curves};
+use super::{checks, curves, facing};
 use crate::diag::{Aborted, Sink};
 use crate::geom::NurbsCurve;
-use crate::job::model::{BladeForm, BladeSpec, CamberSpec, PartSpec, RevolvedSpec};
+use crate::job::model::{BladeForm, BladeSpec, CamberSpec, PartSpec, RevolvedSpec, ToolSpec};
 use crate::part::{Blade, FaceId, FaceSurface, Part, RulingEnd};
 use crate::sections::angles::CamberSurface;
 use crate::sections::outline::Side;
 
-/// The design part, checked from the points up; later checks assume that the earlier ones have passed.
-pub(super) fn part(spec: &PartSpec, sink: &mut Sink) -> Result<Part, Aborted> {
+/// The design part, checked from the points up; later checks assume that the earlier ones have passed. The tools show whether
+/// its size is likely.
+pub(super) fn part(spec: &PartSpec, tools: &[ToolSpec], sink: &mut Sink) -> Result<Part, Aborted> {
     // Curves of the faces of each blade; none for a blade of sections.
     let mut given: Vec<Vec<FaceCurves<'_>>> = Vec::new();
     let mut whole = true;
@@ -34,6 +35,7 @@ pub(super) fn part(spec: &PartSpec, sink: &mut Sink) -> Result<Part, Aborted> {
     checks::directions(&faces, sink)?;
     let [hub, shroud] = generators.ok_or(Aborted)?;
     checks::own_meridians(spec, [&hub, &shroud], sink)?;
+    let doubt = facing::size([&hub, &shroud], tools);
     let mut blades: Vec<Option<Blade>> = Vec::new();
     let mut side = None;
     // Camber surface of the main blade, of which splitters may be a part.
@@ -74,11 +76,16 @@ pub(super) fn part(spec: &PartSpec, sink: &mut Sink) -> Result<Part, Aborted> {
     let mut blades = turned.collect::<Vec<_>>().into_iter();
     let Some(main) = blades.next() else { return Err(Aborted) };
     let part = Part::with_blades(spec.vanes.0, main, blades.collect(), hub, shroud);
+    facing::exchanged(spec, [&part.hub, &part.shroud], sink)?;
     checks::heights(spec, &part, sink)?;
     checks::faces(spec, &part, sink)?;
     checks::overlap(spec, &part, sink)?;
     checks::beside(spec, &part, sink)?;
-    checks::extensions(spec, &part, sink)?;
+    checks::extensions(spec, &part, doubt.as_deref(), sink)?;
+    facing::upside_down(spec, &part.hub, sink);
+    if let Some(doubt) = doubt {
+        facing::warn_of_size(spec, doubt, sink);
+    }
     Ok(part)
 }
 

@@ -208,7 +208,8 @@ impl FaceSurface {
         const STEPS: usize = 200;
         /// Gain below which the search ends, mm.
         const SAME: f64 = 1e-12;
-        let at = |range: [f64; 2], i: u32, n: u32| range[0] + (range[1] - range[0]) * f64::from(i) / f64::from(n.max(1));
+        let at =
+            |range: [f64; 2], i: u32, n: u32| range[0] + (range[1] - range[0]) * f64::from(i) / f64::from(n.max(1));
         // A patch that is a line has all its places with the first v.
         let across = if patch.v[0] < patch.v[1] { SEEDS[1] } else { 0 };
         let from = |p: &Point3<f64>| {

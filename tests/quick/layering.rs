@@ -134,7 +134,8 @@ fn modules_name_only_what_lies_below_them() {
 }
 
 /// Where letters of rotary axes may stand: kinematics of named controls, machine files, texts for people and for machines.
-const LETTERS: &[&str] = &["src/kin/", "src/job/library.rs", "src/post/", "src/diag/codes/"];
+const LETTERS: &[&str] =
+    &["src/kin/", "src/job/library.rs", "src/job/library_schema.rs", "src/post/", "src/diag/codes/"];
 
 /// Where the names of a blade's faces may stand: the part, the language, and pages for people.
 const FACES: &[&str] =

@@ -42,6 +42,7 @@ mod layering;
 mod leads;
 mod left;
 mod levels;
+mod library_schema;
 mod link_rate;
 mod linuxcnc_impeller;
 mod linuxcnc_interpreter;
