@@ -1,6 +1,7 @@
 //! The pipeline on one page: from a job file to verified NC, stage by stage. Only the driver reads files.
 
 mod certificate_text;
+mod file_stamps;
 mod import;
 mod job_check;
 mod job_format;
@@ -39,6 +40,7 @@ use crate::units::trim;
 use crate::verify::Verified;
 use crate::verify::certificate::{Certificate, ContractReport, OperationReport};
 use crate::{analysis, job, lower};
+pub use file_stamps::FileStamps;
 pub use import::{Import, import};
 pub use job_check::check;
 pub use job_format::{Format, format};
@@ -125,10 +127,12 @@ pub struct Outcome {
     pub emitted: Option<String>,
     /// Contracts that were judged, including those that failed.
     pub contracts: Vec<ContractReport>,
-    /// Operations that were judged.
-    pub operations: Vec<OperationReport>,
+    /// Operations that were judged, each with its place in the job. An item with several tools is as many operations.
+    pub operations: Vec<(Span, OperationReport)>,
     /// Name of an operation, and a decision of its planning.
     pub notes: Vec<(String, String)>,
+    /// Files that the front end looked for and did not find: one that is made later is another job.
+    pub looked_for: Vec<PathBuf>,
 }
 
 impl Outcome {
@@ -154,7 +158,7 @@ pub fn compile(options: &Options, stages: &mut Stages) -> Outcome {
 
 fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<(), Aborted> {
     let Some(program) = front(options, stages, outcome)? else { return Ok(()) };
-    let Outcome { sources, sink, emitted, contracts, operations, notes } = outcome;
+    let Outcome { sources, sink, emitted, contracts, operations, notes, .. } = outcome;
     if options.emit == Some(Emit::Ir) {
         *emitted = Some(print::program(&program));
         return Ok(());
@@ -177,7 +181,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     })?;
     stages.go_on()?;
     contracts.clone_from(&certificate.contracts);
-    operations.clone_from(&certificate.operations);
+    *operations = judged_operations(&program, &certificate);
     *notes = report::notes(&program, &plan.cl);
     let inputs = inputs(sources);
     let shown = report::Shown {
@@ -220,9 +224,16 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         read.tip,
         read.axis
     ));
+    stages.go_on()?;
     text.push_str(&written.save(options, shown, outputs, stages, sink)?);
     *emitted = Some(text);
     Ok(())
+}
+
+/// The operations of a certificate with their places in the job.
+fn judged_operations(program: &Program, certificate: &Certificate) -> Vec<(Span, OperationReport)> {
+    let span = |name: &str| program.operations.iter().find(|(_, o)| o.name == name).map(|(_, o)| o.span);
+    certificate.operations.iter().filter_map(|report| Some((span(&report.name)?, report.clone()))).collect()
 }
 
 /// Reports the fault that stops a run.
@@ -362,7 +373,7 @@ fn before_work(
 /// # Errors
 /// [`Aborted`] when the job is faulty; the faults are in the sink of the outcome.
 pub fn front(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<Option<Program>, Aborted> {
-    let Outcome { sources, sink, emitted, .. } = outcome;
+    let Outcome { sources, sink, emitted, looked_for, .. } = outcome;
 
     let text = read_job(&options.job, sink)?;
     let source = sources.add_file(SourceFile {
@@ -383,7 +394,9 @@ pub fn front(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> R
     if let Some(name) = &options.run.post {
         take_post(name, &mut ast, &mut files, sink)?;
     }
-    let mut job: Job = stages.run("resolve", || job::resolve(&ast, &mut files, sources, sink))?;
+    let resolved = stages.run("resolve", || job::resolve(&ast, &mut files, sources, sink));
+    *looked_for = files.looked_for();
+    let mut job: Job = resolved?;
     if options.run.post.is_some() {
         job.post.span = None;
     }

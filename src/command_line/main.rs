@@ -209,12 +209,15 @@ fn repeated(how: Shown, watched: Option<&PathBuf>, work: impl Fn(&mut Stages) ->
     interrupt::watch(how.format == ErrorFormat::Human);
     let mut watch = Watch::new(job);
     loop {
+        interrupt::begin();
         let mut stages = how.stages();
         let outcome = watch.cancelled_by_changes(&stages.state(), || work(&mut stages));
         if !stages.state().is_cancelled() {
             how.print(&outcome, &stages);
             watch.take_files(&outcome);
-            say(&watch.waits_for());
+            if how.format == ErrorFormat::Human {
+                say(&watch.waits_for());
+            }
         }
         watch.wait();
     }

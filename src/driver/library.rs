@@ -6,6 +6,7 @@ use crate::diag::{Diag, printable};
 use crate::job::files::shipped;
 use crate::job::{Fault, Files, MissingFile};
 use crate::source::{Origin, SourceFile};
+use std::cell::RefCell;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -30,6 +31,8 @@ pub struct DiskFiles {
     /// Another folder with curve and mesh files.
     curves: Option<PathBuf>,
     libraries: Vec<(PathBuf, Origin)>,
+    /// Paths at which a file was looked for and not found.
+    missing: RefCell<Vec<PathBuf>>,
 }
 
 /// The path of a folder with symbolic links resolved.
@@ -60,7 +63,12 @@ impl DiskFiles {
         let above = own.ancestors().map(|dir| dir.join("_lib")).filter(|dir| dir.is_dir());
         let above: Vec<_> = above.map(|dir| (dir, Origin::BesideJob)).collect();
         let libraries = library.into_iter().map(|dir| (dir, Origin::Library)).chain(above).collect();
-        Ok(Self { shown, folder: own, curves, libraries })
+        Ok(Self { shown, folder: own, curves, libraries, missing: RefCell::default() })
+    }
+
+    /// Paths at which a file was looked for and not found.
+    pub(super) fn looked_for(&self) -> Vec<PathBuf> {
+        self.missing.borrow().clone()
     }
 
     fn find(&self, kind: &str, name: &str, shipped: &[(&str, &str)]) -> Result<SourceFile, MissingFile> {
@@ -74,7 +82,9 @@ impl DiskFiles {
                     // A file that exists and cannot be read is reported: a file of the same name in another folder
                     // would be another machine.
                     Ok(_) => return read(&path, &shown, MAX_LIBRARY, *origin),
-                    Err(e) if matches!(e.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {}
+                    Err(e) if matches!(e.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
+                        self.missing.borrow_mut().push(path);
+                    }
                     Err(e) => return Err(unreadable(reading::reason(&e))),
                 }
             }
@@ -109,7 +119,7 @@ impl DiskFiles {
                     let reason = "it is outside the folder of the job".to_owned();
                     fault = MissingFile { fault: Fault::Outside, reason, ..MissingFile::default() };
                 }
-                Err(e) if e.kind() == ErrorKind::NotFound => {}
+                Err(e) if e.kind() == ErrorKind::NotFound => self.missing.borrow_mut().push(start.join(path)),
                 Err(e) => fault = unreadable(reading::reason(&e)),
             }
         }

@@ -2,8 +2,8 @@
 
 use super::certificate_text;
 use super::{
-    Options, Outcome, RunOptions, Stages, before_work, find_post, front, meshes_written, or_reported, reading, report,
-    rest_stock, save, shown_path,
+    Options, Outcome, RunOptions, Stages, before_work, find_post, front, judged_operations, meshes_written,
+    or_reported, reading, report, rest_stock, save, shown_path,
 };
 use crate::analysis;
 use crate::diag::codes::post as codes;
@@ -212,7 +212,7 @@ fn measure(
     });
     let certificate = certificate?;
     contracts.clone_from(&certificate.contracts);
-    operations.clone_from(&certificate.operations);
+    *operations = judged_operations(program, &certificate);
     if let Some((path, file)) = stated {
         compare_figures(path, file, &certificate, sink);
     }

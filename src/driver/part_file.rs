@@ -47,6 +47,7 @@ pub(super) fn write(
     for (path, bytes) in &files {
         or_reported(outputs.stage("-o", path, bytes), sink)?;
     }
+    stages.go_on()?;
     or_reported(outputs.commit(), sink)?;
     let lines: String = said.iter().map(|line| format!("  {line}\n")).collect();
     Ok(format!("wrote {}\n{lines}", shown_path(path)))

@@ -114,7 +114,11 @@ fn rounded(value: f64, decimals: i32) -> f64 {
 /// Positions of the axes as the machine shows them, mm and degrees.
 fn shown_positions(machine: &Machine, joints: &Joints, length: f64) -> [f64; 5] {
     let [x, y, z, first, second] = machine.positions(joints, length);
-    let turned = |k: usize, angle: f64| rounded(machine.rotary[k].word_sign * angle.to_degrees(), 5);
+    let turned = |k: usize, angle: f64| {
+        let axis = &machine.rotary[k];
+        let shown = axis.word_sign * angle.to_degrees();
+        rounded(if axis.modulo.is_some() { shown.rem_euclid(360.0) } else { shown }, 5)
+    };
     let [x, y, z] = [x, y, z].map(|mm| rounded(mm, 5));
     [x, y, z, turned(0, first), turned(1, second)]
 }

@@ -257,7 +257,9 @@ pub(super) fn suggest(diag: Diag, text: &str, span: Span, kind: &str, known: &[&
     let diag = diag.known(known.iter().copied());
     match nearest(text, known.iter().copied()) {
         Some(near) => {
-            diag.label(span, format!("did you mean `{near}`?")).help(format!("write `{near}`")).fix(span, near)
+            let form = other_names::form(near).filter(|_| other_names::meant(text, known) == Some(near));
+            let form = form.map_or_else(String::new, |form| format!(", with its values as in `{form}`"));
+            diag.label(span, format!("did you mean `{near}`?")).help(format!("write `{near}`{form}")).fix(span, near)
         }
         None if known.is_empty() => diag.label(span, "not declared").help(format!("the job declares no {kind}")),
         None if diag.code == codes::NOT_IN_LANGUAGE => {

@@ -31,7 +31,10 @@ pub fn read_library_file(kind: LibraryFile, name: &str, text: &str, sink: &mut S
     let whole = Span::new(source, 0..0);
     match kind {
         LibraryFile::Machine => drop(library::machine(name, source, &sources, whole, sink)),
-        LibraryFile::Tools => tool_file::tools(source, &sources, whole, &mut ToolLibrary::default(), sink),
+        LibraryFile::Tools => {
+            let mut library = ToolLibrary { alone: true, ..ToolLibrary::default() };
+            tool_file::tools(source, &sources, whole, &mut library, sink);
+        }
         LibraryFile::Post => drop(post_file::read(name, source, &sources, None, sink)),
     }
     sources

@@ -297,7 +297,7 @@ fn table(keys: &[Key]) -> Value {
 /// A number and one of the units.
 fn quantity(dimension: Dimension) -> Value {
     let units = library_units(dimension);
-    let pattern = format!("^\\s*[-+]?[0-9]+(\\.[0-9]*)?\\s*({})\\s*$", units.join("|"));
+    let pattern = format!("^\\s*[-+]?([0-9]+\\.?[0-9]*|\\.[0-9]+)\\s*({})\\s*$", units.join("|"));
     let example = units.first().map_or("3".to_owned(), |unit| format!("3 {unit}"));
     json!({ "type": "string", "pattern": pattern, "examples": [example] })
 }

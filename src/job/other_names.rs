@@ -15,6 +15,9 @@ const OTHER_NAMES: &[(&str, &[&str])] = &[
     ("finish", &["flank", "point"]),
     ("finishing", &["flank", "point"]),
     ("roughing", &["rough"]),
+    ("pocket", &["rough"]),
+    ("pocketing", &["rough"]),
+    ("adaptive", &["rough"]),
     ("plunging", &["plunge"]),
     ("slot", &["groove"]),
     ("cutter", &["tool"]),
@@ -97,6 +100,17 @@ const OTHER_NAMES: &[(&str, &[&str])] = &[
     ("apt", &["apt-cl"]),
     ("cldata", &["apt-cl"]),
 ];
+
+/// Words whose values have another form than those of other systems.
+const FORMS: &[(&str, &str)] = &[
+    ("allowance", "allowance vane 0.3 mm, hub 0.3 mm"),
+    ("turned", "stock turned { over shroud 0 mm  bore 10 mm  back -40 mm }"),
+];
+
+/// How a word is written with its values, where other systems write them in another form.
+pub(super) fn form(word: &str) -> Option<&'static str> {
+    FORMS.iter().find(|(of, _)| *of == word).map(|(_, form)| *form)
+}
 
 /// The known word that a word of another system means.
 pub(super) fn meant<'k>(text: &str, known: &[&'k str]) -> Option<&'k str> {

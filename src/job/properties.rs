@@ -90,13 +90,14 @@ impl<'a, 'c> Properties<'a, 'c> {
         let mut this = Self { owner, head, entries: Vec::new(), damaged: block.damaged || scope.damaged, scope, sink };
         let mut before: Option<&Entry> = None;
         for entry in &block.entries {
-            this.add(entry, before, (known, many));
+            this.add(entry, before, (known, many), block.damaged);
             before = Some(entry);
         }
         this
     }
 
-    fn add(&mut self, entry: &'a Entry, before: Option<&Entry>, (known, many): (&[&str], &[&str])) {
+    /// `unsure`: a fault of the block was reported, such as a bracket that is missing.
+    fn add(&mut self, entry: &'a Entry, before: Option<&Entry>, (known, many): (&[&str], &[&str]), unsure: bool) {
         let name = &entry.name;
         if known.contains(&name.text.as_str()) {
             let once = !many.contains(&name.text.as_str());
@@ -135,6 +136,11 @@ impl<'a, 'c> Properties<'a, 'c> {
         let diag = suggest(diag, &name.text, name.span, "property", known);
         let elsewhere: Vec<&str> =
             vocabulary::topics().filter(|t| t.property(&name.text).is_some()).map(|t| t.name).collect();
+        if unsure && diag.fix.is_none() && !elsewhere.is_empty() {
+            // Behind a missing bracket stand the properties of another block.
+            self.damaged = true;
+            return;
+        }
         self.sink.push(match (&diag.fix, elsewhere.as_slice()) {
             (None, [first, ..]) => diag.note(format!(
                 "`{}` is a property of {}; `impellerc explain {first}` shows it",

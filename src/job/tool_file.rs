@@ -63,6 +63,8 @@ struct ToolTable {
 /// Holders and tools of all tool files of a job.
 #[derive(Debug, Default)]
 pub(super) struct ToolLibrary {
+    /// True for a file that is read by itself: its holders may stand in another file.
+    pub(super) alone: bool,
     /// Sections by holder name: length, lower and upper diameter.
     pub(super) holders: BTreeMap<String, Vec<[Mm; 3]>>,
     /// Tools by name; number and span come from the job.
@@ -148,6 +150,7 @@ fn library_tool(
         None => None,
         Some(holder) => match library.holders.get(holder.get_ref()) {
             Some(sections) => Some((holder.get_ref().clone(), sections.clone())),
+            None if library.alone => None,
             None => {
                 let message = format!("no holder is called `{}`", holder.get_ref());
                 reader.fault(reader.span(holder), message, "not in this library".to_owned(), "add [holder.NAME] above");

@@ -74,8 +74,10 @@ pub fn words_at(text: &str, at: usize, files: &mut dyn Files, known: &mut KnownI
             Some(diag) if diag.code == codes::UNKNOWN_UNIT => units.clone_from(&diag.known),
             Some(diag) => {
                 let mut words = diag.known.clone();
-                let given = given(text, word.start, known);
-                words.retain(|word| !given.contains(word));
+                if diag.code == codes::UNKNOWN_PROPERTY {
+                    let given = given(text, word.start, known);
+                    words.retain(|word| !given.contains(word));
+                }
                 words.extend(units.into_iter().filter(|_| behind_number));
                 return (word, words);
             }

@@ -19,7 +19,6 @@ pub struct Hint {
 /// The figures of a text, in its order. Those of operations need a text without faults.
 pub fn hints(understood: &Understood) -> Vec<Hint> {
     let mut found = Vec::new();
-    let mut operations = understood.job.operations.iter().filter(|_| understood.job.whole);
     for item in &understood.tree.items {
         match &item.kind {
             ItemKind::Let { name, value } if computed(value) => {
@@ -30,10 +29,14 @@ pub fn hints(understood: &Understood) -> Vec<Hint> {
                     meaning: "The value of the expression.",
                 }));
             }
-            ItemKind::Operation { body, .. } => {
-                let Some(operation) = operations.next() else { continue };
-                let tool = understood.job.tools.get(operation.tool).and_then(Option::as_ref);
-                found.extend(tool.into_iter().flat_map(|tool| of_operation(body, operation, tool)));
+            ItemKind::Operation { body, .. } if understood.job.whole => {
+                // An item with several tools is as many operations.
+                let begins = |operation: &&OperationSpec| operation.span.start == item.span.start;
+                let cuts = understood.job.operations.iter().filter(begins).filter_map(|operation| {
+                    let tool = understood.job.tools.get(operation.tool)?.as_ref()?;
+                    Some(Cut { speed: operation.speed.get(), feed: operation.feed.get(), tool })
+                });
+                found.extend(of_operation(body, &cuts.collect::<Vec<_>>()));
             }
             _ => {}
         }
@@ -47,8 +50,17 @@ fn computed(value: &Expr) -> bool {
     !matches!(&value.kind, ExprKind::Number(..))
 }
 
-/// Cutting speed behind `speed`, feed per tooth or feed behind `feed`.
-fn of_operation(body: &Block, operation: &OperationSpec, tool: &ToolSpec) -> Vec<Hint> {
+/// An operation with one of its tools.
+struct Cut<'j> {
+    /// rpm.
+    speed: f64,
+    /// mm/min.
+    feed: f64,
+    tool: &'j ToolSpec,
+}
+
+/// Cutting speed behind `speed`, feed per tooth or feed behind `feed`; of several tools each figure once.
+fn of_operation(body: &Block, cuts: &[Cut<'_>]) -> Vec<Hint> {
     let value_of = |name: &str| {
         let entry = body.entries.iter().find(|entry| entry.name.text == name)?;
         match entry.values.as_slice() {
@@ -56,27 +68,33 @@ fn of_operation(body: &Block, operation: &OperationSpec, tool: &ToolSpec) -> Vec
             _ => None,
         }
     };
-    let (speed, feed) = (operation.speed.get(), operation.feed.get());
+    let has_unit = |value: &Expr, due: &str| matches!(&value.kind, ExprKind::Number(_, Some(unit)) if unit.text == due);
+    let figures = |figure: &dyn Fn(&Cut<'_>) -> f64, digits: usize, unit: &str| {
+        let mut texts: Vec<String> = cuts.iter().map(|cut| trim(figure(cut), digits)).collect();
+        texts.dedup();
+        format!("= {} {unit}", texts.join(", "))
+    };
     let mut found = Vec::new();
-    found.extend(value_of("speed").map(|value| Hint {
-        at: value.span.range().end,
-        text: format!("= {} m/min", trim(std::f64::consts::PI * tool.diameter.get() * speed / 1e3, 1)),
-        meaning: "Cutting speed at the largest diameter of the tool.",
-    }));
-    found.extend(value_of("feed").map(|value| {
-        let by_tooth = matches!(&value.kind, ExprKind::Number(_, Some(unit)) if unit.text == "mm/tooth");
-        match by_tooth {
-            true => Hint {
-                at: value.span.range().end,
-                text: format!("= {} mm/min", trim(feed, 1)),
-                meaning: "Feed at the speed of the operation.",
-            },
-            false => Hint {
-                at: value.span.range().end,
-                text: format!("= {} mm/tooth", trim(feed / speed / f64::from(tool.flutes), 4)),
-                meaning: "Feed per tooth at the speed of the operation.",
-            },
-        }
-    }));
+    if cuts.is_empty() {
+        return found;
+    }
+    if let Some(value) = value_of("speed") {
+        let (text, meaning) = if has_unit(value, "m/min") {
+            (figures(&|cut| cut.speed, 0, "rpm"), "Spindle speed.")
+        } else {
+            let speed = |cut: &Cut<'_>| std::f64::consts::PI * cut.tool.diameter.get() * cut.speed / 1e3;
+            (figures(&speed, 1, "m/min"), "Cutting speed at `diameter` of the tool.")
+        };
+        found.push(Hint { at: value.span.range().end, text, meaning });
+    }
+    if let Some(value) = value_of("feed") {
+        let (text, meaning) = if has_unit(value, "mm/tooth") {
+            (figures(&|cut| cut.feed, 1, "mm/min"), "Feed at the speed of the operation.")
+        } else {
+            let of_tooth = |cut: &Cut<'_>| cut.feed / cut.speed / f64::from(cut.tool.flutes);
+            (figures(&of_tooth, 4, "mm/tooth"), "Feed per tooth at the speed of the operation.")
+        };
+        found.push(Hint { at: value.span.range().end, text, meaning });
+    }
     found
 }

@@ -1,7 +1,7 @@
 //! Names that a job gives to values, tools, operations and blades, and the places that mention them.
 
 use super::{Understood, understand, word_round};
-use crate::diag::{Diag, Severity};
+use crate::diag::Diag;
 use crate::job::Files;
 use crate::source::Span;
 use crate::syntax::KnownItems;
@@ -214,17 +214,30 @@ pub fn rename(
     if new.is_empty() || word_round(new, 0, of_name) != (0..new.len()) {
         return Err(format!("`{new}` is no name: letters, digits, `-` and `_` are allowed"));
     }
+    if understood.tree.faulty || understood.tree.damaged {
+        return Err("the text has faults: some places of the name may not be known; correct the text first".to_owned());
+    }
     let mut renamed = text.to_owned();
-    let mut from_end = places.clone();
-    from_end.sort_by_key(|place| std::cmp::Reverse(place.start));
-    for place in from_end {
-        renamed.replace_range(place, new);
+    let mut in_order = places.clone();
+    in_order.sort_by_key(|place| place.start);
+    for place in in_order.iter().rev() {
+        renamed.replace_range(place.clone(), new);
     }
     let after = understand("job.imp", &renamed, files, &mut KnownItems::default());
-    let is_error = |diag: &&Diag| diag.severity == Severity::Error;
-    let faults = |of: &Understood| of.diags.iter().filter(is_error).count();
-    if let Some(fault) = after.diags.iter().find(is_error).filter(|_| faults(&after) > faults(understood)) {
-        return Err(format!("with the name `{new}` the job has a fault: {}", fault.message));
+    let is_new = |diag: &&Diag| understood.diags.iter().all(|before| before.message != diag.message);
+    if let Some(fault) = after.diags.iter().find(is_new).filter(|_| after.diags.len() > understood.diags.len()) {
+        return Err(format!("with the name `{new}` the compiler says more of the job, such as: {}", fault.message));
+    }
+    // The same places, moved by the letters that the places before them have got or lost.
+    let moved = |k: usize, place: &Range<usize>| {
+        let start = place.start + k * new.len() - in_order[..k].iter().map(|before| before.len()).sum::<usize>();
+        start..start + new.len()
+    };
+    let due: Vec<Range<usize>> = in_order.iter().enumerate().map(|(k, place)| moved(k, place)).collect();
+    let mut found = self::places(&after, due[0].start);
+    found.sort_by_key(|place| place.start);
+    if found != due {
+        return Err(format!("`{new}` is a name or a word of the job already"));
     }
     Ok(places)
 }

@@ -50,7 +50,9 @@ pub(super) fn exchanged(spec: &PartSpec, [hub, shroud]: [&Revolution; 2], sink: 
 
 /// Warns of a hub that faces down, away from the spindle.
 pub(super) fn upside_down(spec: &PartSpec, hub: &Revolution, sink: &mut Sink) {
-    if mean_normal(hub).y < -CLEARLY {
+    let normal = mean_normal(hub);
+    // The hub of an axial wheel may narrow downwards: its tools come from the side.
+    if normal.y < -CLEARLY && normal.y.abs() > normal.x.abs() {
         sink.push(
             Diag::warning(codes::DOUBTFUL, "the hub faces down: the part is upside down for tools that come from +Z")
                 .label(spec.hub.span(), "its material lies above it")

@@ -17,6 +17,11 @@ pub(super) struct Unfinished {
     streaming: Option<String>,
 }
 
+/// A further run begins: what an earlier one wrote is not told of it.
+pub fn begin() {
+    hold().done.clear();
+}
+
 /// While the guard is held, no signal ends the run.
 pub(super) fn hold() -> MutexGuard<'static, Unfinished> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)

@@ -83,7 +83,8 @@ pub fn parse_again(text: &str, source: SourceId, known: &mut KnownItems, sink: &
         let faults = sink.count();
         match read_piece(text, source, piece, sink) {
             Some(item) => {
-                if let Some(whole) = whole.filter(|_| sink.count() == faults) {
+                // From the largest number of faults on the parser is silent: no item counts as one without faults.
+                if let Some(whole) = whole.filter(|_| sink.count() == faults && faults < MAX_FAULTS) {
                     known.keep(whole, start, &item);
                 }
                 file.items.push(item);
@@ -232,6 +233,8 @@ impl Builder<'_> {
             "give one value; only `allowance vane` has two with `..` between them: `vane 0.2 mm .. 0.4 mm`"
         } else if rest.starts_with('.') {
             "write a digit before the point: 0.5"
+        } else if base == 0 && rest.starts_with('{') && scan::first_word(input) == "require" {
+            "write each requirement as an item of its own: `require gouge <= 2 um`"
         } else if words.as_slice() == ["the end"] {
             "begin each item on its own line"
         } else {

@@ -114,9 +114,14 @@ pub fn examine(
 /// Measures a motion; faults and failed contracts go to the sink.
 ///
 /// # Errors
-/// The motion is malformed.
+/// The motion is malformed, or the run was cancelled.
 pub fn certify(program: &Program, motion: &Motion, sink: &mut Sink) -> Result<Certificate, Aborted> {
     certify_with(program, motion, &mut stock::Settings::default(), &Progress::default(), sink)
+}
+
+/// Does a part of the work, unless the run was cancelled.
+fn unless_cancelled<T>(progress: &Progress, work: impl FnOnce() -> T) -> Result<T, Aborted> {
+    if progress.is_cancelled() { Err(Aborted) } else { Ok(work()) }
 }
 
 /// [`certify`] with settings of the stock simulation, and with reports of its progress.
@@ -140,7 +145,7 @@ pub fn certify_with(
     let bounds = limits(program).narrowed(chords);
     let mut surfaces = surface::certify(&program.part, program.milled_turned(), &sweeps, SPACING, &bounds, progress);
     splines::widen(&mut surfaces, chords);
-    let kept = kept::check(program, &sweeps, chords, progress);
+    let kept = unless_cancelled(progress, || kept::check(program, &sweeps, chords, progress))?;
     let allowance = allowance::check(program, motion, progress);
     let (design_cloud, blank) = rayon::join(
         || Cloud::new(sample::cloud_points(&samples)),
@@ -159,7 +164,7 @@ pub fn certify_with(
         .map(|(i, _)| i)
         .collect();
     let left = program.stock.left.as_ref().map(|mesh| left::Left::new(mesh));
-    let stock = stock::simulate(program, motion, settings, progress, sink);
+    let stock = unless_cancelled(progress, || stock::simulate(program, motion, settings, progress, sink))?;
     let mut certificate = Certificate {
         name: program.name.clone(),
         machine_name: program.machine.name.clone(),

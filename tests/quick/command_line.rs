@@ -206,6 +206,17 @@ fn changes_are_watched() {
     let points = std::fs::read_to_string(&curves).unwrap();
     std::fs::write(&curves, points.replacen("tip_pressure", "tip_presure", 1)).unwrap();
     assert!(until_waits().contains("vane_curves.csv"));
+    // A file that is missing is waited for.
+    std::fs::remove_file(&curves).unwrap();
+    let without = loop {
+        let line = lines.recv_timeout(std::time::Duration::from_secs(60)).unwrap();
+        if line.contains("waiting for a change of small.imp;") {
+            break line;
+        }
+    };
+    assert!(without.ends_with("Ctrl+C ends"), "{without}");
+    std::fs::write(&curves, &points).unwrap();
+    assert!(until_waits().contains("IMP0351"));
     child.kill().unwrap();
     child.wait().unwrap();
     let rest: Vec<String> = lines.try_iter().collect();

@@ -163,6 +163,12 @@ fn words_are_offered_where_the_compiler_knows_them() {
     editor.open(uri, text);
     let found = editor.ask("textDocument/completion", at(uri, text, "fl }", 2));
     assert!(labels(&found).contains(&"flute") && !labels(&found).contains(&"flutes"), "{found}");
+    // A value may have the name of a property.
+    let uri = "file:///no/such/folder/value.imp";
+    let text = "edition 2026\nlet feed = 200 mm/min\noperation flank { speed 8000 rpm  feed f }\n";
+    editor.open(uri, text);
+    let found = editor.ask("textDocument/completion", at(uri, text, "f }", 1));
+    assert!(labels(&found).contains(&"feed"), "{found}");
     let text = "edition 2026\nuse tools \"carbide\"\ntool t1 = \"flat-6\"\n\
         operation flank { tool t9  speed 8000 rpm  feed 250 mm/min  faces pressure }\n";
     editor.open(uri, text);
@@ -269,12 +275,27 @@ fn a_name_is_renamed_at_all_its_places() {
             assert!(refused["error"].as_str().is_some_and(|reason| reason.contains("no name")), "{refused}");
         }
     }
-    let text = "edition 2026\nlet a = 1 mm\nlet b = a * 2\n";
-    editor.open(URI, text);
-    let mut params = at(URI, text, "a = 1", 0);
-    params["newName"] = json!("b");
-    let refused = editor.ask("textDocument/rename", params);
-    assert!(refused["error"].as_str().is_some_and(|reason| reason.contains("declared twice")), "{refused}");
+    // A name that is taken, one that becomes a word of the language, one in a text of which some items cannot be read.
+    let small = std::fs::read_to_string("jobs/small/small.imp").unwrap();
+    let broken = small.replacen("depth 3 mm", "depth 3 ) mm", 1);
+    // The second operation `channel` is called `channel2`, and a requirement names it.
+    let of_channel = small.find("operation channel").unwrap()..small.find("tolerance chord").unwrap();
+    let named = format!("{}{}{}", &small[..of_channel.end], &small[of_channel.clone()], &small[of_channel.end..]);
+    let named = named.replacen("operation flank", "operation flank x", 1);
+    let named =
+        named.replacen("clearance >= 0.5 mm", "clearance >= 0.5 mm\nrequire gouge <= 5 um on operation channel2", 1);
+    for (name, text, word, new, reason) in [
+        ("a", "edition 2026\nlet a = 1 mm\nlet b = a * 2\n", "a = 1", "b", "declared twice"),
+        ("b", &named, "x {", "channel2", "channel2"),
+        ("c", &broken, "t2 = ball", "t9", "has faults"),
+    ] {
+        let uri = format!("file://{}/{name}.imp", Path::new("jobs/small").canonicalize().unwrap().display());
+        editor.open(&uri, text);
+        let mut params = at(&uri, text, word, 0);
+        params["newName"] = json!(new);
+        let refused = editor.ask("textDocument/rename", params);
+        assert!(refused["error"].as_str().is_some_and(|said| said.contains(reason)), "{name}: {refused}");
+    }
     editor.close();
 }
 
@@ -305,6 +326,21 @@ fn figures_stand_beside_speeds_and_feeds() {
     assert_eq!(labels[..6], due, "{found}");
     let hover = editor.ask("textDocument/hover", at(&uri, &text, ">= clear", 4));
     assert!(hover["contents"]["value"].as_str().unwrap().contains("value 0.5 mm"), "{hover}");
+    // An item with several tools has the figures of each of them, and those behind it have their own.
+    let text = std::fs::read_to_string("jobs/blisk/blisk.imp").unwrap();
+    let uri = format!("file://{}", Path::new("jobs/blisk/blisk.imp").canonicalize().unwrap().display());
+    editor.open(&uri, &text);
+    let found = editor.ask("textDocument/inlayHint", json!({ "textDocument": { "uri": uri }, "range": whole }));
+    let start = text.find("operation point").unwrap();
+    let number = |word: &str, unit: &str| -> f64 {
+        let behind = text[start..].split(&format!(" {word} ")).nth(1).unwrap();
+        behind.split(unit).next().unwrap().trim().parse().unwrap()
+    };
+    let line = text[..start + text[start..].find(" feed ").unwrap()].matches('\n').count();
+    let of_line = found.as_array().unwrap().iter().filter(|hint| hint["position"]["line"] == json!(line));
+    let labels: Vec<&str> = of_line.filter_map(|hint| hint["label"].as_str()).collect();
+    let due = number("feed", "mm/min") / number("speed", "rpm") / 4.0;
+    assert_eq!(labels[1], format!("= {} mm/tooth", impellerc::units::trim(due, 4)), "{found}");
     editor.close();
 }
 
@@ -341,6 +377,11 @@ fn names_of_files_lead_to_the_files() {
     let found = editor.of_library();
     let place = wrong[..wrong.find("deg\"").unwrap()].matches('\n').count();
     assert!(found.as_array().unwrap().iter().any(|d| d["range"]["start"]["line"] == json!(place)), "{found}");
+    // Its holders may stand in another file.
+    let uri = format!("file://{}/_lib/tools/few.toml", folder.display());
+    let tool = &library[library.find("[tool.").unwrap()..];
+    editor.open(&uri, tool);
+    assert_eq!(editor.of_library(), json!([]));
     editor.close();
 }
 
@@ -352,6 +393,9 @@ fn a_saved_job_is_verified_and_its_text_leads_back() {
     let folder = folder.path().canonicalize().unwrap();
     std::fs::copy("jobs/small/vane_curves.csv", folder.join("vane_curves.csv")).unwrap();
     let text = std::fs::read_to_string("jobs/small/small.imp").unwrap();
+    let of_channel = text.find("operation channel").unwrap()..text.find("tolerance chord").unwrap();
+    let second = text[of_channel.clone()].replacen("scallop 0.2 mm", "scallop 0.3 mm", 1);
+    let text = format!("{}{second}{}", &text[..of_channel.end], &text[of_channel.end..]);
     let job = folder.join("small.imp");
     std::fs::write(&job, &text).unwrap();
     let uri = format!("file://{}", job.display());
@@ -377,10 +421,18 @@ fn a_saved_job_is_verified_and_its_text_leads_back() {
     let lenses = editor.ask("textDocument/codeLens", asked.clone());
     let titles: Vec<&str> =
         lenses.as_array().unwrap().iter().map(|l| l["command"]["title"].as_str().unwrap()).collect();
-    assert_eq!(titles.len(), 5, "{lenses}");
-    assert!(titles[1].contains("passes; 6 strips per face") && titles[3].starts_with("holds: proved "), "{titles:?}");
+    assert_eq!(titles.len(), 6, "{lenses}");
+    assert!(titles[1].contains("passes; 6 strips per face") && titles[4].starts_with("holds: proved "), "{titles:?}");
+    // The second of two operations without names has its own times.
+    assert_ne!(titles[2], titles[3], "{titles:?}");
     let hover = editor.ask("textDocument/hover", at(&uri, &text, "part small", 2));
     assert!(hover["contents"]["value"].as_str().unwrap().contains("IMP0351"), "{hover}");
+    // With another table of curves it is another job.
+    let curves = folder.join("vane_curves.csv");
+    let table = std::fs::read_to_string(&curves).unwrap();
+    std::fs::write(&curves, format!("{table}\n")).unwrap();
+    assert_eq!(editor.ask("textDocument/codeLens", asked.clone()), json!([]));
+    std::fs::write(&curves, &table).unwrap();
     // An edited text is not the one that was verified.
     let place = json!({ "line": 0, "character": 0 });
     let change = json!({ "range": { "start": place, "end": place }, "text": " " });
@@ -449,8 +501,12 @@ fn verification_is_cancelled() {
     let end = editor.told.iter().find(|(_, p)| kind(p, "end")).unwrap();
     assert_eq!(end.1["value"]["message"], "cancelled");
     editor.tell("textDocument/didSave", json!({ "textDocument": { "uri": uri } }));
-    // The editor does not wait for the thread.
-    editor.close();
+    // The editor does not wait for the thread, and may answer an earlier request late.
+    let late = Response::new_ok(lsp_server::RequestId::from("late".to_owned()), Value::Null);
+    editor.ask("shutdown", Value::Null);
+    editor.connection.sender.send(late.into()).unwrap();
+    editor.tell("exit", Value::Null);
+    editor.service.take().unwrap().join().unwrap().unwrap();
 }
 
 /// A saved file is judged as `impellerc check` does: facts about the part come without being asked for.

@@ -212,16 +212,19 @@ impl JobText<'_> {
     /// What verification found, over each operation and requirement. An edited text has none: they are those of the saved text.
     fn lenses(&self) -> Value {
         let judgement = lock(&self.document.judgement);
-        let Some(proof) = judgement.proof.as_ref().filter(|proof| proof.text == self.document.text) else {
+        let Some(proof) = judgement.proof.as_ref().filter(|proof| proof.is_of(&self.document.text)) else {
             return json!([]);
         };
         let lens = |place: Range<usize>, title: String| json!({ "range": self.range(place), "command": { "title": title, "command": "" } });
         let mut found = Vec::new();
         for item in &self.document.understood.tree.items {
             let ItemKind::Operation { kind, name, .. } = &item.kind else { continue };
-            let Name { text, span } = name.as_ref().unwrap_or(kind);
-            let Some(report) = proof.operations.iter().find(|report| report.name == *text) else { continue };
-            found.push(lens(span.range(), operation_title(report, proof)));
+            let own = proof.operations.iter().filter(|(span, _)| span.source == JOB && span.start == item.span.start);
+            let reports: Vec<&OperationReport> = own.map(|(_, report)| report).collect();
+            if !reports.is_empty() {
+                let Name { span, .. } = name.as_ref().unwrap_or(kind);
+                found.push(lens(span.range(), operation_title(&reports, proof)));
+            }
         }
         let stated = proof.contracts.iter().filter(|contract| !contract.default && contract.span.source == JOB);
         found.extend(stated.map(|contract| lens(contract.span.range(), contract_title(contract))));
@@ -229,16 +232,21 @@ impl JobText<'_> {
     }
 }
 
-/// Times, passes and choices of an operation.
-fn operation_title(report: &OperationReport, proof: &Proof) -> String {
+/// Times, passes and choices of an item, which with several tools is several operations.
+fn operation_title(reports: &[&OperationReport], proof: &Proof) -> String {
     let time = |seconds: f64| {
         let seconds = seconds.round() as u64;
         format!("{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60)
     };
-    let all = time(report.time.iter().sum());
-    let [cut, link, rapid] = report.time.map(time);
-    let passes = if report.passes == 1 { "one pass".to_owned() } else { format!("{} passes", report.passes) };
-    let chosen = proof.notes.iter().find(|(operation, _)| *operation == report.name);
+    let sums = [0, 1, 2].map(|k| reports.iter().map(|report| report.time[k]).sum::<f64>());
+    let all = time(sums.iter().sum());
+    let [cut, link, rapid] = sums.map(time);
+    let passes = match reports.iter().map(|report| report.passes).sum::<usize>() {
+        1 => "one pass".to_owned(),
+        count => format!("{count} passes"),
+    };
+    let of_item = |operation: &String| reports.iter().any(|report| report.name == *operation);
+    let chosen = proof.notes.iter().find(|(operation, _)| of_item(operation));
     let chosen = chosen.map_or_else(String::new, |(_, note)| format!("; {note}"));
     format!("{all}: cutting {cut}, links {link}, rapid {rapid}; {passes}{chosen}")
 }
@@ -273,7 +281,8 @@ fn about(named: &NamedFile, mut files: DiskFiles) -> Option<String> {
 /// The file on the disk, and the line from 0 at which it gives what the job names.
 fn place_in_file(named: &NamedFile, tree: &crate::syntax::ast::File, mut files: DiskFiles) -> Option<(PathBuf, usize)> {
     let of_table = |files: &mut DiskFiles, table: &str, name: &str| {
-        let libraries = tree.items.iter().filter_map(|item| match &item.kind {
+        // Of two tools of one name the later one counts.
+        let libraries = tree.items.iter().rev().filter_map(|item| match &item.kind {
             ItemKind::Use { kind, what } if kind.text == "tools" => Some(what.text.clone()),
             _ => None,
         });

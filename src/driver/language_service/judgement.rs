@@ -3,11 +3,12 @@
 //! What a thread finds is published only while the editor still has the text that was judged. A new save cancels the
 //! verification of the text before it.
 
-use super::Options;
 use super::messages::{diagnostics, notice, published, request};
+use super::{FileStamps, Options};
 use crate::diag::Diag;
 use crate::driver::{Outcome, RunState, Stages, check, compile};
 use crate::language::JOB;
+use crate::source::Span;
 use crate::verify::certificate::{ContractReport, OperationReport};
 use lsp_server::Message;
 use serde_json::{Value, json};
@@ -34,9 +35,19 @@ pub(super) struct Wishes {
 pub(super) struct Proof {
     pub(super) text: String,
     pub(super) contracts: Vec<ContractReport>,
-    pub(super) operations: Vec<OperationReport>,
+    /// Operations with their places in the job.
+    pub(super) operations: Vec<(Span, OperationReport)>,
     /// Operation, and a decision of its planning.
     pub(super) notes: Vec<(String, String)>,
+    /// The files that the run has read.
+    files: FileStamps,
+}
+
+impl Proof {
+    /// True for a text, while its files are as they were when it was verified.
+    pub(super) fn is_of(&self, text: &str) -> bool {
+        self.text == text && self.files.hold()
+    }
 }
 
 /// What the facts say of a text.
@@ -50,6 +61,8 @@ pub(super) struct Facts {
 #[derive(Debug)]
 struct Wanted {
     text: String,
+    /// Its version.
+    version: i64,
     /// Whether it is also planned and verified.
     verify: bool,
 }
@@ -74,8 +87,9 @@ pub(super) fn lock(judgement: &Mutex<Judgement>) -> MutexGuard<'_, Judgement> {
 }
 
 impl Judgement {
-    /// Ends the verification that runs.
+    /// Ends the verification that runs, and forgets what an earlier one found.
     pub(super) fn cancel(&mut self) {
+        self.proof = None;
         self.run.iter().for_each(|run| run.cancel());
     }
 }
@@ -96,7 +110,8 @@ pub(super) fn judge(
     {
         let mut judgement = lock(shared);
         judgement.cancel();
-        judgement.wanted = Some(Wanted { text: text.to_owned(), verify: saved && wishes.verify });
+        let Some(version) = judgement.version else { return };
+        judgement.wanted = Some(Wanted { text: text.to_owned(), version, verify: saved && wishes.verify });
         if judgement.running {
             return;
         }
@@ -105,6 +120,18 @@ pub(super) fn judge(
     let judge = Judge { shared: Arc::clone(shared), uri: uri.to_owned(), options, send, wishes };
     std::thread::spawn(move || judge.run());
 }
+
+/// Runs something when it goes out of scope, also when the code before panics.
+struct AtEnd<F: FnMut()>(F);
+
+impl<F: FnMut()> Drop for AtEnd<F> {
+    fn drop(&mut self) {
+        (self.0)();
+    }
+}
+
+/// One job is planned and verified at a time: each of them takes all processors and much memory.
+static VERIFYING: Mutex<()> = Mutex::new(());
 
 /// A thread that judges the texts of one file.
 struct Judge {
@@ -124,54 +151,67 @@ impl Judge {
     }
 
     fn run(&self) {
+        // A thread that panicked does not keep the next one from running.
+        let _ended = AtEnd(|| {
+            if std::thread::panicking() {
+                lock(&self.shared).running = false;
+            }
+        });
         loop {
-            let (version, wanted) = {
+            let wanted = {
                 let mut judgement = lock(&self.shared);
-                let next = judgement.version.zip(judgement.wanted.take());
-                judgement.running = next.is_some();
-                let Some(next) = next else { return };
-                next
+                let Some(wanted) = judgement.wanted.take().filter(|_| judgement.version.is_some()) else {
+                    // Inside of the lock: a text that is wanted from here on starts a thread of its own.
+                    judgement.running = false;
+                    return;
+                };
+                wanted
             };
             let facts = check(&self.options, &mut Stages::default());
             let sound = !facts.sink.has_errors();
-            if self.publish(&facts, &wanted.text, version) && sound && wanted.verify {
-                self.verify(&wanted.text, version);
+            if self.publish(&facts, &wanted) && sound && wanted.verify {
+                self.verify(&wanted);
             }
         }
     }
 
     /// Publishes what was found of a text, where the editor still has it. False where it has another one.
-    fn publish(&self, outcome: &Outcome, text: &str, version: i64) -> bool {
+    fn publish(&self, outcome: &Outcome, Wanted { text, version, .. }: &Wanted) -> bool {
         // An editor can show a text that is not saved: places of the file are not places of this text.
-        let Some(file) = outcome.sources.get(JOB).filter(|file| file.text == text) else { return false };
+        let Some(file) = outcome.sources.get(JOB).filter(|file| file.text == *text) else { return false };
         let diags = diagnostics(outcome.sink.diags(), &outcome.sources, &file.text, &self.uri);
         let mut judgement = lock(&self.shared);
-        if judgement.version != Some(version) {
+        if judgement.version != Some(*version) {
             return false;
         }
-        judgement.facts = Some(Facts { text: text.to_owned(), diags: outcome.sink.diags().to_vec() });
-        self.send(published(&self.uri, version, &diags));
+        judgement.facts = Some(Facts { text: text.clone(), diags: outcome.sink.diags().to_vec() });
+        self.send(published(&self.uri, *version, &diags));
         true
     }
 
     /// Plans and verifies the file.
-    fn verify(&self, text: &str, version: i64) {
+    fn verify(&self, wanted: &Wanted) {
+        let _alone = VERIFYING.lock().unwrap_or_else(PoisonError::into_inner);
         let mut stages = Stages::default();
         let state = stages.state();
         {
             let mut judgement = lock(&self.shared);
-            if judgement.wanted.is_some() || judgement.version != Some(version) {
+            if judgement.wanted.is_some() || judgement.version.is_none() {
                 return;
             }
             judgement.run = Some(Arc::clone(&state));
         }
         let outcome = self.with_progress(&state, || compile(&self.options, &mut stages));
         lock(&self.shared).run = None;
-        if state.is_cancelled() || !self.publish(&outcome, text, version) {
+        let of_text = outcome.sources.get(JOB).is_some_and(|file| file.text == wanted.text);
+        if state.is_cancelled() || !of_text {
             return;
         }
+        // An edit that is undone brings the verified text back: its proof is kept, whatever version the editor has.
+        self.publish(&outcome, wanted);
+        let files = FileStamps::of(&outcome);
         let Outcome { contracts, operations, notes, .. } = outcome;
-        lock(&self.shared).proof = Some(Proof { text: text.to_owned(), contracts, operations, notes });
+        lock(&self.shared).proof = Some(Proof { text: wanted.text.clone(), contracts, operations, notes, files });
         if self.wishes.lenses {
             self.send(request(&format!("lenses {}", self.uri), "workspace/codeLens/refresh", Value::Null));
         }
@@ -205,9 +245,9 @@ impl Judge {
                     std::thread::sleep(TELL);
                 }
             });
-            let outcome = work();
-            ended.store(true, Ordering::Relaxed);
-            outcome
+            // Also when the work panics: otherwise the scope would wait for ever.
+            let _ended = AtEnd(|| ended.store(true, Ordering::Relaxed));
+            work()
         });
         let verdict = outcome.emitted.as_deref().and_then(|text| text.lines().next());
         let message = if state.is_cancelled() { "cancelled" } else { verdict.unwrap_or("refused") };

@@ -9,7 +9,7 @@ mod judgement;
 mod messages;
 mod nc_text;
 
-use super::{DiskFiles, Options, RunOptions};
+use super::{DiskFiles, FileStamps, Options, RunOptions};
 use crate::diag::Sink;
 use crate::job::{InMemory, LibraryFile};
 use crate::language::{self, Positions, Understood};
@@ -20,9 +20,10 @@ use lsp_server::{Connection, ErrorCode, Message, Notification, Request, Response
 use messages::{address, diagnostics, path, position, published, range, refused};
 use nc_text::NcText;
 use serde_json::{Value, json};
-use std::cell::{OnceCell, RefCell};
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use std::sync::{Arc, Mutex};
 
 /// What a text is.
@@ -65,7 +66,7 @@ struct Document {
     known: RefCell<KnownItems>,
     judgement: Arc<Mutex<Judgement>>,
     /// What is known of NC text, when it was asked for.
-    nc: OnceCell<NcText>,
+    nc: RefCell<Option<Rc<NcText>>>,
 }
 
 /// The open texts.
@@ -120,9 +121,8 @@ pub fn serve(connection: &Connection, library: Option<PathBuf>) -> Result<(), St
         while let Some(message) = next {
             match message {
                 Message::Request(request) => {
-                    if connection.handle_shutdown(&request).map_err(|e| e.to_string())? {
-                        service.documents.values().for_each(|document| lock(&document.judgement).cancel());
-                        return Ok(());
+                    if request.method == "shutdown" {
+                        return service.shut_down(connection, request);
                     }
                     service.read_changed()?;
                     service.answer(request)?;
@@ -138,6 +138,28 @@ pub fn serve(connection: &Connection, library: Option<PathBuf>) -> Result<(), St
 }
 
 impl Service {
+    /// Ends the work, and waits for the notice with which the editor ends the service. Answers of the editor to earlier
+    /// requests may still come.
+    fn shut_down(&self, connection: &Connection, request: Request) -> Result<(), String> {
+        self.documents.values().for_each(|document| {
+            let mut judgement = lock(&document.judgement);
+            judgement.version = None;
+            judgement.cancel();
+        });
+        self.send(Message::Response(Response::new_ok(request.id, Value::Null)))?;
+        while let Ok(message) = connection.receiver.recv() {
+            match message {
+                Message::Notification(notice) if notice.method == "exit" => return Ok(()),
+                Message::Request(request) => {
+                    let reason = "the service is shut down".to_owned();
+                    self.send(refused(request.id, ErrorCode::InvalidRequest, reason))?;
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+
     fn send(&self, message: Message) -> Result<(), String> {
         if (self.send)(message) { Ok(()) } else { Err("the editor is gone".to_owned()) }
     }
@@ -166,14 +188,15 @@ impl Service {
                     changes.into_iter().flatten().for_each(|change| open.text = changed(&open.text, change));
                     open.version = document["version"].as_i64().unwrap_or(open.version + 1);
                     open.changed = true;
-                    open.nc = OnceCell::new();
+                    open.nc = RefCell::default();
                 }
             }
             "textDocument/didSave" => {
-                self.read_changed()?;
-                if let Some(open) = self.documents.get_mut(uri) {
-                    open.nc = OnceCell::new();
+                // A file of the library may be one of those that the open jobs read.
+                if self.documents.get(uri).is_some_and(|saved| saved.kind != TextKind::Job) {
+                    self.documents.values_mut().for_each(|document| document.changed |= document.kind == TextKind::Job);
                 }
+                self.read_changed()?;
                 self.judge(uri, true);
             }
             "textDocument/didClose" => {
@@ -193,7 +216,7 @@ impl Service {
         let path = path(uri);
         let kind = TextKind::of(&path, language);
         let understood = language::understand("", "", &mut InMemory::default(), &mut KnownItems::default());
-        let (judgement, known, nc) = (Arc::default(), RefCell::default(), OnceCell::new());
+        let (judgement, known, nc) = (Arc::default(), RefCell::default(), RefCell::default());
         let document = Document { kind, text, version, path, understood, changed: true, known, judgement, nc };
         self.documents.insert(uri.to_owned(), document);
     }
@@ -261,7 +284,12 @@ impl Service {
 /// The answer to a question about NC text.
 fn of_nc(document: &Document, positions: &Positions<'_>, method: &str, params: &Value) -> Option<Value> {
     let line = position(&params["position"]).line;
-    let nc = || document.nc.get_or_init(|| NcText::new(&document.path, &document.text));
+    let nc = || {
+        let mut known = document.nc.borrow_mut();
+        let last = known.take().filter(|nc| nc.holds(&document.path));
+        let nc = last.unwrap_or_else(|| Rc::new(NcText::new(&document.path, &document.text)));
+        Rc::clone(known.insert(nc))
+    };
     match method {
         "textDocument/hover" => Some(nc().meaning(line).map_or(Value::Null, |text| {
             let start = positions.byte(language::Position { line, column: 0 });

@@ -1,9 +1,12 @@
 //! Answers about NC text, from the source map and the certificate that lie beside it.
 
+use super::FileStamps;
 use crate::driver::reading;
 use crate::export::certificate_file::{self, CertificateFile, sha256};
 use crate::export::source_map::{self, LaidMap, SourceMapFile};
 use serde_json::Value;
+use std::fs::File;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 /// Largest file beside the text that is read.
@@ -12,45 +15,77 @@ const MOST: u64 = 256 << 20;
 /// Most files beside the text that are looked at.
 const MOST_FILES: usize = 200;
 
+/// Bytes at the beginning of a file in which its format stands.
+const HEAD: usize = 200;
+
 /// What is known of an NC text.
 #[derive(Debug, Default)]
 pub(super) struct NcText {
     map: Option<LaidMap>,
+    /// Why a source map beside the text cannot be read.
+    refused: Option<String>,
     /// Figures of the certificate that belong to a move: operation, index, sentence.
     figures: Vec<(u64, u64, String)>,
     folder: PathBuf,
+    /// The files that could belong to the text, as they were.
+    beside: FileStamps,
 }
 
-/// The JSON files in a folder that state a format.
-fn of_format(folder: &Path, format: &str) -> Vec<String> {
-    let head = format!("\"{format}\"");
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten().take(MOST_FILES);
-    let paths = entries.map(|entry| entry.path()).filter(|path| path.extension().is_some_and(|e| e == "json"));
-    let texts = paths.filter_map(|path| String::from_utf8(reading::read(&path, MOST).ok()??).ok());
-    texts.filter(|text| text.get(..100).is_some_and(|start| start.contains(&head))).collect()
+/// The JSON files beside a text.
+fn beside(path: &Path) -> Vec<PathBuf> {
+    let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let files = entries.map(|entry| entry.path()).filter(|path| path.extension().is_some_and(|e| e == "json"));
+    let mut files: Vec<PathBuf> = files.take(MOST_FILES).collect();
+    files.sort();
+    files
+}
+
+/// The texts of those files that begin with a format.
+fn of_format(files: &[PathBuf], format: &str) -> Vec<String> {
+    let begins = |path: &&PathBuf| {
+        let mut head = Vec::new();
+        let read = File::open(path).and_then(|file| file.take(HEAD as u64).read_to_end(&mut head));
+        read.is_ok() && head.windows(format.len()).any(|bytes| bytes == format.as_bytes())
+    };
+    let found = files.iter().filter(begins);
+    found.filter_map(|path| String::from_utf8(reading::read(path, MOST).ok()??).ok()).collect()
 }
 
 impl NcText {
     /// Looks for the files that belong to a text: of several source maps, the one that knows the most lines.
     pub(super) fn new(path: &Path, text: &str) -> Self {
-        let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
-        let maps = of_format(&folder, source_map::FORMAT);
-        let laid = maps.iter().filter_map(|map| Some(LaidMap::new(SourceMapFile::read(map).ok()?, text)));
-        let map = laid.filter(|map| map.known()[1] > 0).max_by_key(|map| map.known()[1]);
+        let files = beside(path);
+        let stamps = FileStamps::new(files.iter().cloned());
+        let (mut map, mut refused) = (None::<LaidMap>, None);
+        for found in of_format(&files, source_map::FORMAT) {
+            match SourceMapFile::read(&found).map(|found| LaidMap::new(found, text)) {
+                Ok(laid) if laid.known()[1] > map.as_ref().map_or(0, |best| best.known()[1]) => map = Some(laid),
+                Ok(_) => {}
+                Err(reason) => refused = Some(reason),
+            }
+        }
         let body = sha256(certificate_file::body(text).1.as_bytes());
-        let certificates = of_format(&folder, certificate_file::FORMAT);
+        let certificates = of_format(&files, certificate_file::FORMAT);
         let mut read = certificates.iter().filter_map(|text| CertificateFile::read(text).ok());
         let figures = read.find(|file| file.nc.body_sha256 == body).map(|file| figures(&file.measured));
-        Self { map, figures: figures.unwrap_or_default(), folder }
+        let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
+        Self { map, refused, figures: figures.unwrap_or_default(), folder, beside: stamps }
+    }
+
+    /// True while the files beside the text are as they were.
+    pub(super) fn holds(&self, path: &Path) -> bool {
+        self.beside == FileStamps::new(beside(path).into_iter())
     }
 
     /// What a line, from 0, is: Markdown.
     pub(super) fn meaning(&self, line: usize) -> Option<String> {
         let Some(map) = &self.map else {
-            return Some(
-                "No source map lies beside this text: `--source-map part.map.json` of the compilation writes one."
-                    .to_owned(),
+            let reason = self.refused.as_ref().map_or_else(
+                || "No source map lies beside this text".to_owned(),
+                |reason| format!("The source map beside this text cannot be read, because {reason}"),
             );
+            return Some(format!("{reason}: `--source-map part.map.json` of the compilation writes one."));
         };
         let said = map.says(line + 1)?;
         let Some((block, operation)) = map.block(line + 1) else { return Some(said) };

@@ -277,7 +277,8 @@ impl StockReport {
     }
 }
 
-/// Simulates the stock over the whole program; `None` when the field cannot be made, with the reason in the sink.
+/// Simulates the stock over the whole program; `None` when the field cannot be made, with the reason in the sink, or when the run
+/// was cancelled.
 pub fn simulate(
     program: &Program,
     motion: &Motion,
@@ -301,6 +302,9 @@ pub fn simulate(
     let disc = hub_disc(program, below);
     let start = program.stock.left.is_some().then(|| field.clone());
     for (o, operation) in motion.operations.iter().enumerate() {
+        if progress.is_cancelled() {
+            return None;
+        }
         let name = format!("{}, stock", program.operations[operation.operation].name);
         let work = progress.begin(name, operation.moves.len().saturating_sub(1));
         let mut report = run(program, operation, o, &mut field, &work);
