@@ -148,10 +148,11 @@ pub(super) struct Listed {
     pub(super) folder: Option<PathBuf>,
 }
 
-/// First sentence of the comment that a library file begins with.
+/// First sentence of the comment that a library file begins with, whether it is an own file or a copy.
 pub(super) fn about(text: &str) -> String {
-    let comment =
-        text.lines().map_while(|line| line.strip_prefix('#')).map(str::trim).take_while(|line| !line.is_empty());
+    let comment = text.lines().map_while(|line| line.strip_prefix('#')).map(str::trim);
+    // A copy of a file begins with the line that says where it comes from.
+    let comment = comment.skip_while(|line| line.starts_with("from: ")).take_while(|line| !line.is_empty());
     let words = comment.collect::<Vec<_>>().join(" ");
     // A stop before a small letter or a figure is that of an abbreviation.
     let ends = words.match_indices(". ").find(|(at, _)| words[at + 2..].starts_with(|c: char| c.is_ascii_uppercase()));

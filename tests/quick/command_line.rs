@@ -116,6 +116,12 @@ fn the_library_is_listed_and_shown() {
     std::fs::write(own.join("generic-ac-table.toml"), "# Ours. With more.\n").unwrap();
     let listed = text(&run(folder.path(), &["machines"]).stdout);
     assert!(listed.contains("Ours\n") && listed.contains("_lib/machines\n"), "{listed}");
+    // A copy says of itself what its original does.
+    let copy = run(folder.path(), &["machines", "5mc850-c"]).stdout;
+    std::fs::write(own.join("copy.toml"), copy).unwrap();
+    let listed = text(&run(folder.path(), &["machines"]).stdout);
+    assert_eq!(listed.matches("Vertical five-axis machining centre 5MC850-C").count(), 2, "{listed}");
+    assert!(!listed.contains("from: shipped with the compiler Vertical"), "{listed}");
     let absent = run(folder.path(), &["machines", "5mc950"]);
     assert_eq!(absent.status.code(), Some(2));
     assert!(text(&absent.stderr).contains("5mc850-c"), "{}", text(&absent.stderr));
