@@ -30,7 +30,7 @@ fn main() -> ExitCode {
     match arguments.command.take() {
         Some(command) => commanded(command),
         None => {
-            let (how, watch) = (Shown::new(arguments.run.error_format, arguments.run.timings), arguments.watch);
+            let (how, watch) = (Display::new(arguments.run.error_format, arguments.run.timings), arguments.watch);
             let options = arguments.options();
             let job = options.job.clone();
             repeated(how, watch.then_some(&job), |stages| driver::compile(&options, stages))
@@ -45,10 +45,10 @@ fn commanded(command: Command) -> ExitCode {
         Command::Explain { words, .. } => explain(&words.join(" ")),
         Command::New { file, kind } => {
             let kind = BEGINNINGS.iter().find(|b| b.name == kind).unwrap_or(&BEGINNINGS[0]);
-            finish(Shown::HUMAN, |_| driver::new_job(&file, kind))
+            finish(Display::HUMAN, |_| driver::new_job(&file, kind))
         }
         Command::Fmt { jobs, check, error_format } => {
-            finish(Shown::new(error_format, false), |_| driver::format(&Format { jobs, only_check: check }))
+            finish(Display::new(error_format, false), |_| driver::format(&Format { jobs, only_check: check }))
         }
         Command::Lsp { library } => language_server(library),
         Command::Machines(arguments) => listed(LibraryKind::Machines, &arguments),
@@ -65,22 +65,22 @@ fn commanded(command: Command) -> ExitCode {
             let run = RunOptions { library, curves, post, machine, memory, ..RunOptions::default() };
             let options = Options { job, run, ..Options::default() };
             let watched = watch.then_some(&options.job);
-            repeated(Shown::new(error_format, timings), watched, |stages| driver::check(&options, stages))
+            repeated(Display::new(error_format, timings), watched, |stages| driver::check(&options, stages))
         }
         Command::Report { job, output, post, watch, run } => {
-            let how = Shown::new(run.error_format, run.timings);
+            let how = Display::new(run.error_format, run.timings);
             let name = job.file_stem().map(PathBuf::from).unwrap_or_default();
             let report = output.unwrap_or_else(|| name.with_extension("html"));
             let options = Options { job, run: run.options(post, Some(report)), ..Options::default() };
             repeated(how, watch.then_some(&options.job), |stages| driver::compile(&options, stages))
         }
         Command::Verify { nc, job, post, certificate, source_map, report, run } => {
-            let how = Shown::new(run.error_format, run.timings);
+            let how = Display::new(run.error_format, run.timings);
             let check = NcCheck { nc, job, certificate, source_map, run: run.options(post, report) };
             finish(how, |stages| driver::verify(&check, stages))
         }
         Command::Import(arguments) => {
-            let how = Shown::new(arguments.error_format, false);
+            let how = Display::new(arguments.error_format, false);
             let options = arguments.options();
             finish(how, |stages| driver::import(&options, stages))
         }
@@ -88,7 +88,7 @@ fn commanded(command: Command) -> ExitCode {
             let ReadingArguments { library, curves, timings, error_format } = reading;
             let run = RunOptions { library, machine, curves, ..RunOptions::default() };
             let options = NcDiff { nc: [first, second], job, other_machine, run };
-            finish(Shown::new(error_format, timings), |stages| driver::diff(&options, stages))
+            finish(Display::new(error_format, timings), |stages| driver::diff(&options, stages))
         }
     }
 }
@@ -115,7 +115,7 @@ fn listed(kind: LibraryKind, arguments: &LibraryArguments) -> ExitCode {
     if *schema {
         return printed(driver::library_schema(kind).as_bytes());
     }
-    finish(Shown::HUMAN, |_| driver::list_library(kind, name.as_deref(), library.as_deref()))
+    finish(Display::HUMAN, |_| driver::list_library(kind, name.as_deref(), library.as_deref()))
 }
 
 /// Prints the manual page: that of the command, and behind it those of its commands.
@@ -156,12 +156,12 @@ fn misspelt_command(word: Option<OsString>) -> Option<String> {
 
 /// How a run is shown.
 #[derive(Clone, Copy)]
-struct Shown {
+struct Display {
     format: ErrorFormat,
     timings: bool,
 }
 
-impl Shown {
+impl Display {
     /// For people, without times.
     const HUMAN: Self = Self { format: ErrorFormat::Human, timings: false };
 
@@ -196,7 +196,7 @@ impl Shown {
 }
 
 /// Runs the work once and reports its diagnostics.
-fn finish(how: Shown, work: impl FnOnce(&mut Stages) -> Outcome) -> ExitCode {
+fn finish(how: Display, work: impl FnOnce(&mut Stages) -> Outcome) -> ExitCode {
     interrupt::watch(how.format == ErrorFormat::Human);
     let mut stages = how.stages();
     let outcome = work(&mut stages);
@@ -204,7 +204,7 @@ fn finish(how: Shown, work: impl FnOnce(&mut Stages) -> Outcome) -> ExitCode {
 }
 
 /// Runs the work once; with a job to watch, again after each change, until a signal ends the program.
-fn repeated(how: Shown, watched: Option<&PathBuf>, work: impl Fn(&mut Stages) -> Outcome) -> ExitCode {
+fn repeated(how: Display, watched: Option<&PathBuf>, work: impl Fn(&mut Stages) -> Outcome) -> ExitCode {
     let Some(job) = watched else { return finish(how, work) };
     interrupt::watch(how.format == ErrorFormat::Human);
     let mut watch = Watch::new(job);

@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 
 /// What stands behind a key.
 #[derive(Clone, Copy)]
-enum Form {
+enum KeyForm {
     /// A text.
     Text,
     /// A list of texts.
@@ -29,152 +29,156 @@ enum Form {
     /// So many texts.
     TextsOf(usize),
     /// A table.
-    Table(&'static [Key]),
+    Table(&'static [FileKey]),
     /// Tables by names of their own.
-    Named(&'static [Key]),
+    Named(&'static [FileKey]),
     /// A list of tables.
-    Tables(&'static [Key]),
+    Tables(&'static [FileKey]),
 }
 
 /// A key of a table.
 #[derive(Clone, Copy)]
-struct Key {
+struct FileKey {
     name: &'static str,
-    form: Form,
+    form: KeyForm,
     required: bool,
     meaning: &'static str,
 }
 
 /// A key that a table must have.
-const fn must(name: &'static str, form: Form, meaning: &'static str) -> Key {
-    Key { name, form, required: true, meaning }
+const fn must(name: &'static str, form: KeyForm, meaning: &'static str) -> FileKey {
+    FileKey { name, form, required: true, meaning }
 }
 
 /// A key that a table may have.
-const fn may(name: &'static str, form: Form, meaning: &'static str) -> Key {
-    Key { name, form, required: false, meaning }
+const fn may(name: &'static str, form: KeyForm, meaning: &'static str) -> FileKey {
+    FileKey { name, form, required: false, meaning }
 }
 
-const LENGTH: Form = Form::Quantity(Dimension::LENGTH);
-const ANGLE: Form = Form::Quantity(Dimension::ANGLE);
+const LENGTH: KeyForm = KeyForm::Quantity(Dimension::LENGTH);
+const ANGLE: KeyForm = KeyForm::Quantity(Dimension::ANGLE);
 
-const ABOUT: Key = may("about", Form::Text, "A line for the reader of the file.");
+const ABOUT: FileKey = may("about", KeyForm::Text, "A line for the reader of the file.");
 
-const LINEAR: &[Key] = &[
-    must("travel", Form::Quantities(Dimension::LENGTH, 2), "Both ends of the travel; of Z those of the gauge line."),
-    must("speed", Form::Quantity(Dimension::FEED), "Largest speed."),
-    must("acceleration", Form::Quantity(Dimension::ACCELERATION), "Largest acceleration."),
-    may("jerk", Form::Text, "Largest jerk such as \"50 m/s3\", or \"unlimited\"; without it unlimited."),
+const LINEAR: &[FileKey] = &[
+    must("travel", KeyForm::Quantities(Dimension::LENGTH, 2), "Both ends of the travel; of Z those of the gauge line."),
+    must("speed", KeyForm::Quantity(Dimension::FEED), "Largest speed."),
+    must("acceleration", KeyForm::Quantity(Dimension::ACCELERATION), "Largest acceleration."),
+    may("jerk", KeyForm::Text, "Largest jerk such as \"50 m/s3\", or \"unlimited\"; without it unlimited."),
 ];
 
-const ROTARY: &[Key] = &[
-    may("travel", Form::Quantities(Dimension::ANGLE, 2), "Both ends of the travel; none with `modulo = true`."),
-    may("modulo", Form::Flag, "True for an axis without limits, whose words the control takes modulo 360 deg."),
+const ROTARY: &[FileKey] = &[
+    may("travel", KeyForm::Quantities(Dimension::ANGLE, 2), "Both ends of the travel; none with `modulo = true`."),
+    may("modulo", KeyForm::Flag, "True for an axis without limits, whose words the control takes modulo 360 deg."),
     may(
         "way",
-        Form::Word(|| ModuloWay::ALL.map(ModuloWay::name).to_vec()),
+        KeyForm::Word(|| ModuloWay::ALL.map(ModuloWay::name).to_vec()),
         "The way that the control takes, with `modulo = true`.",
     ),
-    may("clamp", Form::TextsOf(2), "M words that clamp and unclamp the axis."),
-    must("speed", Form::Quantity(Dimension::TURNING), "Largest speed."),
-    must("acceleration", Form::Quantity(Dimension::TURNING_ACCELERATION), "Largest acceleration."),
-    may("jerk", Form::Text, "Largest jerk such as \"200 rad/s3\", or \"unlimited\"; without it unlimited."),
+    may("clamp", KeyForm::TextsOf(2), "M words that clamp and unclamp the axis."),
+    must("speed", KeyForm::Quantity(Dimension::TURNING), "Largest speed."),
+    must("acceleration", KeyForm::Quantity(Dimension::TURNING_ACCELERATION), "Largest acceleration."),
+    may("jerk", KeyForm::Text, "Largest jerk such as \"200 rad/s3\", or \"unlimited\"; without it unlimited."),
     must(
         "sense",
-        Form::Word(|| vec!["iso", "opposite"]),
+        KeyForm::Word(|| vec!["iso", "opposite"]),
         "iso: a positive word turns the tool right-handed against the part.",
     ),
     may(
         "direction",
-        Form::Numbers(3),
+        KeyForm::Numbers(3),
         "Direction in the machine frame with all axes at zero; without it by the letter.",
     ),
     must(
         "point",
-        Form::Quantities(Dimension::LENGTH, 3),
+        KeyForm::Quantities(Dimension::LENGTH, 3),
         "A point of the axis in the machine frame, all axes at zero.",
     ),
 ];
 
-const SECTION: &[Key] = &[
+const SECTION: &[FileKey] = &[
     must("length", LENGTH, "Length along the axis."),
     must("lower", LENGTH, "Diameter at the lower end."),
     must("upper", LENGTH, "Diameter at the upper end."),
 ];
 
-const CARRIED: &[Key] = &[
+const CARRIED: &[FileKey] = &[
     must("top", LENGTH, "Height of the top."),
-    must("section", Form::Tables(SECTION), "Sections downwards from the top."),
+    must("section", KeyForm::Tables(SECTION), "Sections downwards from the top."),
 ];
 
-const AXES: &[Key] = &[
-    must("X", Form::Table(LINEAR), "Linear axis X."),
-    must("Y", Form::Table(LINEAR), "Linear axis Y."),
-    must("Z", Form::Table(LINEAR), "Linear axis Z."),
-    may("A", Form::Table(ROTARY), "Rotary axis A."),
-    may("B", Form::Table(ROTARY), "Rotary axis B."),
-    may("C", Form::Table(ROTARY), "Rotary axis C."),
+const AXES: &[FileKey] = &[
+    must("X", KeyForm::Table(LINEAR), "Linear axis X."),
+    must("Y", KeyForm::Table(LINEAR), "Linear axis Y."),
+    must("Z", KeyForm::Table(LINEAR), "Linear axis Z."),
+    may("A", KeyForm::Table(ROTARY), "Rotary axis A."),
+    may("B", KeyForm::Table(ROTARY), "Rotary axis B."),
+    may("C", KeyForm::Table(ROTARY), "Rotary axis C."),
 ];
 
-const MACHINE: &[Key] = &[
+const MACHINE: &[FileKey] = &[
     must(
         "kind",
-        Form::Word(|| vec!["table-table", "head-table", "head-head"]),
+        KeyForm::Word(|| vec!["table-table", "head-table", "head-head"]),
         "What the rotary axes carry: part or tool.",
     ),
     may(
         "order",
-        Form::TextsOf(2),
+        KeyForm::TextsOf(2),
         "Names of the rotary axes, first the one next to the tool; without it by the alphabet.",
     ),
     ABOUT,
-    may("assumed", Form::Texts, "What nobody measured; the setup sheet lists it."),
-    may("own-words", Form::Texts, "M words of the machine builder that frames of a post may have."),
-    must("axes", Form::Table(AXES), "The axes: X, Y, Z and two of A, B, C."),
+    may("assumed", KeyForm::Texts, "What nobody measured; the setup sheet lists it."),
+    may("own-words", KeyForm::Texts, "M words of the machine builder that frames of a post may have."),
+    must("axes", KeyForm::Table(AXES), "The axes: X, Y, Z and two of A, B, C."),
     must(
         "part",
-        Form::Table(&[must("origin", Form::Quantities(Dimension::LENGTH, 3), "Origin of the part, all axes at zero.")]),
+        KeyForm::Table(&[must(
+            "origin",
+            KeyForm::Quantities(Dimension::LENGTH, 3),
+            "Origin of the part, all axes at zero.",
+        )]),
         "Where the part is.",
     ),
     must(
         "spindle",
-        Form::Table(&[
-            must("speed", Form::Quantities(Dimension::SPINDLE, 2), "Least and largest speed."),
-            may("power", Form::Quantity(Dimension::POWER), "Power at the cutter; without it no limit."),
+        KeyForm::Table(&[
+            must("speed", KeyForm::Quantities(Dimension::SPINDLE, 2), "Least and largest speed."),
+            may("power", KeyForm::Quantity(Dimension::POWER), "Power at the cutter; without it no limit."),
         ]),
         "The spindle.",
     ),
     may(
         "retract",
-        Form::Table(&[must("z", LENGTH, "Height of the gauge line.")]),
+        KeyForm::Table(&[must("z", LENGTH, "Height of the gauge line.")]),
         "Where tools change; without it the upper end of the travel of Z.",
     ),
     may(
         "home",
-        Form::Table(&[may("x", LENGTH, "X."), may("y", LENGTH, "Y."), may("z", LENGTH, "Z of the gauge line.")]),
+        KeyForm::Table(&[may("x", LENGTH, "X."), may("y", LENGTH, "Y."), may("z", LENGTH, "Z of the gauge line.")]),
         "Where the machine parks at the end of a program.",
     ),
     may(
         "tool-length",
-        Form::Word(|| LengthTo::ALL.map(LengthTo::name).to_vec()),
+        KeyForm::Word(|| LengthTo::ALL.map(LengthTo::name).to_vec()),
         "What lengths in the tool table refer to; without it the tip.",
     ),
-    must("rapid", Form::Quantity(Dimension::FEED), "Speed of the tip at rapid."),
+    must("rapid", KeyForm::Quantity(Dimension::FEED), "Speed of the tip at rapid."),
     may(
         "cycle",
-        Form::Quantity(Dimension::TIME),
+        KeyForm::Quantity(Dimension::TIME),
         "Time between two positions that the control gives; without it 0.002 s.",
     ),
-    may("planning", Form::Word(|| vec!["linuxcnc-2.9"]), "Trajectory planner of the control, where it is known."),
-    may("table", Form::Table(CARRIED), "The table, a solid of revolution; heights in the machine frame."),
-    may("fixture", Form::Table(CARRIED), "The fixture, a solid of revolution; heights in the part frame."),
+    may("planning", KeyForm::Word(|| vec!["linuxcnc-2.9"]), "Trajectory planner of the control, where it is known."),
+    may("table", KeyForm::Table(CARRIED), "The table, a solid of revolution; heights in the machine frame."),
+    may("fixture", KeyForm::Table(CARRIED), "The fixture, a solid of revolution; heights in the part frame."),
 ];
 
-const TOOL: &[Key] = &[
+const TOOL: &[FileKey] = &[
     must(
         "kind",
-        Form::Word(|| vec!["flat", "ball", "bull", "tapered-ball", "barrel", "lollipop"]),
-        "Form of the cutter.",
+        KeyForm::Word(|| vec!["flat", "ball", "bull", "tapered-ball", "barrel", "lollipop"]),
+        "KeyForm of the cutter.",
     ),
     must("diameter", LENGTH, "Diameter; of a tapered ball that of the ball."),
     may("corner", LENGTH, "bull: radius of the corner."),
@@ -183,87 +187,87 @@ const TOOL: &[Key] = &[
     may("tip", LENGTH, "barrel: radius of the ball at the tip."),
     may("neck", LENGTH, "lollipop: diameter of the neck."),
     may("neck-end", LENGTH, "lollipop: from the tip to the end of the neck; without it the reach."),
-    must("flutes", Form::Whole, "Number of cutting edges."),
+    must("flutes", KeyForm::Whole, "Number of cutting edges."),
     may("flute", LENGTH, "Length of the cutting edges, from the tip; required but for a lollipop."),
     may("shank", LENGTH, "Diameter of the shank; without it the diameter."),
     must("reach", LENGTH, "From the tip to the holder: the stick-out."),
-    may("holder", Form::Text, "Name of a holder."),
+    may("holder", KeyForm::Text, "Name of a holder."),
     may("max-chip", LENGTH, "Largest feed per tooth."),
     may("max-depth", LENGTH, "Largest depth of a slot."),
-    may("max-rate", Form::Quantity(Dimension::REMOVAL_RATE), "Largest removal rate; without it no limit."),
+    may("max-rate", KeyForm::Quantity(Dimension::REMOVAL_RATE), "Largest removal rate; without it no limit."),
     may("plunge-width", LENGTH, "Width, from the rim, that the teeth of the end cut."),
     may("ramp", ANGLE, "Largest angle at which the tool goes down sideways in material."),
 ];
 
-const TOOLS: &[Key] = &[
+const TOOLS: &[FileKey] = &[
     ABOUT,
     may(
         "holder",
-        Form::Named(&[ABOUT, must("section", Form::Tables(SECTION), "Sections upwards from the nose.")]),
+        KeyForm::Named(&[ABOUT, must("section", KeyForm::Tables(SECTION), "Sections upwards from the nose.")]),
         "Holders by their names.",
     ),
-    may("tool", Form::Named(TOOL), "Tools by their names."),
+    may("tool", KeyForm::Named(TOOL), "Tools by their names."),
 ];
 
-const POST: &[Key] = &[
-    must("dialect", Form::Text, "Dialect: the words and the reader of the control."),
+const POST: &[FileKey] = &[
+    must("dialect", KeyForm::Text, "Dialect: the words and the reader of the control."),
     ABOUT,
-    may("line-end", Form::Word(|| LineEnd::ALL.map(LineEnd::name).to_vec()), "End of lines; without it lf."),
-    may("block-numbers", Form::Whole, "Step of block numbers; 0 for none."),
-    may("program-number", Form::Whole, "Number of the program; without it 1001."),
+    may("line-end", KeyForm::Word(|| LineEnd::ALL.map(LineEnd::name).to_vec()), "End of lines; without it lf."),
+    may("block-numbers", KeyForm::Whole, "Step of block numbers; 0 for none."),
+    may("program-number", KeyForm::Whole, "Number of the program; without it 1001."),
     must(
         "orientation",
-        Form::Word(|| Orientation::ALL.map(Orientation::name).to_vec()),
+        KeyForm::Word(|| Orientation::ALL.map(Orientation::name).to_vec()),
         "How the tool direction is stated.",
     ),
     may("orientation-tolerance", ANGLE, "Largest error of the tool direction through smoothing."),
     must(
         "decimals",
-        Form::Table(&[
-            must("length", Form::Whole, "Digits of lengths."),
-            must("angle", Form::Whole, "Digits of angles."),
-            must("vector", Form::Whole, "Digits of vectors."),
-            must("feed", Form::Whole, "Digits of feeds."),
+        KeyForm::Table(&[
+            must("length", KeyForm::Whole, "Digits of lengths."),
+            must("angle", KeyForm::Whole, "Digits of angles."),
+            must("vector", KeyForm::Whole, "Digits of vectors."),
+            must("feed", KeyForm::Whole, "Digits of feeds."),
         ]),
         "Digits behind the point.",
     ),
     may(
         "splines",
-        Form::Word(|| SplineForm::ALL.map(SplineForm::name).to_vec()),
+        KeyForm::Word(|| SplineForm::ALL.map(SplineForm::name).to_vec()),
         "Kind of spline blocks, where the control has them.",
     ),
     must(
         "smoothing",
-        Form::Table(&[
-            must("finish", Form::Text, "Words for finishing."),
-            must("rough", Form::Text, "Words for roughing."),
-            must("off", Form::Text, "Words that switch smoothing off."),
+        KeyForm::Table(&[
+            must("finish", KeyForm::Text, "Words for finishing."),
+            must("rough", KeyForm::Text, "Words for roughing."),
+            must("off", KeyForm::Text, "Words that switch smoothing off."),
         ]),
         "Smoothing of the path.",
     ),
     must(
         "transformation",
-        Form::Table(&[
-            must("angles", Form::Text, "Words for positions of the rotary axes; empty where there are none."),
-            must("vectors", Form::Text, "Words for vectors; empty where there are none."),
+        KeyForm::Table(&[
+            must("angles", KeyForm::Text, "Words for positions of the rotary axes; empty where there are none."),
+            must("vectors", KeyForm::Text, "Words for vectors; empty where there are none."),
         ]),
         "Words that switch tool centre point control on.",
     ),
     must(
         "frames",
-        Form::Table(&[
-            may("start", Form::Texts, "Before the head."),
-            must("head", Form::Texts, "Head of the program."),
-            must("operation-start", Form::Texts, "Start of each operation."),
-            must("operation-end", Form::Texts, "End of each operation."),
-            must("end", Form::Texts, "End of the program."),
+        KeyForm::Table(&[
+            may("start", KeyForm::Texts, "Before the head."),
+            must("head", KeyForm::Texts, "Head of the program."),
+            must("operation-start", KeyForm::Texts, "Start of each operation."),
+            must("operation-end", KeyForm::Texts, "End of each operation."),
+            must("end", KeyForm::Texts, "End of the program."),
         ]),
         "Lines beside the moves, with fields in braces.",
     ),
 ];
 
 /// The keys of a kind of file.
-fn keys(kind: LibraryFile) -> &'static [Key] {
+fn keys(kind: LibraryFile) -> &'static [FileKey] {
     match kind {
         LibraryFile::Machine => MACHINE,
         LibraryFile::Tools => TOOLS,
@@ -283,7 +287,7 @@ pub fn library_schema(kind: LibraryFile) -> Value {
     schema
 }
 
-fn table(keys: &[Key]) -> Value {
+fn table(keys: &[FileKey]) -> Value {
     let mut properties = Map::new();
     for key in keys {
         let mut value = form(key.form);
@@ -306,19 +310,19 @@ fn several(item: &Value, count: usize) -> Value {
     json!({ "type": "array", "items": item, "minItems": count, "maxItems": count })
 }
 
-fn form(form: Form) -> Value {
+fn form(form: KeyForm) -> Value {
     match form {
-        Form::Text => json!({ "type": "string" }),
-        Form::Texts => json!({ "type": "array", "items": { "type": "string" } }),
-        Form::TextsOf(count) => several(&json!({ "type": "string" }), count),
-        Form::Quantity(dimension) => quantity(dimension),
-        Form::Quantities(dimension, count) => several(&quantity(dimension), count),
-        Form::Numbers(count) => several(&json!({ "type": "number" }), count),
-        Form::Word(words) => json!({ "type": "string", "enum": words() }),
-        Form::Whole => json!({ "type": "integer", "minimum": 0 }),
-        Form::Flag => json!({ "type": "boolean" }),
-        Form::Table(keys) => table(keys),
-        Form::Named(keys) => json!({ "type": "object", "additionalProperties": table(keys) }),
-        Form::Tables(keys) => json!({ "type": "array", "items": table(keys), "minItems": 1 }),
+        KeyForm::Text => json!({ "type": "string" }),
+        KeyForm::Texts => json!({ "type": "array", "items": { "type": "string" } }),
+        KeyForm::TextsOf(count) => several(&json!({ "type": "string" }), count),
+        KeyForm::Quantity(dimension) => quantity(dimension),
+        KeyForm::Quantities(dimension, count) => several(&quantity(dimension), count),
+        KeyForm::Numbers(count) => several(&json!({ "type": "number" }), count),
+        KeyForm::Word(words) => json!({ "type": "string", "enum": words() }),
+        KeyForm::Whole => json!({ "type": "integer", "minimum": 0 }),
+        KeyForm::Flag => json!({ "type": "boolean" }),
+        KeyForm::Table(keys) => table(keys),
+        KeyForm::Named(keys) => json!({ "type": "object", "additionalProperties": table(keys) }),
+        KeyForm::Tables(keys) => json!({ "type": "array", "items": table(keys), "minItems": 1 }),
     }
 }

@@ -34,7 +34,7 @@ pub fn hints(understood: &Understood) -> Vec<Hint> {
                 let begins = |operation: &&OperationSpec| operation.span.start == item.span.start;
                 let cuts = understood.job.operations.iter().filter(begins).filter_map(|operation| {
                     let tool = understood.job.tools.get(operation.tool)?.as_ref()?;
-                    Some(Cut { speed: operation.speed.get(), feed: operation.feed.get(), tool })
+                    Some(ToolInCut { speed: operation.speed.get(), feed: operation.feed.get(), tool })
                 });
                 found.extend(of_operation(body, &cuts.collect::<Vec<_>>()));
             }
@@ -51,7 +51,7 @@ fn computed(value: &Expr) -> bool {
 }
 
 /// An operation with one of its tools.
-struct Cut<'j> {
+struct ToolInCut<'j> {
     /// rpm.
     speed: f64,
     /// mm/min.
@@ -60,7 +60,7 @@ struct Cut<'j> {
 }
 
 /// Cutting speed behind `speed`, feed per tooth or feed behind `feed`; of several tools each figure once.
-fn of_operation(body: &Block, cuts: &[Cut<'_>]) -> Vec<Hint> {
+fn of_operation(body: &Block, cuts: &[ToolInCut<'_>]) -> Vec<Hint> {
     let value_of = |name: &str| {
         let entry = body.entries.iter().find(|entry| entry.name.text == name)?;
         match entry.values.as_slice() {
@@ -69,7 +69,7 @@ fn of_operation(body: &Block, cuts: &[Cut<'_>]) -> Vec<Hint> {
         }
     };
     let has_unit = |value: &Expr, due: &str| matches!(&value.kind, ExprKind::Number(_, Some(unit)) if unit.text == due);
-    let figures = |figure: &dyn Fn(&Cut<'_>) -> f64, digits: usize, unit: &str| {
+    let figures = |figure: &dyn Fn(&ToolInCut<'_>) -> f64, digits: usize, unit: &str| {
         let mut texts: Vec<String> = cuts.iter().map(|cut| trim(figure(cut), digits)).collect();
         texts.dedup();
         format!("= {} {unit}", texts.join(", "))
@@ -82,7 +82,7 @@ fn of_operation(body: &Block, cuts: &[Cut<'_>]) -> Vec<Hint> {
         let (text, meaning) = if has_unit(value, "m/min") {
             (figures(&|cut| cut.speed, 0, "rpm"), "Spindle speed.")
         } else {
-            let speed = |cut: &Cut<'_>| std::f64::consts::PI * cut.tool.diameter.get() * cut.speed / 1e3;
+            let speed = |cut: &ToolInCut<'_>| std::f64::consts::PI * cut.tool.diameter.get() * cut.speed / 1e3;
             (figures(&speed, 1, "m/min"), "Cutting speed at `diameter` of the tool.")
         };
         found.push(Hint { at: value.span.range().end, text, meaning });
@@ -91,7 +91,7 @@ fn of_operation(body: &Block, cuts: &[Cut<'_>]) -> Vec<Hint> {
         let (text, meaning) = if has_unit(value, "mm/tooth") {
             (figures(&|cut| cut.feed, 1, "mm/min"), "Feed at the speed of the operation.")
         } else {
-            let of_tooth = |cut: &Cut<'_>| cut.feed / cut.speed / f64::from(cut.tool.flutes);
+            let of_tooth = |cut: &ToolInCut<'_>| cut.feed / cut.speed / f64::from(cut.tool.flutes);
             (figures(&of_tooth, 4, "mm/tooth"), "Feed per tooth at the speed of the operation.")
         };
         found.push(Hint { at: value.span.range().end, text, meaning });

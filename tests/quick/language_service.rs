@@ -590,15 +590,15 @@ fn changes_leave_what_a_fresh_start_gives() {
     fresh.close();
 }
 
-/// Times of a keystroke on the main job, from the message to the diagnostics: printed, not judged.
-#[test]
-fn a_keystroke_is_answered() {
+/// Times of 50 keystrokes at a line, from the message to the diagnostics, and of a completion: printed, not judged.
+fn keystrokes(text: &str, line: usize) {
     let mut editor = Editor::new();
-    editor.open(URI, JOB);
+    editor.open(URI, text);
+    editor.of_version(1);
     let mut times = Vec::new();
     for version in 2..52 {
         let start = Instant::now();
-        let place = json!({ "line": 3, "character": 0 });
+        let place = json!({ "line": line, "character": 0 });
         let change = json!({ "range": { "start": place, "end": place }, "text": " " });
         editor.tell(
             "textDocument/didChange",
@@ -609,10 +609,20 @@ fn a_keystroke_is_answered() {
     }
     times.sort();
     let start = Instant::now();
-    let found = editor.ask("textDocument/completion", at(URI, JOB, "speed ", 5));
-    println!("diagnostics: 95 % within {:?}; completion {:?}", times[47], start.elapsed());
+    let found = editor.ask("textDocument/completion", at(URI, text, "speed ", 5));
+    println!(
+        "{} lines: diagnostics 95 % within {:?}; completion {:?}",
+        text.lines().count(),
+        times[47],
+        start.elapsed()
+    );
     assert!(found.is_array());
     editor.close();
+}
+
+#[test]
+fn a_keystroke_is_answered() {
+    keystrokes(JOB, 3);
 }
 
 /// A job of 2000 lines: curves of many points, many tools and operations.
@@ -631,34 +641,7 @@ fn long_job() -> String {
     text
 }
 
-/// Times of a keystroke on a job of 2000 lines: printed, not judged.
 #[test]
 fn a_keystroke_in_a_long_job_is_answered() {
-    let text = long_job();
-    let mut editor = Editor::new();
-    editor.open(URI, &text);
-    editor.of_version(1);
-    let mut times = Vec::new();
-    for version in 2..52 {
-        let start = Instant::now();
-        let place = json!({ "line": 1900, "character": 0 });
-        let change = json!({ "range": { "start": place, "end": place }, "text": " " });
-        editor.tell(
-            "textDocument/didChange",
-            json!({ "textDocument": { "uri": URI, "version": version }, "contentChanges": [change] }),
-        );
-        editor.of_version(version);
-        times.push(start.elapsed());
-    }
-    times.sort();
-    let start = Instant::now();
-    let found = editor.ask("textDocument/completion", at(URI, &text, "speed ", 5));
-    println!(
-        "{} lines: diagnostics 95 % within {:?}; completion {:?}",
-        text.lines().count(),
-        times[47],
-        start.elapsed()
-    );
-    assert!(found.is_array());
-    editor.close();
+    keystrokes(&long_job(), 1900);
 }

@@ -1,7 +1,7 @@
 //! Answers about a text of the job language.
 
 use super::Document;
-use super::judgement::{Proof, lock};
+use super::judgement::{SavedProof, lock};
 use super::messages::{address, position, range};
 use crate::diag::{Diag, Fix, Severity};
 use crate::driver::DiskFiles;
@@ -233,7 +233,7 @@ impl JobText<'_> {
 }
 
 /// Times, passes and choices of an item, which with several tools is several operations.
-fn operation_title(reports: &[&OperationReport], proof: &Proof) -> String {
+fn operation_title(reports: &[&OperationReport], proof: &SavedProof) -> String {
     let time = |seconds: f64| {
         let seconds = seconds.round() as u64;
         format!("{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60)

@@ -32,7 +32,7 @@ pub(super) struct Wishes {
 
 /// What verification found of a text.
 #[derive(Debug)]
-pub(super) struct Proof {
+pub(super) struct SavedProof {
     pub(super) text: String,
     pub(super) contracts: Vec<ContractReport>,
     /// Operations with their places in the job.
@@ -43,7 +43,7 @@ pub(super) struct Proof {
     files: FileStamps,
 }
 
-impl Proof {
+impl SavedProof {
     /// True for a text, while its files are as they were when it was verified.
     pub(super) fn is_of(&self, text: &str) -> bool {
         self.text == text && self.files.hold()
@@ -79,7 +79,7 @@ pub(super) struct Judgement {
     /// The verification that runs.
     run: Option<Arc<RunState>>,
     pub(super) facts: Option<Facts>,
-    pub(super) proof: Option<Proof>,
+    pub(super) proof: Option<SavedProof>,
 }
 
 pub(super) fn lock(judgement: &Mutex<Judgement>) -> MutexGuard<'_, Judgement> {
@@ -117,7 +117,7 @@ pub(super) fn judge(
         }
         judgement.running = true;
     }
-    let judge = Judge { shared: Arc::clone(shared), uri: uri.to_owned(), options, send, wishes };
+    let judge = JobJudge { shared: Arc::clone(shared), uri: uri.to_owned(), options, send, wishes };
     std::thread::spawn(move || judge.run());
 }
 
@@ -134,7 +134,7 @@ impl<F: FnMut()> Drop for AtEnd<F> {
 static VERIFYING: Mutex<()> = Mutex::new(());
 
 /// A thread that judges the texts of one file.
-struct Judge {
+struct JobJudge {
     shared: Arc<Mutex<Judgement>>,
     uri: String,
     options: Options,
@@ -143,7 +143,7 @@ struct Judge {
     wishes: Wishes,
 }
 
-impl Judge {
+impl JobJudge {
     fn send(&self, message: Message) {
         if let Some(send) = self.send.upgrade() {
             send(message);
@@ -211,7 +211,7 @@ impl Judge {
         self.publish(&outcome, wanted);
         let files = FileStamps::of(&outcome);
         let Outcome { contracts, operations, notes, .. } = outcome;
-        lock(&self.shared).proof = Some(Proof { text: wanted.text.clone(), contracts, operations, notes, files });
+        lock(&self.shared).proof = Some(SavedProof { text: wanted.text.clone(), contracts, operations, notes, files });
         if self.wishes.lenses {
             self.send(request(&format!("lenses {}", self.uri), "workspace/codeLens/refresh", Value::Null));
         }

@@ -18,7 +18,7 @@ use job_text::JobText;
 use judgement::{Judgement, Wishes, judge, lock, token};
 use lsp_server::{Connection, ErrorCode, Message, Notification, Request, Response};
 use messages::{address, diagnostics, path, position, published, range, refused};
-use nc_text::NcText;
+use nc_text::TextBeside;
 use serde_json::{Value, json};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -66,7 +66,7 @@ struct Document {
     known: RefCell<KnownItems>,
     judgement: Arc<Mutex<Judgement>>,
     /// What is known of NC text, when it was asked for.
-    nc: RefCell<Option<Rc<NcText>>>,
+    nc: RefCell<Option<Rc<TextBeside>>>,
 }
 
 /// The open texts.
@@ -287,7 +287,7 @@ fn of_nc(document: &Document, positions: &Positions<'_>, method: &str, params: &
     let nc = || {
         let mut known = document.nc.borrow_mut();
         let last = known.take().filter(|nc| nc.holds(&document.path));
-        let nc = last.unwrap_or_else(|| Rc::new(NcText::new(&document.path, &document.text)));
+        let nc = last.unwrap_or_else(|| Rc::new(TextBeside::new(&document.path, &document.text)));
         Rc::clone(known.insert(nc))
     };
     match method {

@@ -20,7 +20,7 @@ const HEAD: usize = 200;
 
 /// What is known of an NC text.
 #[derive(Debug, Default)]
-pub(super) struct NcText {
+pub(super) struct TextBeside {
     map: Option<LaidMap>,
     /// Why a source map beside the text cannot be read.
     refused: Option<String>,
@@ -52,7 +52,7 @@ fn of_format(files: &[PathBuf], format: &str) -> Vec<String> {
     found.filter_map(|path| String::from_utf8(reading::read(path, MOST).ok()??).ok()).collect()
 }
 
-impl NcText {
+impl TextBeside {
     /// Looks for the files that belong to a text: of several source maps, the one that knows the most lines.
     pub(super) fn new(path: &Path, text: &str) -> Self {
         let files = beside(path);
