@@ -34,14 +34,14 @@ const SHRINKS: usize = 40;
 /// Largest cut of a ball into the hub that counts as rounding, mm.
 const ROUNDING: f64 = 1e-6;
 
-/// Radius of the first ball, mm, larger than any free space.
+/// Radius of the first ball where none is asked for, mm, larger than any free space.
 const ENDLESS: f64 = 1e4;
 
 /// A place of a vane with the free space before it.
 struct Spot {
     kind: SurfaceKind,
     place: Place,
-    /// Largest radius of a ball that touches the vane here and does not meet the next vane.
+    /// Largest radius of a ball that touches the vane here and does not meet the next vane, at most the largest that is asked for.
     radius_limit: f64,
 }
 
@@ -58,7 +58,7 @@ pub fn check(program: &Program, sink: &mut Sink) -> Vec<Beside> {
             continue;
         }
         if spots.is_empty() {
-            spots = measure(part);
+            spots = measure(part, largest_asked(program));
         }
         let own: Vec<&Spot> = spots.iter().filter(|s| surfaces.contains(&s.kind)).collect();
         let radius = program.tools[operation.tool].solid.cutter.tip_radius();
@@ -72,8 +72,15 @@ pub fn check(program: &Program, sink: &mut Sink) -> Vec<Beside> {
     found
 }
 
-/// Measures the free space at places all over faces and fillets.
-fn measure(part: &Part) -> Vec<Spot> {
+/// Radius beyond which free space makes no difference, mm: no tool of the operations and no answer is larger.
+fn largest_asked(program: &Program) -> f64 {
+    let of_tools = program.tools.iter().map(|(_, tool)| tool.solid.cutter.tip_radius());
+    let fillet = program.part.main().fillet.as_ref().map_or(ENDLESS, |f| f.least().get());
+    of_tools.fold(fillet, f64::max)
+}
+
+/// Measures the free space at places all over faces and fillets, up to a radius.
+fn measure(part: &Part, most: f64) -> Vec<Spot> {
     let [columns, rows] = PLACES;
     let mut spots = Vec::new();
     for chart in charts(part) {
@@ -86,7 +93,7 @@ fn measure(part: &Part) -> Vec<Spot> {
             chart.is_milled(&place.position).then(|| Spot {
                 kind: chart.kind,
                 place,
-                radius_limit: radius_limit(&next, &place),
+                radius_limit: radius_limit(&next, &place, most),
             })
         };
         spots.par_extend((0..(columns + 1) * (rows + 1)).into_par_iter().filter_map(spot));
@@ -94,11 +101,11 @@ fn measure(part: &Part) -> Vec<Spot> {
     spots
 }
 
-/// Radius of the largest ball that touches a place from outside and does not meet a surface. Each step shrinks the ball
+/// Radius of the largest ball, at most `most`, that touches a place from outside and does not meet a surface. Each step shrinks the ball
 /// until it passes through the surface point nearest to its centre (Ma, Bae, Choi: 3D medial point approximation using
 /// nearest neighbors, 2012).
-fn radius_limit(surface: &FaceSurface, place: &Place) -> f64 {
-    let mut radius = ENDLESS;
+fn radius_limit(surface: &FaceSurface, place: &Place, most: f64) -> f64 {
+    let mut radius = most;
     for _ in 0..SHRINKS {
         let centre = place.position + place.normal * radius;
         let near = surface.closest(&centre, Patch::WHOLE);

@@ -2,6 +2,7 @@
 
 use crate::part::{Face, Part, Passage, Surface};
 use nalgebra::Point3;
+use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 /// Error at which the search for a place ends, mm. Distances to the hub are exact to about 4e-10 mm.
@@ -99,7 +100,7 @@ impl<'a> Channel<'a> {
     /// no such corner.
     pub(crate) fn free_width(&self, wall: f64, floor: f64) -> Option<FreeWidth> {
         let curve = |side: usize| -> Option<Vec<Point3<f64>>> {
-            (0..=STATIONS).map(|i| self.corner(side, station(i), wall, floor)).collect()
+            (0..=STATIONS).into_par_iter().map(|i| self.corner(side, station(i), wall, floor)).collect()
         };
         let (a, b) = (curve(0)?, curve(1)?);
         if let Some(crossed) = self.crossing(&a[20..=80], &b[20..=80]) {

@@ -10,6 +10,7 @@ use crate::ir::{Contract, ContractKind, Operation, OperationId, OperationKind, P
 use crate::operation::VaneAllowance;
 use crate::part::{FaceId, FaceSurface, Part, Passage, Surface};
 use crate::units::trim;
+use std::cell::RefCell;
 
 /// Reach of the tool of one operation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,6 +88,9 @@ struct Finder<'a> {
     walls: [FaceId; 2],
     channel: Channel<'a>,
     throat: &'a Throat,
+    /// Widths that were asked for before, with their distances from walls and hub: a search for the largest tool asks for the same
+    /// one again where the corner of the tool stays.
+    widths: RefCell<Vec<([f64; 2], Option<FreeWidth>)>>,
 }
 
 impl Finder<'_> {
@@ -94,6 +98,15 @@ impl Finder<'_> {
     fn measured(&self) -> &FaceSurface {
         let [first, second] = self.walls;
         &self.part.face(if first.index() == 0 { first } else { second }).surface
+    }
+
+    fn width(&self, wall: f64, floor: f64) -> Option<FreeWidth> {
+        let known = self.widths.borrow().iter().find(|(at, _)| *at == [wall, floor]).map(|(_, width)| *width);
+        known.unwrap_or_else(|| {
+            let width = self.channel.free_width(wall, floor);
+            self.widths.borrow_mut().push(([wall, floor], width));
+            width
+        })
     }
 
     /// Free space for the flat of an end with this corner radius, whose lowest point is `hub` over the hub.
@@ -107,7 +120,7 @@ impl Finder<'_> {
         let surface = self.measured();
         let heights = (0..=STATIONS).map(|i| surface.height(i as f64 / STATIONS as f64));
         let vane = vane.at((corner + hub) / heights.fold(f64::INFINITY, f64::min));
-        let plain = self.channel.free_width(corner + vane, corner + hub)?;
+        let plain = self.width(corner + vane, corner + hub)?;
         let radii = self.walls.iter().filter_map(|wall| self.part.fillet(*wall));
         let Some(fillet) = radii.map(|fillet| fillet.most().get()).reduce(f64::max) else { return Some(plain) };
         let hollow = fillet - vane - corner;
@@ -115,7 +128,7 @@ impl Finder<'_> {
         if hollow <= 0.0 || below <= 0.0 {
             return Some(plain);
         }
-        let mut round = self.channel.free_width(fillet, fillet)?;
+        let mut round = self.width(fillet, fillet)?;
         round.width += 2.0 * (hollow * hollow - below * below).max(0.0).sqrt();
         Some(if round.width < plain.width { round } else { plain })
     }
@@ -168,7 +181,10 @@ pub fn check(program: &Program, throats: &[(Passage, Throat)], sink: &mut Sink) 
     let part = &program.part;
     let finders: Vec<Finder<'_>> = throats
         .iter()
-        .map(|(passage, throat)| Finder { part, walls: passage.walls, channel: Channel::new(part, passage), throat })
+        .map(|(passage, throat)| {
+            let channel = Channel::new(part, passage);
+            Finder { part, walls: passage.walls, channel, throat, widths: RefCell::default() }
+        })
         .collect();
     let reaches: Vec<Reach> = program
         .operations

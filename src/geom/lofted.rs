@@ -81,6 +81,11 @@ fn between(range: [f64; 2], i: usize, n: usize) -> f64 {
     range[0] + (range[1] - range[0]) * i as f64 / n as f64
 }
 
+/// True where the surface does not continue beyond its borders.
+fn in_square(u: f64, v: f64) -> bool {
+    (0.0..=1.0).contains(&u) && (0.0..=1.0).contains(&v)
+}
+
 impl LoftedSurface {
     /// The surface through sections, the first at v = 0 and the last at v = 1. The places between them follow the mean
     /// distances of neighbouring sections.
@@ -168,14 +173,16 @@ impl LoftedSurface {
         NurbsSurface::from_homogeneous(self.degree, self.knots.clone(), control)
     }
 
-    /// Sums of the control points with derivatives of the basis: entry (i, j) has order i in u and j in v.
-    fn sums(&self, u: f64, v: f64) -> [[Vector3<f64>; 3]; 3] {
-        let [bu, bv] = [(0, u), (1, v)].map(|(d, t)| basis::evaluate(&self.knots[d], self.degree[d], t, 2));
+    /// Sums of the control points with derivatives of the basis, of the first `ORDERS` orders: entry (i, j) has order i in u and
+    /// j in v.
+    fn sums<const ORDERS: usize>(&self, u: f64, v: f64) -> [[Vector3<f64>; ORDERS]; ORDERS] {
+        let basis = |d: usize, t: f64| basis::evaluate(&self.knots[d], self.degree[d], t, ORDERS - 1);
+        let [bu, bv] = [basis(0, u), basis(1, v)];
         let columns = self.sections.len();
-        let mut sums = [[Vector3::zeros(); 3]; 3];
+        let mut sums = [[Vector3::zeros(); ORDERS]; ORDERS];
         for a in 0..=self.degree[0] {
             let start = (bu.first + a) * columns + bv.first;
-            let mut row = [Vector3::zeros(); 3];
+            let mut row = [Vector3::zeros(); ORDERS];
             for (b, c) in self.control[start..=start + self.degree[1]].iter().enumerate() {
                 for (sum, values) in row.iter_mut().zip(&bv.values) {
                     *sum += c * values[b];
@@ -194,7 +201,7 @@ impl LoftedSurface {
     /// outside of v in [0, 1] the surface continues straight.
     pub fn derivatives(&self, u: f64, v: f64) -> SurfaceDerivatives {
         let inside = [u.clamp(0.0, 1.0), v.clamp(0.0, 1.0)];
-        let mut s = self.sums(inside[0], inside[1]);
+        let mut s = self.sums::<3>(inside[0], inside[1]);
         let [du, dv] = [u - inside[0], v - inside[1]];
         if du != 0.0 {
             let [value, first, second] = &mut s;
@@ -211,6 +218,25 @@ impl LoftedSurface {
         }
         let [[point, sv, svv], [su, suv, _], [suu, _, _]] = s;
         SurfaceDerivatives { point: Point3::from(point), su, sv, suu, suv, svv }
+    }
+
+    /// Point, `S_u` and `S_v`, as [`Self::derivatives`].
+    pub fn tangents(&self, u: f64, v: f64) -> (Point3<f64>, Vector3<f64>, Vector3<f64>) {
+        if !in_square(u, v) {
+            let s = self.derivatives(u, v);
+            return (s.point, s.su, s.sv);
+        }
+        let [[point, sv], [su, _]] = self.sums::<2>(u, v);
+        (Point3::from(point), su, sv)
+    }
+
+    /// Point, as [`Self::derivatives`].
+    pub fn point(&self, u: f64, v: f64) -> Point3<f64> {
+        if !in_square(u, v) {
+            return self.derivatives(u, v).point;
+        }
+        let [[point]] = self.sums::<1>(u, v);
+        Point3::from(point)
     }
 
     /// Control points of the line of equal u along v.
@@ -291,7 +317,7 @@ impl LoftedSurface {
     }
 
     fn projection(&self, p: &Point3<f64>, [u, v]: [f64; 2]) -> Projection {
-        let point = self.derivatives(u, v).point;
+        let point = self.point(u, v);
         Projection { u, v, point, distance: (p - point).norm() }
     }
 
@@ -324,6 +350,10 @@ impl LoftedSurface {
             let nearer = loop {
                 let u = (best.u + step[0] * share).clamp(patch.u[0], patch.u[1]);
                 let v = (best.v + step[1] * share).clamp(patch.v[0], patch.v[1]);
+                // Shorter steps end at the same place as well.
+                if [u, v] == [best.u, best.v] {
+                    break None;
+                }
                 let next = self.projection(p, [u, v]);
                 if next.distance < best.distance {
                     break Some(next);

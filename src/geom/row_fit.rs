@@ -8,6 +8,7 @@
 use super::NurbsCurve;
 use super::basis::{self, MAX_DEGREE};
 use nalgebra::{DMatrix, Point3, Vector3, Vector4};
+use rayon::prelude::*;
 
 /// Degree of the splines.
 const DEGREE: usize = MAX_DEGREE;
@@ -171,8 +172,9 @@ impl RowFit {
         let knots = if closed { periodic(inner) } else { clamped(inner) };
         let mut fit = Self { closed, knots, control: Vec::new(), residuals: Vec::new(), turn: 0.0 };
         let mut feet = Vec::new();
-        for row in rows {
-            let (control, found) = fit.through(row)?;
+        let curves: Vec<Option<Curve>> = rows.par_iter().map(|row| fit.through(row)).collect();
+        for (row, curve) in rows.iter().zip(curves) {
+            let (control, found) = curve?;
             let judged = found.iter().enumerate().filter(|(i, _)| row.judged[*i]);
             let worst = judged.fold((0.0, 0), |w, (i, (_, d))| if *d > w.0 { (*d, i) } else { w });
             fit.control.push(control);
@@ -321,7 +323,11 @@ impl RowFit {
             if slope <= 0.0 {
                 break;
             }
-            here = inside(here - gap.dot(&d.first) / slope);
+            let next = inside(here - gap.dot(&d.first) / slope);
+            if next == here {
+                break;
+            }
+            here = next;
         }
         best
     }

@@ -4,7 +4,7 @@ use super::fillet::Fillet;
 use super::surface::{FaceSurface, Surface};
 use crate::geom::NurbsCurve;
 use crate::geom::{LoftedSurface, RuledSurface};
-use nalgebra::Vector3;
+use nalgebra::{Point3, Vector3};
 
 /// A blade of a sector. The first one is the main blade, the others are its splitters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -113,6 +113,12 @@ pub struct Face {
 }
 
 impl Face {
+    /// Point, and unit normal out of the material, sector 0.
+    pub fn point_and_normal(&self, u: f64, v: f64) -> (Point3<f64>, Vector3<f64>) {
+        let (point, su, sv) = self.surface.tangents(u, v);
+        (point, su.cross(&sv).normalize() * self.orientation)
+    }
+
     /// Unit normal out of the material, sector 0.
     pub fn normal(&self, u: f64, v: f64) -> Vector3<f64> {
         self.surface.normal(u, v) * self.orientation

@@ -3,6 +3,7 @@
 use super::{BladeId, FaceId, Part, Passage, Surface, hub_normal};
 use crate::geom::angle::nearest_turn;
 use nalgebra::{Point3, Vector2};
+use rayon::prelude::*;
 use std::f64::consts::TAU;
 
 /// The hub between the walls of a passage, sector 0.
@@ -150,7 +151,8 @@ fn contact(part: &Part, id: FaceId, u: f64, along: FloorBorder) -> Option<Point3
     match along.ball(part, id, u) {
         Some(Rolling { wall, floor, top }) => {
             let v = part.beside_centre(id, u, [wall, floor], top)?;
-            Some(face.surface.point(u, v) + face.normal(u, v) * wall)
+            let (point, normal) = face.point_and_normal(u, v);
+            Some(point + normal * wall)
         }
         None => Some(face.surface.point(u, part.ruling_meets(id, u, &part.hub, 0.0))),
     }
@@ -171,7 +173,8 @@ fn nose(part: &Part, blade: BladeId, end: usize, along: FloorBorder) -> f64 {
         let u = i as f64 / PLACES as f64;
         contact(part, edge, u, along).map(|p| (u, outward * hub_parameter(part, &p)))
     };
-    (0..=PLACES).filter_map(at).max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0.5, |(u, _)| u)
+    let places: Vec<(f64, f64)> = (0..=PLACES).into_par_iter().filter_map(at).collect();
+    places.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0.5, |(u, _)| u)
 }
 
 /// Azimuths of the edge of a fillet (or of the root) along the hub: (u of the hub, azimuth), ascending.
@@ -197,11 +200,12 @@ fn hub_border(part: &Part, id: FaceId, along: FloorBorder) -> Vec<[f64; 2]> {
     let mut border: Vec<[f64; 2]> = Vec::new();
     for (surface, range) in part.along(id, [0, 1].map(|end| nose(part, id.blade, end, along))) {
         let ([from, to], rows) = if surface == id { (ends, ROWS[0]) } else { (range, ROWS[1]) };
-        for i in 0..=rows {
-            let u = from + (to - from) * i as f64 / rows as f64;
-            let Some(at) = contact(part, surface, u, along) else { continue };
-            let hub_u = hub_parameter(part, &at);
-            let mut azimuth = libm::atan2(at.y, at.x);
+        let row = |i: usize| {
+            let at = contact(part, surface, from + (to - from) * i as f64 / rows as f64, along)?;
+            Some((hub_parameter(part, &at), libm::atan2(at.y, at.x)))
+        };
+        let contacts: Vec<(f64, f64)> = (0..=rows).into_par_iter().filter_map(row).collect();
+        for (hub_u, mut azimuth) in contacts {
             if let Some(last) = border.last() {
                 // Where an edge begins the border is the end of the face again.
                 if surface.edge_end().is_some() && hub_u <= last[0] {

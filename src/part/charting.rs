@@ -93,17 +93,18 @@ fn borders(part: &Part, id: FaceId, u: f64) -> [f64; 2] {
 /// Splines through rows at equal steps of x, so many that they are off by at most [`OFF`] in the middle between two rows. `off` is the
 /// distance of a row of the splines from the row itself, mm. `None` where a row has no numbers.
 fn table<const N: usize>(
-    at: impl Fn(f64) -> Option<[f64; N]>,
-    off: impl Fn(&[f64; N], &[f64; N]) -> f64,
+    at: impl Fn(f64) -> Option<[f64; N]> + Sync,
+    off: impl Fn(&[f64; N], &[f64; N]) -> f64 + Sync,
 ) -> Option<ChartRows<N>> {
     let [fewest, most] = SPANS;
-    let mut rows: Vec<[f64; N]> = (0..=fewest).map(|i| at(i as f64 / fewest as f64)).collect::<Option<_>>()?;
+    let first = (0..=fewest).into_par_iter().map(|i| at(i as f64 / fewest as f64));
+    let mut rows: Vec<[f64; N]> = first.collect::<Option<_>>()?;
     loop {
         let (table, spans) = (ChartRows::through(&rows), rows.len() - 1);
         if spans >= most {
             return Some(table);
         }
-        let places = (0..spans).map(|i| (i as f64 + 0.5) / spans as f64);
+        let places = (0..spans).into_par_iter().map(|i| (i as f64 + 0.5) / spans as f64);
         let between: Vec<[f64; N]> = places.clone().map(&at).collect::<Option<_>>()?;
         if places.zip(&between).all(|(x, row)| off(&table.at(x), row) <= OFF) {
             return Some(table);
@@ -115,7 +116,8 @@ fn table<const N: usize>(
 
 fn face(part: &Part, id: FaceId, kind: SurfaceKind) -> ChartTable {
     let surface = &part.face(id).surface;
-    let off = |a: &[f64; 2], b: &[f64; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs()) * surface.height(0.5);
+    let height = surface.height(0.5);
+    let off = |a: &[f64; 2], b: &[f64; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs()) * height;
     let borders = table(|u| Some(borders(part, id, u)), off);
     // Every row has borders.
     let borders = borders.unwrap_or_else(|| ChartRows::through(&[[0.0, 1.0]; 4]));
@@ -147,13 +149,14 @@ fn fillet(part: &Part, id: FaceId) -> Option<ChartTable> {
 fn fillet_table<const N: usize>(
     part: &Part,
     id: FaceId,
-    numbers: impl Fn(FilletArc) -> [f64; N],
+    numbers: impl Fn(FilletArc) -> [f64; N] + Sync,
 ) -> Option<([f64; 2], ChartRows<N>)> {
     /// Steps along the foot at which the range is looked for.
     const STEPS: usize = 400;
     let [from, to] = part.fillet_ends(id, |u| part.fillet_radius(id, u).unwrap_or(0.0));
     let place = |i: usize| from + (to - from) * i as f64 / STEPS as f64;
-    let stands = |i: &usize| part.fillet_arc(id, place(*i)).is_some();
+    let balls: Vec<bool> = (0..=STEPS).into_par_iter().map(|i| part.fillet_arc(id, place(i)).is_some()).collect();
+    let stands = |i: &usize| balls[*i];
     // Far beyond an end there may be no ball; the surface is the connected run of places about the middle.
     let middle = STEPS / 2;
     if !stands(&middle) {
@@ -175,7 +178,7 @@ fn fillet_table<const N: usize>(
 fn hub(part: &Part, passage: &Passage) -> Option<ChartTable> {
     let opening = Opening::of(part, passage);
     let border = |i| opening.at(i as f64 / HUB_SPANS as f64).map(|[from, angle]| [from, angle.max(0.0)]);
-    let borders: Option<Vec<[f64; 2]>> = (0..=HUB_SPANS).map(border).collect();
+    let borders: Option<Vec<[f64; 2]>> = (0..=HUB_SPANS).into_par_iter().map(border).collect();
     Some(ChartTable {
         kind: SurfaceKind::Hub(passage.id),
         blade: BladeId::MAIN,

@@ -54,8 +54,9 @@ impl Part {
         let ball = |u: f64| {
             let radius = self.fillet_radius(id, u)?;
             let v = self.fillet_tangent(id, u, radius)?;
-            let to_face = -face.normal(u, v);
-            Some((face.surface.point(u, v) - to_face * radius, radius, to_face))
+            let (point, normal) = face.point_and_normal(u, v);
+            let to_face = -normal;
+            Some((point - to_face * radius, radius, to_face))
         };
         let (centre, radius, to_face) = ball(u)?;
         let ends = [to_face, -hub_normal(self, &centre)];
@@ -76,8 +77,8 @@ impl Part {
     pub fn beside_centre(&self, id: FaceId, u: f64, [wall, floor]: [f64; 2], top: f64) -> Option<f64> {
         let face = self.face(id);
         let gap = |v: f64| {
-            let centre = face.surface.point(u, v) + face.normal(u, v) * wall;
-            self.hub.distance(&centre) - floor
+            let (point, normal) = face.point_and_normal(u, v);
+            self.hub.distance(&(point + normal * wall)) - floor
         };
         // The ball sinks into the hub at the root and is clear of the hub at some height. For a face inclined over the
         // hub the start may have to lie below the root.
@@ -173,7 +174,8 @@ impl Part {
         let on_part = |u: f64| {
             let radius = radius(u);
             self.fillet_tangent(id, u, radius).is_some_and(|v| {
-                let centre = face.surface.point(u, v) + face.normal(u, v) * radius;
+                let (point, normal) = face.point_and_normal(u, v);
+                let centre = point + normal * radius;
                 extent.holds(&(centre - hub_normal(self, &centre) * radius))
             })
         };

@@ -104,9 +104,14 @@ impl Part {
         Self::of(row)
     }
 
-    /// Tables of the charts of sector 0. `make` makes them at the first call; it must not wait for other threads.
+    /// Tables of the charts of sector 0. `make` makes them at the first call, outside of the lock: it works in several threads, and
+    /// one that waits for the lock could not help it.
     pub(super) fn chart_tables(&self, make: impl FnOnce(&Self) -> ChartTables) -> &ChartTables {
-        self.charts.get_or_init(|| make(self))
+        if let Some(made) = self.charts.get() {
+            return made;
+        }
+        let made = make(self);
+        self.charts.get_or_init(|| made)
     }
 
     /// Share of the height at a point: its distance from the hub over the sum of its distances from hub and shroud. 0 on

@@ -68,6 +68,13 @@ impl Surface for LoftedSurface {
     fn rotated(&self, angle: f64) -> Self {
         self.rotated(angle)
     }
+    // Computes no second derivatives.
+    fn tangents(&self, u: f64, v: f64) -> (Point3<f64>, Vector3<f64>, Vector3<f64>) {
+        self.tangents(u, v)
+    }
+    fn point(&self, u: f64, v: f64) -> Point3<f64> {
+        self.point(u, v)
+    }
 }
 
 /// The surface of a face of a blade, by its kind. A new kind needs one line in each table below.
@@ -191,9 +198,9 @@ impl FaceSurface {
         const STATIONS: u32 = 64;
         match self {
             Self::Ruled(s) => s.tangents(u, 0.0).2.norm(),
-            Self::Lofted(s) => (0..=STATIONS)
-                .map(|i| s.derivatives(u, f64::from(i) / f64::from(STATIONS)).sv.norm())
-                .fold(0.0, f64::max),
+            Self::Lofted(s) => {
+                (0..=STATIONS).map(|i| s.tangents(u, f64::from(i) / f64::from(STATIONS)).2.norm()).fold(0.0, f64::max)
+            }
         }
     }
 

@@ -8,7 +8,7 @@
 use crate::support;
 use impellerc::collide::{Cloud, ToolSolid};
 use impellerc::contract::{ContractKind, Guarded};
-use impellerc::diag::Sink;
+use impellerc::diag::{Severity, Sink};
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::entity::PrimaryMap;
 use impellerc::ir::{Contract, Motion, MoveKind, OperationKind, Program};
@@ -336,30 +336,38 @@ fn the_greedy_choice_of_the_paper_is_clear_at_its_stations() {
     assert!(row.length > 100.0);
 }
 
+/// One error for all passes, and the tool that its help names plans the whole operation.
 #[test]
-fn a_holder_that_is_too_fat_is_told_with_the_one_that_would_do() {
-    let mut program = floor(&wei(), AxisMethod::Corridor, Lines::OneWay, 0.4);
+fn a_holder_that_is_too_fat_is_told_with_the_reach_that_would_do() {
+    let program = floor(&wei(), AxisMethod::Corridor, Lines::OneWay, 0.4);
     let used = program.operations.iter().next().unwrap().1.tool;
-    let mut tools = PrimaryMap::new();
-    for (id, tool) in program.tools.iter() {
-        let mut tool = tool.clone();
-        if id == used {
-            // A holder of 100 mm diameter, 28 mm lower than that of the tool.
-            tool.solid.shank.clear();
-            for section in &mut tool.solid.holder {
-                (section.radius_from, section.radius_to) = (50.0, 50.0);
-                (section.from, section.to) = (section.from - 28.0, section.to - 28.0);
-            }
+    // A holder of 100 mm diameter, 28 mm lower than that of the tool, and that much longer again.
+    let with_reach = |longer: f64| {
+        let mut solid = program.tools[used].solid.clone();
+        solid.shank.clear();
+        for section in &mut solid.holder {
+            (section.radius_from, section.radius_to) = (50.0, 50.0);
+            (section.from, section.to) = (section.from - 28.0 + longer, section.to - 28.0 + longer);
         }
-        tools.push(tool);
-    }
-    program.tools = tools;
+        program.with_solid(used, &solid)
+    };
+    let fat = with_reach(0.0);
     let mut sink = Sink::default();
-    assert!(pipeline::run(&program, &mut sink).is_err());
-    let error = sink.diags().iter().find(|d| d.code.id() == "IMP0502").expect("an error");
-    println!("{} {:?}", error.message, error.help);
+    assert!(pipeline::run(&fat, &mut sink).is_err());
+    let errors: Vec<_> = sink.diags().iter().filter(|d| d.severity == Severity::Error).collect();
+    let [error] = errors.as_slice() else { panic!("{errors:#?}") };
+    println!("{} {:?} {:?}", error.message, error.notes, error.help);
+    assert!(error.code.id() == "IMP0502" && error.place.is_some());
     let help = error.help.as_deref().unwrap_or_default();
-    assert!(error.place.is_some() && help.contains("holder of at most") && help.contains("reach of"), "{help}");
+    let after = |words: &str| -> f64 {
+        let (_, rest) = help.split_once(words).unwrap_or_else(|| panic!("no `{words}`: {help}"));
+        rest.split_once(" mm").unwrap().0.parse().unwrap()
+    };
+    let reach = fat.tools[used].solid.holder[0].from;
+    // A slimmer holder alone has clear axes at the place of the error, and no motion through those of all passes.
+    assert!(!help.contains("holder"), "{help}");
+    let told = with_reach(after("a reach of ") - reach);
+    assert!(pipeline::run(&told, &mut Sink::default()).is_ok(), "{help}");
 }
 
 #[test]

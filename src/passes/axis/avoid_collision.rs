@@ -8,9 +8,11 @@
 
 use super::clear_axes::{ClearAxes, LEAST_TILT, StandingBall, is_steep, share_of_size};
 use super::orient_tool::tilted_points;
+use super::other_tools::remedy_for;
 use super::run::lengths;
 use super::sequence::{self, Blocked, Gap};
 use super::sideways::{TurnSide, turned};
+use super::smooth_axis::has_smooth_axes;
 use super::varied_tilt::ClearTilts;
 use crate::analysis::flank::SIDE_CLEARANCE;
 use crate::collide::ToolSolid;
@@ -19,6 +21,7 @@ use crate::ir::{CcOperation, CcPass, CcPlan, ClOperation, ClPass, ClPlan, ClPoin
 use crate::method::AxisMethod;
 use crate::part::SurfaceKind;
 use crate::passes::context::{AxisTilt, Obstacles, PassContext, remedy};
+use crate::progress::Progress;
 use crate::units::{length, trim};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
@@ -143,18 +146,9 @@ fn clear_axes(
         Ok(points) => (points, Vec::new()),
         Err(faults) => (Vec::new(), faults),
     };
-    let tool = &program.tools[operation.tool];
-    for (i, blocked) in &blocked {
-        let label = oriented.passes.get(*i).map_or("", |p| p.label.as_str());
-        let (label, place) = cx.in_first_sector(operation, label, blocked.at);
-        cx.sink.push(
-            no_sequence(&clear, (&operation.name, &tool.name), blocked)
-                .place(label, place)
-                .label(operation.span, "in this operation")
-                .label(tool.span, "with this tool"),
-        );
-    }
-    if !blocked.is_empty() {
+    drop(work);
+    if let Some(diag) = no_sequence(cx, operation, &clear, (planned, passes), &blocked) {
+        cx.sink.push(diag);
         return Err(Aborted);
     }
     for (pass, points) in oriented.passes.iter_mut().zip(found) {
@@ -163,23 +157,63 @@ fn clear_axes(
     Ok(())
 }
 
-/// The error of a pass whose sequence of clear axes ends.
-fn no_sequence(clear: &ClearAxes<'_>, (operation, tool): (&str, &str), blocked: &Blocked) -> Diag {
-    let reason = match blocked.why {
-        Gap::NoAxis => {
-            return clear.no_axis((operation, tool), &blocked.at, (&blocked.about, "the channel's direction"));
-        }
+/// The error of an operation with passes whose sequence of clear axes ends: the first of them, a place without any axis before others,
+/// and tools that would lead along all of them.
+fn no_sequence(
+    cx: &PassContext<'_>,
+    operation: &Operation,
+    clear: &ClearAxes<'_>,
+    (planned, passes): (&[CcPass], &[ClPass]),
+    blocked: &[(usize, Blocked)],
+) -> Option<Diag> {
+    let no_axis = |(_, blocked): &&(usize, Blocked)| matches!(blocked.why, Gap::NoAxis);
+    let (first, at) = blocked.iter().find(no_axis).or(blocked.first())?;
+    let tool = &cx.program.tools[operation.tool];
+    let names = (operation.name.as_str(), tool.name.as_str());
+    let help = || {
+        let unled: Vec<(usize, &ClPass)> = blocked.iter().map(|(i, _)| (*i, &passes[*i])).collect();
+        let places: Vec<_> = blocked.iter().filter(no_axis).map(|(_, blocked)| (blocked.at, blocked.about)).collect();
+        remedy_for(cx, operation, &unled, &places, |clear, program, (i, pass)| {
+            let (chain, pass) = (&program.machine.chain, std::slice::from_ref(pass));
+            if operation.kind.axis_method() == Some(AxisMethod::Xu) {
+                return sequence::greedy_axes(clear, chain, &planned[i..=i], pass).is_ok();
+            }
+            let work = Progress::default().begin("", 1);
+            sequence::shortest(clear, &program.machine, (pass, operation.kind.is_on_floor()), &work)
+                .is_ok_and(|found| has_smooth_axes(clear, chain, &ClPass { points: found.concat(), ..pass[0].clone() }))
+        })
+    };
+    let diag = match at.why {
+        Gap::NoAxis => clear.no_axis(names, &at.at, (&at.about, "the channel's direction"), help),
         Gap::NearPole => {
             let least = LEAST_TILT.to_degrees();
-            format!("are less than {least:.1} deg from Z, where the second rotary axis would turn through")
+            apart(
+                names,
+                &format!("are less than {least:.1} deg from Z, where the second rotary axis would turn through"),
+                help(),
+            )
         }
         Gap::Apart => {
             let [turn, step] = [sequence::MOST_TURN.to_degrees(), clear.scaled(sequence::STEP)];
-            format!("are more than {turn:.0} deg away from those {step:.1} mm before")
+            apart(names, &format!("are more than {turn:.0} deg away from those {step:.1} mm before"), help())
         }
     };
-    Diag::error(orientation::NO_AXIS, format!("`{operation}`: the axes here that keep {tool} clear of the part {reason}"))
-        .help("use a slimmer tool or a longer reach, which leaves more clear axes; or other surfaces or `blades` for this tool")
+    let label = passes.get(*first).map_or("", |p| p.label.as_str());
+    let (label, place) = cx.in_first_sector(operation, label, at.at);
+    let diag = diag.place(label, place).label(operation.span, "in this operation").label(tool.span, "with this tool");
+    Some(match blocked.len() {
+        1 => diag,
+        count => diag.note(format!("{count} of {} passes have no such axes; this is one of them", passes.len())),
+    })
+}
+
+/// The error where there are clear axes, and no motion from one to the next.
+fn apart((operation, tool): (&str, &str), reason: &str, help: String) -> Diag {
+    Diag::error(
+        orientation::NO_AXIS,
+        format!("`{operation}`: the axes here that keep {tool} clear of the part {reason}"),
+    )
+    .help(format!("{help}; or use other surfaces or `blades` for this tool"))
 }
 
 /// The error of an operation: its worst place, and a tool that would clear all of its passes. For passes along the rulings

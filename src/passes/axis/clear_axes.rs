@@ -20,7 +20,7 @@ use crate::kin::Pose;
 use crate::operation::Allowances;
 use crate::orient::inscribe::{Proof, inscribe};
 use crate::part::Clamping;
-use crate::passes::context::{Ends, Obstacles, remedy};
+use crate::passes::context::{Ends, Obstacles};
 use crate::units::trim;
 use nalgebra::{Point3, Vector2, Vector3};
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -235,6 +235,12 @@ impl<'a> ClearAxes<'a> {
         if wider.is_empty() { self.between_rings(ball, middle, margin) } else { wider }
     }
 
+    /// True where [`Self::candidates`] finds an axis.
+    pub(crate) fn has_candidates(&self, ball: &StandingBall, middle: &Vector3<f64>) -> bool {
+        let mut tried = around(middle).chain(rings(middle, &WIDER_RINGS));
+        tried.any(|d| self.clear(ball, &d, 0.0, 0.0)) || !self.between_rings(ball, middle, 0.0).is_empty()
+    }
+
     /// Clear axes between those of the rings: from the axes that lack least, each step goes where the tool lacks less. Between
     /// the walls of a twisted channel the clear axes are a narrow cone.
     fn between_rings(&self, ball: &StandingBall, middle: &Vector3<f64>, margin: f64) -> Vec<Vector3<f64>> {
@@ -333,12 +339,13 @@ impl<'a> ClearAxes<'a> {
         best
     }
 
-    /// The error for a contact without a clear axis about a direction, which is named.
+    /// The error for a contact without a clear axis about a direction, which is named. `help` tells tools that would have one.
     pub(crate) fn no_axis(
         &self,
         (operation, tool): (&str, &str),
         at: &Point3<f64>,
         (about, direction): (&Vector3<f64>, &str),
+        help: impl FnOnce() -> String,
     ) -> Diag {
         if let Some(diag) = self.no_travel((operation, tool), at, about) {
             return diag;
@@ -352,7 +359,7 @@ impl<'a> ClearAxes<'a> {
                 trim(side, 3)
             ),
         )
-        .help(self.remedy(at, about))
+        .help(help())
     }
 
     /// The error where axes about a direction are clear of the part, but each of them takes X, Y or Z out of its travel.
@@ -388,20 +395,6 @@ impl<'a> ClearAxes<'a> {
                 "use a machine on which {name} travels to {position:.3} mm, or mount the part at another position"
             )),
         )
-    }
-
-    /// Describes tools with which some axis about a direction is clear, where no axis is clear with this tool.
-    pub(crate) fn remedy(&self, centre: &Point3<f64>, middle: &Vector3<f64>) -> String {
-        remedy(self.solid, true, |solid| self.with_any(solid, centre, middle))
-    }
-
-    fn with_any(&self, solid: &ToolSolid, centre: &Point3<f64>, middle: &Vector3<f64>) -> bool {
-        // A smaller ball would put the tip lower over the same contact: this query is about the upper part of the tool
-        // only.
-        let clear = ClearAxes { solid, ..*self };
-        around(middle)
-            .chain(rings(middle, &WIDER_RINGS))
-            .any(|d| clear.clear(&StandingBall { centre: *centre, normal: None }, &d, 0.0, 0.0))
     }
 }
 

@@ -4,6 +4,7 @@ pub(crate) mod avoid_collision;
 mod clear_axes;
 pub(crate) mod clear_floor;
 pub(crate) mod orient_tool;
+mod other_tools;
 pub(crate) mod run;
 mod sequence;
 mod sideways;

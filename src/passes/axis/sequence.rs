@@ -283,6 +283,18 @@ impl WayStations {
     }
 }
 
+/// True where there is a clear axis at each station of the shortest path along a pass, without which there is no path.
+pub(super) fn has_candidates(clear: &ClearAxes<'_>, pass: &ClPass) -> bool {
+    if pass.points.len() < 2 {
+        return true;
+    }
+    let way = PassWay::new(pass, clear.radius(), clear.scaled(STEP));
+    way.stops.iter().all(|length| {
+        let about = pass.points[stretch(&way.table, *length).0].axis;
+        clear.has_candidates(&way.ball(*length), &about)
+    })
+}
+
 /// The cheapest sequences of clear axes; the axes of the passes give the direction of the channel. Each line stays
 /// close to earlier lines, so that the tool hardly turns between neighbours, on the part and in links.
 ///

@@ -10,9 +10,10 @@
 //! that links between them turn little.
 
 use super::clear_axes::{ClearAxes, LEAST_TILT, StandingBall};
+use super::other_tools::remedy_for;
 use super::run::{lengths, rotary, stretch};
 use crate::diag::{Aborted, Diag, codes::orientation};
-use crate::ir::{CcPlan, ClPass, ClPlan, ClPoint};
+use crate::ir::{CcPlan, ClPass, ClPlan, ClPoint, Operation};
 use crate::kin::{Angles, Chain, RotaryPose, between};
 use crate::method::AxisMethod;
 use crate::orient::inscribe::Proof;
@@ -83,18 +84,21 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
             .par_iter()
             .map(|pass| work.step(smooth_with_any(&tried, &program.machine.chain, pass)))
             .collect();
+        drop(work);
         let mut nearer = vec![0_usize; tried.len()];
-        for (pass, result) in oriented.passes.iter_mut().zip(smoothed) {
+        let mut faults = Vec::new();
+        for (i, result) in smoothed.into_iter().enumerate() {
             match result {
                 Ok((points, k)) => {
-                    pass.points = points;
+                    oriented.passes[i].points = points;
                     nearer[k] += 1;
                 }
-                Err(fault) => {
-                    failed = true;
-                    report(cx, operation, pass, &clear, &fault);
-                }
+                Err(fault) => faults.push((i, fault)),
             }
+        }
+        if !faults.is_empty() {
+            failed = true;
+            report(cx, operation, &oriented.passes, &clear, &faults);
         }
         if operation.kind.is_on_floor() {
             follow(&clear, &program.machine.chain, &mut oriented.passes);
@@ -282,18 +286,38 @@ fn on_curve(
         .collect()
 }
 
+/// True where the axes of a pass become smooth, with the whole distance beside the cutter or with less.
+pub(super) fn has_smooth_axes(clear: &ClearAxes<'_>, chain: &Chain, pass: &ClPass) -> bool {
+    smooth_with_any(&[&[*clear][..], &clear.with_less_beside()].concat(), chain, pass).is_ok()
+}
+
+/// The error of an operation with passes that did not become smooth: the first of them, and tools with which all of them would.
 fn report(
     cx: &mut PassContext<'_>,
-    operation: &crate::ir::Operation,
-    pass: &ClPass,
+    operation: &Operation,
+    passes: &[ClPass],
     clear: &ClearAxes<'_>,
-    fault: &Fault,
+    faults: &[(usize, Fault)],
 ) {
+    let Some((first, fault)) = faults.first() else { return };
     let tool = &cx.program.tools[operation.tool];
     let (Fault::NoAxis(at, _) | Fault::NoRun(at, _) | Fault::NotProved(at)) = fault;
-    let (label, place) = cx.in_first_sector(operation, &pass.label, *at);
+    let (label, place) = cx.in_first_sector(operation, &passes[*first].label, *at);
+    let help = || {
+        let left: Vec<(usize, &ClPass)> = faults.iter().map(|(i, _)| (*i, &passes[*i])).collect();
+        let no_axis = |(_, fault): &(usize, Fault)| match fault {
+            Fault::NoAxis(at, about) => Some((*at, *about)),
+            Fault::NoRun(..) | Fault::NotProved(_) => None,
+        };
+        let places: Vec<_> = faults.iter().filter_map(no_axis).collect();
+        remedy_for(cx, operation, &left, &places, |clear, program, (_, pass)| {
+            has_smooth_axes(clear, &program.machine.chain, pass)
+        })
+    };
     let diag = match fault {
-        Fault::NoAxis(at, about) => clear.no_axis((&operation.name, &tool.name), at, (about, "the axis between its neighbours")),
+        Fault::NoAxis(at, about) => {
+            clear.no_axis((&operation.name, &tool.name), at, (about, "the axis between its neighbours"), help)
+        }
         Fault::NoRun(_, residual) => Diag::error(
             orientation::NOT_SMOOTH,
             format!(
@@ -304,13 +328,16 @@ fn report(
                 residual.change.to_degrees()
             ),
         )
-        .help("use a slimmer tool or a longer reach, which gives wider cones, or `method blend`, which requires less distance"),
+        .help(format!("{}; or use `method blend`, which requires less distance", help())),
         Fault::NotProved(_) => Diag::error(
             orientation::NOT_SMOOTH,
             format!("`{}`: the clearance of {} is not proved between stations", operation.name, tool.name),
         )
-        .help("use a slimmer tool or a longer reach, which gives more clearance between stations"),
+        .help(help()),
     };
-    cx.sink
-        .push(diag.place(label, place).label(operation.span, "in this operation").label(tool.span, "with this tool"));
+    let diag = diag.place(label, place).label(operation.span, "in this operation").label(tool.span, "with this tool");
+    cx.sink.push(match faults.len() {
+        1 => diag,
+        count => diag.note(format!("{count} of {} passes have no such motion; this is one of them", passes.len())),
+    });
 }

@@ -14,7 +14,11 @@ pub(crate) fn remedy(solid: &ToolSolid, cutter_free: bool, works: impl Fn(&ToolS
             (section.radius_from, section.radius_to) = (radius, radius);
         }
     };
-    let shares = |least: u32| (least..=9).rev().map(|k| 0.1 * f64::from(k));
+    // The largest share that works; where the least one does not, no other does.
+    let share = |least: u32, works: &dyn Fn(f64) -> bool| {
+        let at = |k: u32| 0.1 * f64::from(k);
+        works(at(least)).then(|| (least + 1..=9).rev().map(at).find(|share| works(*share)).unwrap_or(at(least)))
+    };
     let works_with = |change: &dyn Fn(&mut ToolSolid)| {
         let mut other = solid.clone();
         change(&mut other);
@@ -50,19 +54,19 @@ pub(crate) fn remedy(solid: &ToolSolid, cutter_free: bool, works: impl Fn(&ToolS
     if let Some(more) = longer_flutes {
         ways.push(format!("flutes of {:.0} mm with a reach of {:.0} mm", solid.flute_length + more, from + more));
     }
-    if let Some(share) = shares(2).find(|share| works_with(&|s| slimmed(&mut s.holder, *share))) {
+    if let Some(share) = share(2, &|share| works_with(&|s| slimmed(&mut s.holder, share))) {
         ways.push(format!("a holder of at most {:.1} mm diameter", 2.0 * widest(&solid.holder) * share));
     }
-    if let Some(share) = shares(3).find(|share| works_with(&|s| slimmed(&mut s.shank, *share))) {
+    if let Some(share) = share(3, &|share| works_with(&|s| slimmed(&mut s.shank, share))) {
         ways.push(format!("a shank of at most {:.1} mm diameter", 2.0 * widest(&solid.shank) * share));
     }
-    let smaller = shares(3).filter(|_| cutter_free).find(|share| {
+    let smaller = |share: f64| {
         works_with(&|s| {
-            slimmed(&mut s.shank, *share);
-            s.cutter = s.cutter.scaled(*share);
+            slimmed(&mut s.shank, share);
+            s.cutter = s.cutter.scaled(share);
         })
-    });
-    if let Some(share) = smaller {
+    };
+    if let Some(share) = cutter_free.then(|| share(3, &smaller)).flatten() {
         ways.push(format!("a cutter and shank of {:.1} mm diameter", 2.0 * solid.radius() * share));
     }
     match ways.as_slice() {
@@ -70,6 +74,7 @@ pub(crate) fn remedy(solid: &ToolSolid, cutter_free: bool, works: impl Fn(&ToolS
             "neither a longer reach nor a slimmer holder nor a smaller cutter is enough by itself; use a wider channel"
                 .to_owned()
         }
+        [way] => format!("{way} is enough"),
         ways => format!("any one of these changes is enough: {}", ways.join("; or ")),
     }
 }
