@@ -312,13 +312,17 @@ fn load_is_judged_by_tool_and_feed() {
         let [(a, up), (b, _), (c, _)] = [at(-80.0, -20.0), at(-70.0, -20.0), at(70.0, -20.0)];
         moved(&[(a, up, MoveKind::Rapid), (b, up, MoveKind::Rapid), (c, up, kind)])
     };
-    let told = |program: &Program, motion: &Motion| {
+    let diags = |program: &Program, motion: &Motion| {
         let mut sink = Sink::default();
         let report =
             stock::simulate(program, motion, &mut Settings::default(), &Progress::default(), &mut sink).unwrap();
         stock::report(program, motion, &report, &mut sink);
         let told = sink.diags().iter().filter(|d| ["IMP0735", "IMP0739"].contains(&d.code.id()));
-        told.map(|d| (d.code.id(), d.severity == Severity::Error, d.message.clone())).collect::<Vec<_>>()
+        told.cloned().collect::<Vec<_>>()
+    };
+    let told = |program: &Program, motion: &Motion| {
+        let told = diags(program, motion).into_iter();
+        told.map(|d| (d.code.id(), d.severity == Severity::Error, d.message)).collect::<Vec<_>>()
     };
     // A finishing tool in full material, with chips of 8 um: worth a remark.
     let (program, mut motion) = line(MoveKind::Cut);
@@ -353,6 +357,27 @@ fn load_is_judged_by_tool_and_feed() {
     for (share, fails) in [(0.9, true), (1.1, false)] {
         let found = told(&stiff(f64::INFINITY, Some(Mm3PerMin(share * rate))), &motion);
         assert_eq!(found.iter().any(fast), fails, "{share} {rate} {found:?}");
+    }
+    // The feeds that the messages tell are enough: that of the chip, 0.25 mm where 0.2 mm are allowed, and that of the rate, which
+    // the simulation finds from below.
+    let told_feed = |program: &Program, motion: &Motion, of: &str| {
+        let told = diags(program, motion).into_iter().find(|d| d.message.contains(of)).unwrap();
+        let help = told.help.unwrap();
+        help.split_once("a feed of at most ").unwrap().1.split_once(" mm/min").unwrap().0.parse::<f64>().unwrap()
+    };
+    let slow = stiff(f64::INFINITY, Some(Mm3PerMin(0.9 * rate)));
+    let mut thin = Program { tools: PrimaryMap::new(), ..slow.clone() };
+    for (_, tool) in slow.tools.iter() {
+        thin.tools.push(Tool { max_chip: Mm(0.2), ..tool.clone() });
+    }
+    for (of, expected) in [("feed per tooth of", 0.2 * 8000.0 * 4.0), ("mm3/min", 0.9 * 8000.0)] {
+        let feed = told_feed(&thin, &motion, of);
+        assert!((0.95 * expected..1.1 * expected).contains(&feed), "{of}: {feed} {expected}");
+        let mut slower = motion.clone();
+        let cut = &mut slower.operations[0].moves[2];
+        (cut.feed, cut.time) = (Some(feed), cut.time * cut.feed.unwrap() / feed);
+        let left = told(&thin, &slower);
+        assert!(!left.iter().any(|f| f.2.contains(of)), "{of}: {feed} {left:?}");
     }
     // Aluminium: 500 N/mm2 for a chip of 1 mm. Here the mean chip is 2/pi of 8000 / (8000 * 4) mm.
     let power = 500.0 * (8000.0 / (8000.0 * 4.0) * 2.0 / PI).powf(-0.25) * rate / 6e7;

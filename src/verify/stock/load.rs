@@ -8,7 +8,7 @@ use super::{FULL_ARC, OperationStock, Peak};
 use crate::diag::{Diag, Sink, codes::verification};
 use crate::ir::{Motion, MotionOperation, MoveKind, Operation, Program, Tool};
 use crate::stock::lune::RIDGE;
-use crate::units::{length, trim};
+use crate::units::{MmPerMin, Rpm, length, trim};
 use crate::verify::place::describe;
 use crate::verify::proof::piece::At;
 use nalgebra::Point3;
@@ -195,6 +195,7 @@ fn report_removal(program: &Program, motion: &Motion, o: &OperationStock, sink: 
     let Some(operation) = motion.operations.get(o.operation as usize) else { return };
     let declared = &program.operations[operation.operation];
     let tool = &program.tools[declared.tool];
+    let slower = feed_within(operation, &o.removal);
     let mut find = |peak: &Peak, text: String, limit: String| {
         sink.push(
             Diag::error(verification::TOOL_LOAD, text)
@@ -202,7 +203,10 @@ fn report_removal(program: &Program, motion: &Motion, o: &OperationStock, sink: 
                 .place(describe(program, motion, Some(peak.at)), Point3::from(peak.tip))
                 .block(peak.at.operation, peak.at.index)
                 .note(limit)
-                .help("use a lower feed in this block, or a smaller `depth` or `stepover`"),
+                .help(slower.map_or_else(
+                    || "use a lower feed in this block, or a smaller `depth` or `stepover`".to_owned(),
+                    |feed| format!("use a feed of at most {feed} in this operation, or a smaller `depth` or `stepover`"),
+                )),
         );
     };
     let rate = o.rate.zip(tool.max_rate).filter(|(found, limit)| found.value * 60.0 > limit.get());
@@ -215,6 +219,17 @@ fn report_removal(program: &Program, motion: &Motion, o: &OperationStock, sink: 
         let text = format!("{} needs {} kW at the cutter", tool.name, trim(found.value, 2));
         find(&found, text, format!("the spindle of the machine has {} kW", trim(limit, 2)));
     }
+}
+
+/// Share of the limit that a feed in a message leaves: the stock is cut in steps, whose places depend on the feed.
+const USED: f64 = 0.95;
+
+/// A feed, in whole mm/min, with which no cut removes more than tool and spindle take. `shares` has the feed of each move as a share of
+/// the feed at which one of them reaches its limit.
+fn feed_within(operation: &MotionOperation, shares: &[f64]) -> Option<MmPerMin> {
+    let over = operation.moves.iter().zip(shares).filter(|(m, share)| m.kind == MoveKind::Cut && **share > USED);
+    let least = over.filter_map(|(m, share)| Some(USED * m.feed? / share)).reduce(f64::min)?;
+    (least >= 1.0).then(|| MmPerMin(least.floor()))
 }
 
 /// Feed per tooth of the fastest cut of an operation, mm, with its move; infinite where the spindle stands.
@@ -244,8 +259,22 @@ fn report_chip(program: &Program, motion: &Motion, o: &OperationStock, sink: &mu
                 .place(describe(program, motion, Some(at)), tip)
                 .block(at.operation, at.index)
                 .note(format!("the limit of the tool is {}", length(tool.max_chip.get())))
-                .help("use a lower `feed`, or a higher `speed`"),
+                .help(thinner(program, declared, chip)),
         );
+    }
+}
+
+/// The remedy for a chip: the feed and the spindle speed that keep the limit of the tool, rounded to whole numbers.
+fn thinner(program: &Program, declared: &Operation, chip: f64) -> String {
+    let tool = &program.tools[declared.tool];
+    let limit = tool.max_chip.get();
+    let feed = MmPerMin((limit * declared.speed.get() * f64::from(tool.flutes)).floor());
+    let speed = Rpm((declared.speed.get() * chip / limit).ceil());
+    let fast = speed.get() <= program.machine.spindle[1];
+    match (feed.get() >= 1.0, speed.get().is_finite() && fast) {
+        (true, true) => format!("use a feed of at most {feed}, or a spindle speed of at least {speed}"),
+        (true, false) => format!("use a feed of at most {feed}; the spindle of the machine cannot turn fast enough for this one"),
+        (false, _) => "use a lower `feed`, or a higher `speed`".to_owned(),
     }
 }
 
