@@ -121,7 +121,8 @@ impl ContractReader<'_, '_> {
         if let Some(kind) = ContractKind::ALL.into_iter().find(|k| k.quantity() == text) {
             return Some(kind);
         }
-        let known: Vec<&str> = ContractKind::ALL.iter().map(|k| k.quantity()).collect();
+        let mut known: Vec<&str> = ContractKind::ALL.iter().map(|k| k.quantity()).collect();
+        known.dedup();
         match body.filter(|_| known.contains(&what.text.as_str())) {
             Some(body) => {
                 let parts: Vec<&str> =

@@ -143,7 +143,8 @@ impl LetScope {
 /// The diagnostic for a value of the wrong dimension, with a fix where only the unit is missing.
 pub(super) fn mismatch(expr: &Expr, value: Quantity, due: &[Dimension], what: &str) -> Diag {
     let wanted = due.iter().map(|d| d.name()).collect::<Vec<_>>().join(" or ");
-    let usual = due.first().map_or("", |d| d.usual_unit());
+    // The only times of a job are those of a program.
+    let usual = due.first().map_or("", |d| if *d == Dimension::TIME { "h" } else { d.usual_unit() });
     if value.dimension == Dimension::NONE && !usual.is_empty() {
         let units = due.iter().flat_map(|d| d.units()).collect::<Vec<_>>().join(", ");
         let diag = Diag::error(codes::NO_UNIT, format!("{what} needs a unit"))

@@ -235,8 +235,8 @@ impl StockReport {
         )?;
         writeln!(
             t,
-            "  {:<12} {:>9} {:>9} {:>9} {:>8} {:>7} {:>7} {:>7} {:>7} {:>7} {:>9}",
-            "operation", "removed", "by links", "rest", "t air", "air", "depth", "width", "arc", "rate", "collides"
+            "  {:<12} {:>9} {:>9} {:>9} {:>8} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>9}",
+            "operation", "removed", "by links", "rest", "t air", "air", "depth", "as slot", "width", "arc", "rate", "collides"
         )?;
         let peak = |p: &Option<Peak>, digits: usize| {
             p.as_ref().map_or_else(|| "-".to_owned(), |p| format!("{:.digits$}", p.value))
@@ -244,7 +244,7 @@ impl StockReport {
         for o in &self.operations {
             writeln!(
                 t,
-                "  {:<12} {:>9.0} {:>9.0} {:>9.0} {:>8} {:>5.1} % {:>7} {:>7} {:>7} {:>7} {:>9}",
+                "  {:<12} {:>9.0} {:>9.0} {:>9.0} {:>8} {:>5.1} % {:>7} {:>7} {:>7} {:>7} {:>7} {:>9}",
                 o.name,
                 o.removed,
                 o.by_links,
@@ -252,12 +252,14 @@ impl StockReport {
                 clock(o.air),
                 o.air_share() * 100.0,
                 peak(&o.depth, 2),
+                o.slot_depth.map_or_else(|| "-".to_owned(), |slot| format!("{:.2}", slot.value)),
                 peak(&o.width, 2),
                 peak(&o.arc, 0),
                 peak(&o.rate, 1),
                 o.collisions.len()
             )?;
         }
+        writeln!(t, "  depth: extent of the chips along the axis; as slot: depth at full width that loads the tool as much, for `max-depth`")?;
         writeln!(t, "  the tools run in air for {:.1} % of the time", self.air_share() * 100.0)?;
         self.write_arcs(t)
     }
