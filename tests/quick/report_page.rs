@@ -54,6 +54,15 @@ fn a_small_window_shows_verdict_part_and_worst_places() {
 }
 
 #[test]
+fn a_telephone_shows_the_page_without_scrolling_sideways() {
+    let Some((mut page, _folder)) = open([390, 844]) else { return };
+    // Wide tables scroll in frames of their own.
+    let wide = "[...document.querySelectorAll('body *')].filter(e => !e.closest('.scroll') && e.getBoundingClientRect().right > \
+                innerWidth && e.getBoundingClientRect().width > 0).map(e => e.tagName + ' ' + e.className).join()";
+    assert_eq!(page.evaluate(wide), "", "of {} px", page.evaluate("document.documentElement.scrollWidth"));
+}
+
+#[test]
 fn the_wheel_scrolls_the_page_until_the_picture_is_clicked() {
     let Some((mut page, _folder)) = open([1280, 720]) else { return };
     let scene = page.place("#scene");
