@@ -25,6 +25,7 @@ pub fn span(knots: &[f64], degree: usize, u: f64) -> usize {
 
 /// Functions at `u` in span `i` of a degree and of the two degrees below, the highest last: entry j of degree d weights
 /// control point i - d + j.
+#[inline(always)]
 fn functions(knots: &[f64], degree: usize, i: usize, u: f64) -> [[f64; MAX_DEGREE + 1]; 3] {
     let mut n = [0.0; MAX_DEGREE + 1];
     n[0] = 1.0;
@@ -46,6 +47,7 @@ fn functions(knots: &[f64], degree: usize, i: usize, u: f64) -> [[f64; MAX_DEGRE
 }
 
 /// One differentiation step: from functions of `degree - 1` to the derivative of those of `degree`.
+#[inline(always)]
 fn derive(knots: &[f64], degree: usize, i: usize, lower: &[f64; MAX_DEGREE + 1]) -> [f64; MAX_DEGREE + 1] {
     let mut d = [0.0; MAX_DEGREE + 1];
     for j in 0..degree {
@@ -63,6 +65,17 @@ fn derive(knots: &[f64], degree: usize, i: usize, lower: &[f64; MAX_DEGREE + 1])
 
 /// Basis functions at `u` with derivatives up to `order` (at most 2); higher derivatives are zero.
 pub fn evaluate(knots: &[f64], degree: usize, u: f64, order: usize) -> Basis {
+    // A degree that the compiler knows unrolls the loops.
+    match degree {
+        3 => of_degree(knots, 3, u, order),
+        2 => of_degree(knots, 2, u, order),
+        1 => of_degree(knots, 1, u, order),
+        _ => of_degree(knots, degree, u, order),
+    }
+}
+
+#[inline(always)]
+fn of_degree(knots: &[f64], degree: usize, u: f64, order: usize) -> Basis {
     let i = span(knots, degree, u);
     let mut values = [[0.0; MAX_DEGREE + 1]; 3];
     let [two_below, below, own] = functions(knots, degree, i, u);
