@@ -124,24 +124,27 @@ pub enum SplineForm {
     Poly,
     /// Cubics of tip and rotary axes: SPL (HEIDENHAIN iTNC 530).
     Spl,
+    /// Curves of tip and second point: MOVNRB, up to degree five (CL data).
+    Movnrb,
 }
 
 impl SplineForm {
     /// All.
-    pub const ALL: [Self; 2] = [Self::Poly, Self::Spl];
+    pub const ALL: [Self; 3] = [Self::Poly, Self::Spl, Self::Movnrb];
 
     /// The name in post files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Poly => "poly",
             Self::Spl => "spl",
+            Self::Movnrb => "movnrb",
         }
     }
 
     /// Degree of its polynomials.
     pub fn degree(self) -> usize {
         match self {
-            Self::Poly => 5,
+            Self::Poly | Self::Movnrb => 5,
             Self::Spl => 3,
         }
     }

@@ -296,12 +296,12 @@ impl OperationReader<'_> {
         if rpm < min.get() || rpm > max.get() || rpm < limits::LEAST_SPINDLE {
             let name = self.machine.map_or("any machine", |m| m.name.as_str());
             p.sink.push(
-                Diag::error(codes::MACHINE_RANGE, format!("the spindle of {name} does not turn at {} rpm", trim(rpm, 1)))
-                    .label(
-                        expr.span,
-                        format!("the range is {} to {} rpm", min.get().max(limits::LEAST_SPINDLE), max.get()),
-                    )
-                    .help("choose a speed within the range of the spindle"),
+                Diag::error(
+                    codes::MACHINE_RANGE,
+                    format!("the spindle of {name} does not turn at {} rpm", trim(rpm, 1)),
+                )
+                .label(expr.span, format!("the range is {} to {} rpm", min.get().max(limits::LEAST_SPINDLE), max.get()))
+                .help("choose a speed within the range of the spindle"),
             );
             return None;
         }

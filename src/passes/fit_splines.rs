@@ -119,7 +119,7 @@ impl Fitting<'_> {
     fn axis(&self, place: &Place) -> Vector3<f64> {
         let (tip, turn) = (place.fixed_rows::<3>(0), place.fixed_rows::<3>(3));
         match self.form {
-            SplineForm::Poly => (turn - tip).normalize(),
+            SplineForm::Poly | SplineForm::Movnrb => (turn - tip).normalize(),
             SplineForm::Spl => self.chain().tool_axis([turn[0] / self.height, turn[1] / self.height]),
         }
     }
@@ -211,7 +211,7 @@ impl Fitting<'_> {
     /// Rotary positions at the start.
     fn rotary(&self, axis: &Vector3<f64>, place: &Place, first: &JointMove) -> Option<[f64; 2]> {
         match self.form {
-            SplineForm::Poly => self.chain().near(axis, first.joints.rotary),
+            SplineForm::Poly | SplineForm::Movnrb => self.chain().near(axis, first.joints.rotary),
             SplineForm::Spl => Some([place[3] / self.height, place[4] / self.height]),
         }
     }
@@ -219,7 +219,9 @@ impl Fitting<'_> {
     fn curve(&self, span: &[Place]) -> Option<PoseCurve> {
         let tip = span.iter().map(|p| p.fixed_rows::<3>(0).into_owned()).collect();
         let turn = match self.form {
-            SplineForm::Poly => TurnCurve::Second(span.iter().map(|p| p.fixed_rows::<3>(3).into_owned()).collect()),
+            SplineForm::Poly | SplineForm::Movnrb => {
+                TurnCurve::Second(span.iter().map(|p| p.fixed_rows::<3>(3).into_owned()).collect())
+            }
             SplineForm::Spl => TurnCurve::Rotary(span.iter().map(|p| Vector2::new(p[3], p[4]) / self.height).collect()),
         };
         PoseCurve::new(tip, turn)

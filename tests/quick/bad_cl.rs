@@ -115,10 +115,78 @@ fn what_follows_from_a_fault_is_not_told_again() {
     assert_eq!(read(&broken).unwrap_err().len(), MOST_FAULTS);
 }
 
+/// The stroke with two curves of order 3 in two spans, and GOTO along them.
+static CURVES: LazyLock<String> = LazyLock::new(|| {
+    let axis = "0.17101007,-0.46984631,0.86602540";
+    let goto = |tip: &str| format!("GOTO/{tip},{axis}\n");
+    let places =
+        ["29.5875,-17.525,3.575", "29.35,-17.9,3.3", "29.0875,-18.175,3.025", "28.6,-18.4,2.6"].map(goto).concat();
+    let curves = format!(
+        "MOVNRB/5AXIS,LENGTH,40.0\nMOVNRB/ON,3,7,0,4,2.4731\nMOVNRB/1,0.0,0.0,0.0,0.5,1.0,1.0,1.0\n\
+         MOVNRB/2,30.0,-17.0,4.0,29.5,-17.6,3.5,29.2,-18.2,3.1,$\n  28.6,-18.4,2.6\n\
+         MOVNRB/3,36.840403,-35.793852,38.641016,$\n  36.340403,-36.393852,38.141016,$\n\
+         36.040403,-36.993852,37.741016,$\n  35.440403,-37.193852,37.241016\nMOVNRB/NEXT\n{places}MOVNRB/OFF\n"
+    );
+    CL.replacen("LINTOL/0.001", "LINTOL/0.05", 1).replacen("FEDRAT/250.0", &format!("{curves}FEDRAT/250.0"), 1)
+});
+
+#[test]
+fn curves_are_read_span_by_span() {
+    let sections = read(&CURVES).unwrap();
+    let curves: Vec<_> = sections[0].moves.iter().filter_map(|m| m.curve.as_ref().map(|curve| (m, curve))).collect();
+    // At 0, 0.25, 0.5, 0.75 and 1 of the whole, by the algorithm of de Boor in another program.
+    let due = [
+        [30.0, -17.0, 4.0],
+        [29.5875, -17.525, 3.575],
+        [29.35, -17.9, 3.3],
+        [29.0875, -18.175, 3.025],
+        [28.6, -18.4, 2.6],
+    ];
+    assert_eq!(curves.len(), 2);
+    for (k, (m, curve)) in curves.iter().enumerate() {
+        assert_eq!(m.feed, Some(1000.0));
+        for (i, t) in [0.0, 0.5, 1.0].into_iter().enumerate() {
+            let (tip, _) = curve.at(t);
+            assert!((0..3).all(|x| (tip[x] - due[2 * k + i][x]).abs() < 1e-12), "{k} {t}: {tip}");
+        }
+    }
+    // The motion goes on where the curves end.
+    assert!((sections[0].moves.len(), sections[0].moves[4].tip.x) == (5, 29.0));
+}
+
+#[test]
+fn faults_of_curves_are_told() {
+    for (from, to, words) in [
+        ("MOVNRB/5AXIS,LENGTH,40.0", "MOVNRB/M3AXIS", "says no direction of the tool"),
+        ("MOVNRB/5AXIS,LENGTH,40.0\n", "", "MOVNRB begins by"),
+        ("LENGTH,40.0", "LENGTH,41.0", "not 41 mm apart"),
+        ("ON,3,7,0,4", "ON,3,8,0,4", "4 control points of order 3 have 7 knots"),
+        ("ON,3,7,0,4", "ON,3,7,4,4", "the number of weights is 0"),
+        ("ON,3,7,0,4", "ON,7,11,0,4", "the order 7 is not from 2 to 6"),
+        ("2.4731", "2.6", "2.473 mm long"),
+        ("0.0,0.5,1.0", "0.0,0.0,1.0", "stand 3 times"),
+        ("0.0,0.5,1.0", "0.0,1.5,1.0", "must ascend"),
+        ("0.5,1.0,1.0,1.0", "0.5,1.0,1.0", "says 7 knots; 6 stand"),
+        ("36.340403,-36.393852,38.141016,$\n", "36.340403,-36.393852,$\n", "not 11 numbers"),
+        ("MOVNRB/NEXT\n", "", "GOTO between MOVNRB/5AXIS and MOVNRB/NEXT"),
+        ("GOTO/30.0,", "GOTO/30.2,", "begins 0.2000 mm"),
+        ("GOTO/29.35,", "GOTO/29.45,", "beside what is left of the curve"),
+        ("GOTO/29.35,", "RAPID\nGOTO/29.35,", "at rapid between"),
+        ("LINTOL/0.05", "LINTOL/0.001", "over LINTOL"),
+        ("MOVNRB/OFF\n", "", "`FEDRAT` before MOVNRB/OFF of the motion that line 17 begins"),
+        ("MOVNRB/OFF\n", "MOVNRB/NEXT\nMOVNRB/OFF\n", "behind MOVNRB/NEXT stand"),
+        ("MOVNRB/NEXT\n", "MOVNRB/NEXT\nMOVNRB/OFF\n", "before the end of the curve"),
+    ] {
+        assert!(CURVES.contains(from), "{from}");
+        let faults = read(&CURVES.replacen(from, to, 1)).expect_err(to);
+        assert!(faults.len() <= 2 && faults[0].reason.contains(words), "{to}: {faults:?}");
+    }
+}
+
 fn mutated() -> impl Strategy<Value = String> {
     let change = (any::<prop::sample::Index>(), 0..4_u8, "[A-Z0-9=.,$/\" ;+-]{1,3}");
-    prop::collection::vec(change, 1..4).prop_map(|changes| {
-        let mut text = CL.to_owned();
+    (prop::collection::vec(change, 1..4), any::<bool>()).prop_map(|(changes, curves)| {
+        let mut text = if curves { CURVES.clone() } else { CL.to_owned() };
         for (at, kind, piece) in changes {
             let i = at.index(text.len());
             match kind {

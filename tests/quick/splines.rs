@@ -14,7 +14,7 @@ use impellerc::verify::{self, Verified};
 use nalgebra::Vector3;
 use std::sync::LazyLock;
 
-const POSTS: [&str; 2] = ["siemens-840d", "heidenhain-itnc530"];
+const POSTS: [&str; 3] = ["siemens-840d", "heidenhain-itnc530", "apt-cl"];
 
 /// Both faces of a vane with splines, for a post.
 struct Splines {
@@ -32,7 +32,7 @@ fn splines(name: &str) -> Splines {
     Splines { program, motion, text }
 }
 
-static FITTED: LazyLock<[Splines; 2]> = LazyLock::new(|| POSTS.map(splines));
+static FITTED: LazyLock<[Splines; 3]> = LazyLock::new(|| POSTS.map(splines));
 
 /// The texts with splines: name of the post, job, and text.
 pub fn texts() -> Vec<(&'static str, &'static Program, &'static str)> {
@@ -69,7 +69,7 @@ fn blocks(motion: &Motion) -> &[SplineBlock] {
 fn cuts_are_few_polynomials() {
     let (_, lines) = jobs::flank().planned();
     let cuts = lines.operations[0].moves.iter().filter(|m| m.kind == MoveKind::Cut).count();
-    for ((name, made), fewer) in POSTS.iter().zip(&*FITTED).zip([7, 2]) {
+    for ((name, made), fewer) in POSTS.iter().zip(&*FITTED).zip([7, 2, 7]) {
         let operation = &made.motion.operations[0];
         let chords: usize = operation.splines.iter().map(|s| s.shares.len()).sum();
         let straight = operation.moves.iter().filter(|m| m.kind == MoveKind::Cut).count() - chords;

@@ -10,6 +10,7 @@
 //! behind it, and does not go from the tool change straight down to the first target. `GOHOME` is not written, since its way
 //! is that of the post-processor. `RAPID` stands before each GOTO at rapid, and `FEDRAT` behind it.
 
+mod curve_statements;
 mod reader;
 mod statements;
 mod writer;
@@ -21,6 +22,7 @@ use crate::post::dialect::{Post, WriteBlock};
 use crate::post::form::TextForm;
 use crate::post::nc::{NcSection, ReadError};
 use crate::post::words;
+use crate::post_file::SplineForm;
 use crate::source::Span;
 
 /// The dialect.
@@ -48,12 +50,17 @@ impl Post for AptCl {
             "between two poses the tip goes straight; how the rotary axes turn is the choice of the post-processor",
             "this proof holds where both rotary axes of the machine file turn evenly between the poses",
             "from LOADTL to FROM all axes but Z stay at the retract height; the post-processor sees to it",
+            "MOVNRB, where it stands, is its curves, or the GOTO within it along the same curves",
             "zero and axes of the work offset are those of the part frame; the length of LOADTL acts",
         ]
     }
 
     fn form(&self) -> &'static TextForm {
         &writer::FORM
+    }
+
+    fn splines(&self) -> Option<SplineForm> {
+        Some(SplineForm::Movnrb)
     }
 
     fn moves(&self, program: &Program, operation: &MotionOperation, _smoothing: &str, write: &mut WriteBlock<'_>) {

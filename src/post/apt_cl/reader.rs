@@ -10,9 +10,12 @@
 //!   same pose follows.
 //! - Behind LOADTL nobody knows where the tool stands, and whether spindle and coolant run.
 
+mod curves;
+mod movnrb;
+
+use self::movnrb::Movnrb;
 use super::statements::{self, Statement};
-use crate::kin::Interpolation;
-use crate::kin::Machine;
+use crate::kin::{Interpolation, Machine, PoseCurve};
 use crate::post::control::{MOST_FAULTS, number, shown};
 use crate::post::nc::{Direction, NcMove, NcPlace, NcPose, NcRetract, NcSection, NcStation, NcTool, ReadError};
 use crate::post::tool_shape::{NcCutter, NcToolShape};
@@ -99,6 +102,8 @@ struct State<'a> {
     /// RAPID stands before this statement, in this line.
     rapid: Option<usize>,
     path: Option<Path>,
+    /// Curves that are not at their end.
+    curves: Option<Movnrb>,
     /// The first statement is behind.
     begun: bool,
     ended: bool,
@@ -126,6 +131,7 @@ impl<'a> State<'a> {
             feed: None,
             rapid: None,
             path: None,
+            curves: None,
             begun: false,
             ended: false,
             sections: Vec::new(),
@@ -173,6 +179,19 @@ impl<'a> State<'a> {
     fn statement(&mut self, statement: &Statement<'_>, first: bool, rapid: bool) -> Result<(), String> {
         let word = statement.word;
         let values: &[&str] = statement.arguments.as_deref().unwrap_or_default();
+        if !matches!(word, "MOVNRB" | "GOTO" | "RAPID" | "PPRINT") {
+            match self.curves.as_mut().map(|curves| (curves.line, curves.breaks())) {
+                Some((line, true)) => {
+                    return Err(format!(
+                        "`{}` before MOVNRB/OFF of the motion that line {line} begins",
+                        shown(word, 10)
+                    ));
+                }
+                // A fault is told already: the motion ends here.
+                Some((_, false)) => self.curves = None,
+                None => {}
+            }
+        }
         match (word, statement.arguments.is_some()) {
             ("PARTNO", _) => Self::name(first),
             ("PPRINT", _) => Ok(()),
@@ -185,7 +204,9 @@ impl<'a> State<'a> {
                 Ok(())
             }
             ("RAPID" | "FINI", true) => Err(format!("`{word}` has nothing behind it")),
+            ("GOTO", true) if self.curves.is_some() => self.along_curves(values, rapid),
             ("GOTO", true) => self.goto(values, rapid),
+            ("MOVNRB", true) => self.movnrb(values),
             ("FROM", true) => self.from(values),
             ("UNITS", true) => self.units(values),
             ("MULTAX", true) => self.multax(values),
@@ -198,8 +219,8 @@ impl<'a> State<'a> {
             ("LINTOL", true) => self.tolerance(values),
             ("STOP" | "OPSTOP", false) | ("DELAY", true) => self.wait(word, values),
             (
-                "GOTO" | "FROM" | "UNITS" | "MULTAX" | "MACHIN" | "LOADTL" | "CUTTER" | "SPINDL" | "COOLNT" | "FEDRAT"
-                | "LINTOL" | "DELAY",
+                "GOTO" | "MOVNRB" | "FROM" | "UNITS" | "MULTAX" | "MACHIN" | "LOADTL" | "CUTTER" | "SPINDL" | "COOLNT"
+                | "FEDRAT" | "LINTOL" | "DELAY",
                 false,
             ) => Err(format!("`{word}` without values")),
             _ => Err(not_read(word)),
@@ -496,6 +517,12 @@ impl<'a> State<'a> {
         if rapid {
             self.feed = None;
         }
+        self.go(line, &pose, feed, None);
+        Ok(())
+    }
+
+    /// Adds a move, at rapid without a feed.
+    fn go(&mut self, line: usize, pose: &NcPose, feed: Option<f64>, curve: Option<PoseCurve>) {
         let speed = if let Spindle::On(speed, ..) = self.spindle { speed } else { 0.0 };
         if self.moves >= MOST_MOVES {
             self.fault_once("moves", format!("more than {MOST_MOVES} moves; divide the program by operations"));
@@ -510,7 +537,7 @@ impl<'a> State<'a> {
             let time = None;
             path.moves.push(NcMove {
                 line,
-                rapid,
+                rapid: feed.is_none(),
                 tip,
                 direction,
                 interpolation,
@@ -520,12 +547,11 @@ impl<'a> State<'a> {
                 speed,
                 smoothing,
                 turn: None,
-                curve: None,
+                curve,
                 frame_turned: false,
             });
             self.moves += 1;
         }
-        Ok(())
     }
 
     /// The feed of a move, mm/min; checks what a move at feed needs.
@@ -619,7 +645,7 @@ fn listed(values: &[&str]) -> String {
 /// Why a statement is not read.
 fn not_read(word: &str) -> String {
     let why = match word {
-        "CIRCLE" | "ARCMOV" | "MOVARC" | "MOVNRB" | "SPLINE" | "NURBS" => "of motions only GOTO is read",
+        "CIRCLE" | "ARCMOV" | "MOVARC" | "SPLINE" | "NURBS" => "of motions only GOTO and MOVNRB are read",
         "GODLTA" | "GOFWD" | "GORGT" | "GOLFT" | "GOBACK" | "GOUP" | "GODOWN" => {
             "its target depends on more than its words; write GOTO"
         }

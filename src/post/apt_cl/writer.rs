@@ -1,6 +1,6 @@
 //! From the moves of an operation to statements.
 
-use super::AptCl;
+use super::{AptCl, curve_statements};
 use crate::diag::{Diag, Sink, codes::post};
 use crate::ir::{Motion, MotionOperation, MoveKind, Program};
 use crate::post::dialect::WriteBlock;
@@ -54,15 +54,22 @@ pub(super) fn moves(program: &Program, operation: &MotionOperation, write: &mut 
     let decimals = program.post.decimals.feed;
     let mut last_feed = String::new();
     for (i, m) in write::between(operation) {
+        let spline = operation.spline(i).map(|(_, spline)| spline);
         if m.kind == MoveKind::Rapid {
             write("RAPID".to_owned(), None);
             last_feed.clear();
-        } else {
+        } else if spline.is_none_or(|spline| spline.first == i) {
+            // A spline block has one feed.
             let f = fixed(feed(m.feed.unwrap_or(0.0), decimals), decimals);
             if f != last_feed {
                 write(format!("FEDRAT/{f},MMPM"), None);
                 last_feed = f;
             }
+        }
+        if let Some(spline) = spline.filter(|spline| spline.first == i) {
+            curve_statements::begin(spline, program.post.decimals.length, |word, values| {
+                statement(word, &values, write)
+            });
         }
         let [tip, axis] = write::pose(&AptCl, program, &m.joints);
         let text = format!("GOTO/{tip},{axis}");
@@ -72,5 +79,25 @@ pub(super) fn moves(program: &Program, operation: &MotionOperation, write: &mut 
             write(format!("GOTO/{tip},$"), Some(i));
             write(format!("  {axis}"), None);
         }
+        if spline.is_some_and(|spline| spline.last == i) {
+            write("MOVNRB/OFF".to_owned(), None);
+        }
     }
+}
+
+/// Writes a statement with as many values on a line as there is room for.
+fn statement(word: &str, values: &[String], write: &mut WriteBlock<'_>) {
+    let mut line = format!("{word}/");
+    for (k, value) in values.iter().enumerate() {
+        // The comma behind it and the `$`.
+        if line.len() + value.len() + 2 > FORM.longest {
+            write(format!("{line}$"), None);
+            line = "  ".to_owned();
+        }
+        line.push_str(value);
+        if k + 1 < values.len() {
+            line.push(',');
+        }
+    }
+    write(line, None);
 }

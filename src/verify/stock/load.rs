@@ -205,7 +205,9 @@ fn report_removal(program: &Program, motion: &Motion, o: &OperationStock, sink: 
                 .note(limit)
                 .help(slower.map_or_else(
                     || "use a lower feed in this block, or a smaller `depth` or `stepover`".to_owned(),
-                    |feed| format!("use a feed of at most {feed} in this operation, or a smaller `depth` or `stepover`"),
+                    |feed| {
+                        format!("use a feed of at most {feed} in this operation, or a smaller `depth` or `stepover`")
+                    },
                 )),
         );
     };
@@ -273,7 +275,9 @@ fn thinner(program: &Program, declared: &Operation, chip: f64) -> String {
     let fast = speed.get() <= program.machine.spindle[1];
     match (feed.get() >= 1.0, speed.get().is_finite() && fast) {
         (true, true) => format!("use a feed of at most {feed}, or a spindle speed of at least {speed}"),
-        (true, false) => format!("use a feed of at most {feed}; the spindle of the machine cannot turn fast enough for this one"),
+        (true, false) => {
+            format!("use a feed of at most {feed}; the spindle of the machine cannot turn fast enough for this one")
+        }
         (false, _) => "use a lower `feed`, or a higher `speed`".to_owned(),
     }
 }

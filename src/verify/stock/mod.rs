@@ -236,7 +236,18 @@ impl StockReport {
         writeln!(
             t,
             "  {:<12} {:>9} {:>9} {:>9} {:>8} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>9}",
-            "operation", "removed", "by links", "rest", "t air", "air", "depth", "as slot", "width", "arc", "rate", "collides"
+            "operation",
+            "removed",
+            "by links",
+            "rest",
+            "t air",
+            "air",
+            "depth",
+            "as slot",
+            "width",
+            "arc",
+            "rate",
+            "collides"
         )?;
         let peak = |p: &Option<Peak>, digits: usize| {
             p.as_ref().map_or_else(|| "-".to_owned(), |p| format!("{:.digits$}", p.value))
@@ -259,7 +270,10 @@ impl StockReport {
                 o.collisions.len()
             )?;
         }
-        writeln!(t, "  depth: extent of the chips along the axis; as slot: depth at full width that loads the tool as much, for `max-depth`")?;
+        writeln!(
+            t,
+            "  depth: extent of the chips along the axis; as slot: depth at full width that loads the tool as much, for `max-depth`"
+        )?;
         writeln!(t, "  the tools run in air for {:.1} % of the time", self.air_share() * 100.0)?;
         self.write_arcs(t)
     }

@@ -85,14 +85,22 @@ fn holding(text: &str, words: &[&str]) -> Vec<usize> {
 #[test]
 fn each_number_of_polynomials_counts() {
     for (name, program, text) in splines::texts() {
-        let lines = if name == "siemens-840d" {
-            let polynomials = holding(text, &["PO["]);
-            let starts = holding(text, &[" XH="]);
-            vec![starts[0], polynomials[0], polynomials[1], polynomials[polynomials.len() / 2]]
-        } else {
-            let blocks = holding(text, &["SPL "]);
-            let middle = blocks[blocks.len() / 2];
-            (middle..=middle + 5).collect()
+        let lines = match name {
+            "siemens-840d" => {
+                let polynomials = holding(text, &["PO["]);
+                let starts = holding(text, &[" XH="]);
+                vec![starts[0], polynomials[0], polynomials[1], polynomials[polynomials.len() / 2]]
+            }
+            "apt-cl" => {
+                let [begins, nexts] = ["MOVNRB/5AXIS", "MOVNRB/NEXT"].map(|word| holding(text, &[word]));
+                let middle = begins.len() / 2;
+                (begins[middle]..=nexts[middle]).collect()
+            }
+            _ => {
+                let blocks = holding(text, &["SPL "]);
+                let middle = blocks[blocks.len() / 2];
+                (middle..=middle + 5).collect()
+            }
         };
         let [refused, others] = change_all(program, text, &lines);
         println!("{name}: {refused} changes of polynomials refused, {others} read as another motion");
@@ -100,10 +108,50 @@ fn each_number_of_polynomials_counts() {
     }
 }
 
+/// A post-processor may go along the GOTO: none of their numbers may be another one, none may be missing over a bend, and the last
+/// one ends where the curve does.
+#[test]
+fn goto_within_curves_are_the_same_motion() {
+    let (_, program, text) = splines::texts().into_iter().find(|(name, ..)| *name == "apt-cl").unwrap();
+    let all: Vec<&str> = text.lines().collect();
+    let [nexts, offs] = ["MOVNRB/NEXT", "MOVNRB/OFF"].map(|word| holding(text, &[word]));
+    let with = |change: &dyn Fn(usize) -> Option<String>| -> String {
+        (0..all.len()).filter_map(change).map(|line| line + "\n").collect()
+    };
+    let kept = |k: usize| Some(all[k].to_owned());
+    assert!(read(program, &with(&kept)).is_some());
+    let middle = nexts.len() / 2;
+    let [next, off] = [nexts[middle], offs[middle]];
+    let mut changes = 0;
+    for at in next + 1..off.min(next + 7) {
+        for place in numbers(all[at]) {
+            let change = |k: usize| if k == at { Some(with_other(all[k], &place)) } else { kept(k) };
+            assert!(read(program, &with(&change)).is_none(), "{}", all[at]);
+            changes += 1;
+        }
+    }
+    assert!(changes >= 18, "{changes}");
+    // Without the last GOTO, with the last two exchanged, and with the last one alone: one way over the whole bend.
+    let starts: Vec<usize> = (next + 1..off).filter(|k| all[*k].starts_with("GOTO")).collect();
+    let [before, last] = [starts[starts.len() - 2], starts[starts.len() - 1]];
+    let without = |k: usize| if (last..off).contains(&k) { None } else { kept(k) };
+    assert!(read(program, &with(&without)).is_none());
+    let exchanged = |k: usize| match k {
+        _ if k >= before && k < before + off - last => kept(k + last - before),
+        _ if k >= before + off - last && k < off => kept(k - (off - last)),
+        _ => kept(k),
+    };
+    assert!(last - before != off - last || read(program, &with(&exchanged)).is_none());
+    let alone = |k: usize| if (next + 1..last).contains(&k) { None } else { kept(k) };
+    let found = post::find("apt-cl").unwrap().read(&with(&alone), &program.machine);
+    println!("{:?}", found.as_ref().err().map(|faults| &faults[0].reason));
+    assert!(found.is_err_and(|faults| faults[0].reason.contains("over LINTOL")));
+}
+
 /// Two coefficients of SPL against each other leave both ends where they are.
 #[test]
 fn a_cubic_between_the_same_ends_is_another_one() {
-    let (_, program, text) = splines::texts().into_iter().find(|(name, ..)| *name != "siemens-840d").unwrap();
+    let (_, program, text) = splines::texts().into_iter().find(|(name, ..)| *name == "heidenhain-itnc530").unwrap();
     let meant = read(program, text).unwrap();
     let blocks = holding(text, &["SPL "]);
     let block = blocks[blocks.len() / 2];

@@ -49,6 +49,12 @@ fn from(lines: &[String], start: &str, count: usize) -> Vec<String> {
     lines[at..at + count].to_vec()
 }
 
+/// Curves as one piece: the knots are zeros and ones, and the same motion stands in GOTO.
+#[test]
+fn movnrb() {
+    check("movnrb", POST, &super::spline_blocks(POST));
+}
+
 /// A station is said by FROM and reached by RAPID and GOTO as well; the last one is a GOTO, since no statement has the
 /// machine frame.
 #[test]

@@ -1,0 +1,60 @@
+//! Statements of curves, and the GOTO along them, as moves of the path.
+
+use super::State;
+use super::movnrb::Movnrb;
+use crate::kin::CurveDirection;
+use crate::post::nc::{Direction, NcMove, NcPose};
+
+impl State<'_> {
+    /// A statement of two curves, or the end of them.
+    pub(super) fn movnrb(&mut self, values: &[&str]) -> Result<(), String> {
+        let line = self.line;
+        let Some(mut curves) = self.curves.take() else {
+            let mut curves = Movnrb::at(line);
+            let begun = curves.begin(values);
+            self.curves = Some(curves);
+            self.needs_units();
+            if !self.multax {
+                self.fault_once("multax", "no statement before says that the tool tilts: write MULTAX/ON");
+            }
+            return begun;
+        };
+        let done = match values {
+            ["OFF"] => return curves.end(),
+            ["NEXT"] if !curves.follows() => {
+                let stands = self.path.as_ref().filter(|path| path.start.is_some() && self.faults.is_empty());
+                let from = stands.map(|path| match path.moves.last() {
+                    Some(NcMove { tip, direction: Direction::Axis(axis), .. }) => NcPose { tip: *tip, axis: *axis },
+                    _ => path.from,
+                });
+                if from.is_none() {
+                    self.fault("MOVNRB, and nothing says where the tool stands before: write FROM and GOTO before");
+                }
+                let feed = self.feed_of_move();
+                curves.next(from).map(|pieces| {
+                    for piece in pieces {
+                        if let (tip, CurveDirection::Axis(axis)) = piece.at(1.0) {
+                            self.go(line, &NcPose { tip, axis }, Some(feed), Some(piece));
+                        }
+                    }
+                })
+            }
+            _ => curves.take(values),
+        };
+        self.curves = Some(curves);
+        done
+    }
+
+    /// A GOTO along two curves: the same motion for post-processors that do not take curves.
+    pub(super) fn along_curves(&mut self, values: &[&str], rapid: bool) -> Result<(), String> {
+        let pose = self.pose("GOTO", values)?;
+        if rapid {
+            return Err("a GOTO at rapid between MOVNRB/NEXT and MOVNRB/OFF".to_owned());
+        }
+        let tolerance = self.tolerance.unwrap_or(0.0);
+        match &mut self.curves {
+            Some(curves) => curves.goto(&pose, tolerance),
+            None => Ok(()),
+        }
+    }
+}
