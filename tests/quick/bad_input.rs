@@ -140,16 +140,16 @@ fn a_thousand_vanes() {
 fn self_crossing_curve() {
     // Points 3 and 5 of the pressure tip change places.
     let text = JOB
-        .replacen("(  4.9017, -41.9681,  -8.5921)", "POINT", 1)
-        .replacen("( -2.3747, -47.3994, -18.7416)", "(  4.9017, -41.9681,  -8.5921)", 1)
-        .replacen("POINT", "( -2.3747, -47.3994, -18.7416)", 1);
+        .replacen("( 4.9017, -41.9681,  -8.5921)", "POINT", 1)
+        .replacen("(-2.3747, -47.3994, -18.7416)", "( 4.9017, -41.9681,  -8.5921)", 1)
+        .replacen("POINT", "(-2.3747, -47.3994, -18.7416)", 1);
     assert_ne!(text, JOB);
     Run::new().file("job.imp", text).fails_with("IMP0305");
 }
 
 #[test]
 fn coincident_points() {
-    job("(  9.7506, -40.4552,  -3.9523)", "( 15.0578, -38.5221,   0.0000)").fails_with("IMP0303");
+    job("( 9.7506, -40.4552,  -3.9523)", "(15.0578, -38.5221,   0.0000)").fails_with("IMP0303");
 }
 
 #[test]
@@ -241,7 +241,7 @@ fn texts_that_only_a_program_writes() {
         "IMP0203",
     );
     let points = |count: usize| lines(count, &|i| format!("({}, -38.5, 0)", 15.0 + 1e-4 * i as f64));
-    let first = "( 15.0578, -38.5221,   0.0000)";
+    let first = "(15.0578, -38.5221,   0.0000)";
     job(first, &points(2500)).fails_with("IMP0303");
     job(first, &points(500_000)).fails_with("IMP0110");
 }

@@ -54,6 +54,7 @@ pub const GOLDENS: &[(&str, &[&str])] = &[
             "machine-frame.heidenhain",
             "missing-point.fanuc",
             "missing-point.mitsubishi",
+            "movnrb.apt-cl",
             "negative-zero.heidenhain",
             "numbers.linuxcnc",
             "omitted-components.siemens-840d",

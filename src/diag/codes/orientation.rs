@@ -15,11 +15,13 @@ required clearance from vanes and hub. The search covers all tool axes within 70
 The message gives the distances and the place. At the machine such a tool would touch a vane. An axis that is clear is of no \
 use where it is nearly parallel to Z, since the second rotary axis would turn through there, or where it is too far from \
 those a few millimetres before. The message says so.\n\nRemedy: the help \
-line names a reach, a holder diameter or a cutter diameter. With each of these changes a collision-free tool axis \
-exists at this place.";
+line names a reach, a holder diameter or a cutter diameter. Each of these changes was tried: with it all passes that have no \
+axes now have them, and with `method corridor` a smooth motion through them. The change is the smallest of those that were \
+tried.";
     NOT_SMOOTH = "IMP0503", "no smooth run of the rotary axes is proved clear",
         "Every contact has collision-free tool axes. But the search found no smooth motion of A and C among them, or \
 could not prove the clearance between two stations. The number of rounds of the search is limited; the message gives \
-the violation that was left after the last round.\n\nRemedy: use a slimmer tool, a longer reach, or `method blend`, \
-which requires less distance at the side of the cutter.";
+the violation that was left after the last round.\n\nRemedy: the help line names changes of the tool with \
+which all these passes have such a motion; they were tried. Or use `method blend`, which requires less distance at the side of \
+the cutter.";
 }
