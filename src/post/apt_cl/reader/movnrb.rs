@@ -10,6 +10,7 @@
 //! Which of both a post-processor takes is its choice. Therefore the GOTO stand on the curve, in its order, up to its end, and no
 //! chord between two of them leaves the curve by more than LINTOL.
 
+use super::FARTHEST;
 use crate::geom::bezier::{self, MOST_DEGREE};
 use crate::kin::{CurveDirection, PoseCurve, TurnCurve};
 use crate::post::control::number;
@@ -21,9 +22,6 @@ const MOST_IN_STATEMENT: usize = 24;
 
 /// Most control points of a curve: it bounds the memory.
 const MOST_POINTS: usize = 100_000;
-
-/// Largest coordinate, mm: larger than any machine.
-const FARTHEST: f64 = 1e5;
 
 /// Largest distance of a pose from the curve, mm and radians: two roundings of the words.
 const ON_CURVE: (f64, f64) = (1e-3, 2e-5);
@@ -397,12 +395,12 @@ fn check_knots(knots: &[f64], Head { order, .. }: Head) -> Result<(), String> {
     Ok(())
 }
 
-/// Index of the knot at the end of each span that is not empty, less one.
+/// Index of the knot at the start of each span that is not empty.
 fn spans(knots: &[f64], order: usize) -> impl Iterator<Item = usize> + '_ {
     (order - 1..knots.len() - order).filter(|k| knots[*k] < knots[k + 1])
 }
 
-/// Bezier control points of a span, by the blossom of the curve (Piegl and Tiller, The NURBS Book, 5.2 by another way: Ramshaw 1987).
+/// Bezier control points of a span, by the blossom of the curve (Ramshaw 1987).
 fn piece(points: &[Vector3<f64>], knots: &[f64], degree: usize, span: usize) -> Vec<Vector3<f64>> {
     let [from, to] = [knots[span], knots[span + 1]];
     let blossom = |ends: usize| {
