@@ -178,7 +178,7 @@ const TOOL: &[FileKey] = &[
     must(
         "kind",
         KeyForm::Word(|| vec!["flat", "ball", "bull", "tapered-ball", "barrel", "lollipop"]),
-        "KeyForm of the cutter.",
+        "Form of the cutter.",
     ),
     must("diameter", LENGTH, "Diameter; of a tapered ball that of the ball."),
     may("corner", LENGTH, "bull: radius of the corner."),

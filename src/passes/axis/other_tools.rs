@@ -36,10 +36,9 @@ pub(super) fn remedy_for(
             let ball = StandingBall { centre: *centre, normal: None };
             least.has_candidates(&ball, about)
         };
-        let has_candidates =
-            |(_, pass): &(usize, &ClPass)| has_candidates(&least, &with_ball(pass, [radius, clear.radius()]));
+        let hopeful = |(_, pass): &(usize, &ClPass)| has_candidates(&least, &with_ball(pass, [radius, clear.radius()]));
         (clear.radius() != radius || places.par_iter().all(stands))
-            && passes.par_iter().all(has_candidates)
+            && passes.par_iter().all(hopeful)
             && passes.par_iter().all(tried)
     })
 }

@@ -12,22 +12,22 @@ const MORE_DIGITS: usize = 4;
 /// Chords by which the length of a curve is measured.
 const CHORDS: u32 = 64;
 
-/// Writes the statements before the GOTO of a spline block. `statement` writes one, on as many lines as it needs.
-pub(super) fn begin(spline: &SplineBlock, digits: usize, mut statement: impl FnMut(&str, Vec<String>)) {
+/// Writes the statements before the GOTO of a spline block. `statement` writes a MOVNRB with values, on as many lines as it needs.
+pub(super) fn begin(spline: &SplineBlock, digits: usize, mut statement: impl FnMut(Vec<String>)) {
     let curve = &spline.curve;
     let TurnCurve::Second(second) = curve.turn() else { return };
     let order = curve.degree() + 1;
     let apart = curve.levers().and_then(|levers| levers.first().map(Vector3::norm)).unwrap_or_default();
-    statement("MOVNRB", vec!["5AXIS".to_owned(), "LENGTH".to_owned(), fixed(apart, digits)]);
+    statement(vec!["5AXIS".to_owned(), "LENGTH".to_owned(), fixed(apart, digits)]);
     let head = [order, 2 * order, 0, order].map(|n| n.to_string());
-    statement("MOVNRB", [&["ON".to_owned()][..], &head, &[fixed(length(curve), digits)]].concat());
+    statement([&["ON".to_owned()][..], &head, &[fixed(length(curve), digits)]].concat());
     let knots = (0..2 * order).map(|k| u8::from(k >= order).to_string());
-    statement("MOVNRB", std::iter::once("1".to_owned()).chain(knots).collect());
+    statement(std::iter::once("1".to_owned()).chain(knots).collect());
     for (number, points) in [("2", curve.tip()), ("3", second)] {
         let numbers = points.iter().flat_map(|p| [p.x, p.y, p.z]).map(|x| fixed(x, digits + MORE_DIGITS));
-        statement("MOVNRB", std::iter::once(number.to_owned()).chain(numbers).collect());
+        statement(std::iter::once(number.to_owned()).chain(numbers).collect());
     }
-    statement("MOVNRB", vec!["NEXT".to_owned()]);
+    statement(vec!["NEXT".to_owned()]);
 }
 
 fn length(curve: &PoseCurve) -> f64 {

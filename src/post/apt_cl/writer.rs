@@ -67,8 +67,8 @@ pub(super) fn moves(program: &Program, operation: &MotionOperation, write: &mut 
             }
         }
         if let Some(spline) = spline.filter(|spline| spline.first == i) {
-            curve_statements::begin(spline, program.post.decimals.length, |word, values| {
-                statement(word, &values, write)
+            curve_statements::begin(spline, program.post.decimals.length, |values| {
+                statement("MOVNRB", &values, write);
             });
         }
         let [tip, axis] = write::pose(&AptCl, program, &m.joints);

@@ -11,7 +11,7 @@ impl State<'_> {
         let line = self.line;
         let Some(mut curves) = self.curves.take() else {
             let mut curves = Movnrb::at(line);
-            let begun = curves.begin(values);
+            let begun = curves.judged(|curves| curves.begin(values));
             self.curves = Some(curves);
             self.needs_units();
             if !self.multax {
@@ -20,18 +20,19 @@ impl State<'_> {
             return begun;
         };
         let done = match values {
-            ["OFF"] => return curves.end(),
+            ["OFF"] => return curves.judged(|curves| curves.end()),
             ["NEXT"] if !curves.follows() => {
-                let stands = self.path.as_ref().filter(|path| path.start.is_some() && self.faults.is_empty());
+                if self.path.as_ref().is_none_or(|path| path.start.is_none()) {
+                    self.fault("MOVNRB, and nothing says where the tool stands before: write FROM and GOTO before");
+                }
+                // Behind a fault no moves are kept, so that the place is unknown.
+                let stands = self.path.as_ref().filter(|_| self.faults.is_empty());
                 let from = stands.map(|path| match path.moves.last() {
                     Some(NcMove { tip, direction: Direction::Axis(axis), .. }) => NcPose { tip: *tip, axis: *axis },
                     _ => path.from,
                 });
-                if from.is_none() {
-                    self.fault("MOVNRB, and nothing says where the tool stands before: write FROM and GOTO before");
-                }
                 let feed = self.feed_of_move();
-                curves.next(from).map(|pieces| {
+                curves.judged(|curves| curves.next(from)).map(|pieces| {
                     for piece in pieces {
                         if let (tip, CurveDirection::Axis(axis)) = piece.at(1.0) {
                             self.go(line, &NcPose { tip, axis }, Some(feed), Some(piece));
@@ -39,7 +40,7 @@ impl State<'_> {
                     }
                 })
             }
-            _ => curves.take(values),
+            _ => curves.judged(|curves| curves.take(values)),
         };
         self.curves = Some(curves);
         done
@@ -47,14 +48,14 @@ impl State<'_> {
 
     /// A GOTO along two curves: the same motion for post-processors that do not take curves.
     pub(super) fn along_curves(&mut self, values: &[&str], rapid: bool) -> Result<(), String> {
-        let pose = self.pose("GOTO", values)?;
-        if rapid {
-            return Err("a GOTO at rapid between MOVNRB/NEXT and MOVNRB/OFF".to_owned());
-        }
+        let pose = self.pose("GOTO", values);
         let tolerance = self.tolerance.unwrap_or(0.0);
-        match &mut self.curves {
-            Some(curves) => curves.goto(&pose, tolerance),
-            None => Ok(()),
-        }
+        let Some(curves) = &mut self.curves else { return Ok(()) };
+        curves.judged(|curves| {
+            if rapid {
+                return Err("a GOTO at rapid between MOVNRB/NEXT and MOVNRB/OFF".to_owned());
+            }
+            curves.goto(&pose?, tolerance)
+        })
     }
 }

@@ -79,16 +79,11 @@ impl Movnrb {
         Self { line, length: 0.0, head: None, knots, tip, second, follow: None, broken: false }
     }
 
-    /// Takes the values of 5AXIS.
-    ///
-    /// # Errors
-    /// What is wrong with them.
-    pub(super) fn begin(&mut self, values: &[&str]) -> Result<(), String> {
-        self.judged(|curves| curves.length_of(values))
-    }
-
     /// The result of a step; the first fault is the only one.
-    fn judged<T: Default>(&mut self, step: impl FnOnce(&mut Self) -> Result<T, String>) -> Result<T, String> {
+    pub(super) fn judged<T: Default>(
+        &mut self,
+        step: impl FnOnce(&mut Self) -> Result<T, String>,
+    ) -> Result<T, String> {
         if self.broken {
             return Ok(T::default());
         }
@@ -97,7 +92,11 @@ impl Movnrb {
         result
     }
 
-    fn length_of(&mut self, values: &[&str]) -> Result<(), String> {
+    /// Takes the values of 5AXIS.
+    ///
+    /// # Errors
+    /// What is wrong with them.
+    pub(super) fn begin(&mut self, values: &[&str]) -> Result<(), String> {
         match values {
             ["5AXIS", "LENGTH", length] => {
                 let length = number(length)?;
@@ -130,10 +129,6 @@ impl Movnrb {
     /// # Errors
     /// What is wrong with them.
     pub(super) fn take(&mut self, values: &[&str]) -> Result<(), String> {
-        self.judged(|curves| curves.add(values))
-    }
-
-    fn add(&mut self, values: &[&str]) -> Result<(), String> {
         if self.follow.is_some() {
             return Err("behind MOVNRB/NEXT stand GOTO and MOVNRB/OFF".to_owned());
         }
@@ -167,10 +162,6 @@ impl Movnrb {
     /// # Errors
     /// What the statements lack, or a start elsewhere.
     pub(super) fn next(&mut self, from: Option<NcPose>) -> Result<Vec<PoseCurve>, String> {
-        self.judged(|curves| curves.pieces(from))
-    }
-
-    fn pieces(&mut self, from: Option<NcPose>) -> Result<Vec<PoseCurve>, String> {
         let Some(head) = self.head else { return Err("MOVNRB/NEXT before MOVNRB/ON".to_owned()) };
         for (what, found, due) in [
             ("knots", self.knots.len(), head.knots),
@@ -224,10 +215,10 @@ impl Movnrb {
     /// # Errors
     /// A pose beside the curve, or behind the last one, or a chord too far from the curve.
     pub(super) fn goto(&mut self, to: &NcPose, tolerance: f64) -> Result<(), String> {
-        self.judged(|curves| match &mut curves.follow {
+        match &mut self.follow {
             Some(follow) => follow.goto(to, tolerance),
             None => Err("GOTO between MOVNRB/5AXIS and MOVNRB/NEXT: write the curves first".to_owned()),
-        })
+        }
     }
 
     /// Ends at OFF.
@@ -235,9 +226,6 @@ impl Movnrb {
     /// # Errors
     /// Curves without GOTO up to their end.
     pub(super) fn end(&self) -> Result<(), String> {
-        if self.broken {
-            return Ok(());
-        }
         let Some(Follow { pieces, at }) = &self.follow else {
             return Err("MOVNRB/OFF before MOVNRB/NEXT".to_owned());
         };
