@@ -7,7 +7,7 @@
 use super::band::{Band, dot};
 use super::deviation::Mounted;
 use super::measured::{Measured, Row};
-use super::program::ENTRIES;
+use super::second_derivative;
 use super::step::{Aim, Model, best};
 use super::target::Target;
 use crate::geom::angle::nearest_turn;
@@ -32,6 +32,10 @@ pub struct Eased {
     /// Number of steps.
     pub steps: usize,
 }
+
+/// Weight of the second derivatives of quintics against the motion of the rotary axes, rad2/mm3. Without it the ends of a path run to
+/// and fro along themselves, which changes no deviation and costs the axes time. From 1e-8 to 1e-6 the time differs by 4 %.
+const SECOND_DERIVATIVE_WEIGHT: f64 = 1e-7;
 
 /// Stations at which the motion is summed.
 const STATIONS: usize = 120;
@@ -88,7 +92,10 @@ pub fn ease(
         }
         steps += 1;
         back += usize::from(returning);
-        let (hessian, slope) = now.change(&curve);
+        let (mut hessian, mut slope) = now.change(&curve);
+        if curve.degree() > 3 {
+            second_derivative::add_model(&curve, SECOND_DERIVATIVE_WEIGHT, &mut hessian, &mut slope);
+        }
         let aim = Aim::Quadratic { hessian: &hessian, slope: &slope };
         let rows = Row::all(&curve, &measured);
         let values: Vec<f64> = measured.at.iter().map(|d| d.value).collect();
@@ -181,8 +188,8 @@ impl RotaryMotion {
         // Stations of a row lie in neighbouring spans; on a curve with many short spans they lie further apart.
         let spread = bases.windows(3).map(|w| w[2].0 - w[0].0).max().unwrap_or(0);
         let (mut hessian, mut slope) =
-            (Band::new(curve.unknowns(), ENTRIES + 6 * spread - 1), vec![0.0; curve.unknowns()]);
-        let mut entries = vec![0.0; ENTRIES + 6 * spread];
+            (Band::new(curve.unknowns(), curve.entries() + 6 * spread - 1), vec![0.0; curve.unknowns()]);
+        let mut entries = vec![0.0; curve.entries() + 6 * spread];
         for k in 0..2 {
             for row in 0..ROWS {
                 let weights = self.weights(row);
@@ -190,7 +197,7 @@ impl RotaryMotion {
                 entries.fill(0.0);
                 for (i, weight) in weights {
                     let (control, basis) = bases[i];
-                    for (j, b) in basis.iter().enumerate() {
+                    for (j, b) in basis.iter().enumerate().take(curve.degree() + 1) {
                         for x in 0..3 {
                             let value = self.turns[i][k][x] * b * weight;
                             let at = 6 * (control + j) - first + x;

@@ -3,7 +3,6 @@
 use super::band::Band;
 use super::deviation::Mounted;
 use super::measured::{Measured, Row};
-use super::program::ENTRIES;
 use super::target::Target;
 use crate::geom::DualCurve;
 
@@ -43,7 +42,7 @@ fn with_violation(start: &DualCurve, tool: &Mounted<'_>, targets: &[Target]) -> 
     let at_start = measured.worst(targets);
     for _ in 0..STEPS {
         let n = curve.unknowns();
-        let mut normal = Band::new(n, ENTRIES - 1);
+        let mut normal = Band::new(n, curve.entries() - 1);
         let mut right = vec![0.0; n];
         for (d, t) in measured.at.iter().zip(targets) {
             let fault = fault(d.value, t);
@@ -51,8 +50,8 @@ fn with_violation(start: &DualCurve, tool: &Mounted<'_>, targets: &[Target]) -> 
                 continue;
             }
             let row = Row::new(&curve, d);
-            normal.add_square(row.first, &row.change, 1.0);
-            for (to, a) in right[row.first..row.first + ENTRIES].iter_mut().zip(&row.change) {
+            normal.add_square(row.first, row.entries(), 1.0);
+            for (to, a) in right[row.first..].iter_mut().zip(row.entries()) {
                 *to -= a * fault;
             }
         }

@@ -2,7 +2,7 @@
 
 use super::band::dot;
 use super::deviation::{Deviation, Mounted, deviations};
-use super::program::ENTRIES;
+use super::program::MOST_ENTRIES;
 use super::target::Target;
 use crate::geom::DualCurve;
 
@@ -54,21 +54,24 @@ impl Measured {
 /// Violation below which a bound that may not give way counts as kept, mm: the error of programs and linear models.
 pub(super) const ROUNDING: f64 = 2e-6;
 
-/// Derivative of one deviation by the shifts of four control points of each curve.
+/// Derivative of one deviation by the shifts of the control points of each curve on which it depends.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Row {
     /// First unknown of the row.
     pub(super) first: usize,
     /// Derivatives by this unknown and the next ones: for each control point x, y, z of the lower and of the upper
     /// curve.
-    pub(super) change: [f64; ENTRIES],
+    change: [f64; MOST_ENTRIES],
+    /// How many of these entries count.
+    count: usize,
 }
 
 impl Row {
     pub(super) fn new(curve: &DualCurve, at: &Deviation) -> Self {
         let (first, weights) = curve.weights(at.t);
         let parts = [at.lower, at.upper];
-        Self { first: 6 * first, change: std::array::from_fn(|i| weights[i / 6] * parts[i % 6 / 3][i % 3]) }
+        let change = std::array::from_fn(|i| weights[i / 6] * parts[i % 6 / 3][i % 3]);
+        Self { first: 6 * first, change, count: curve.entries() }
     }
 
     pub(super) fn all(curve: &DualCurve, measured: &Measured) -> Vec<Self> {
@@ -77,11 +80,21 @@ impl Row {
 
     /// Change for a shift of all unknowns.
     pub(super) fn times(&self, shift: &[f64]) -> f64 {
-        dot(&self.change, &shift[self.first..self.first + ENTRIES])
+        dot(self.entries(), &shift[self.first..self.first + self.count])
     }
 
     /// Largest change for shifts of at most one.
     pub(super) fn reach(&self) -> f64 {
-        self.change.iter().map(|x| x.abs()).sum()
+        self.entries().iter().map(|x| x.abs()).sum()
+    }
+
+    /// The derivatives.
+    pub(super) fn entries(&self) -> &[f64] {
+        &self.change[..self.count]
+    }
+
+    /// The derivatives times a number, with zeros behind them.
+    pub(super) fn scaled(&self, by: f64) -> [f64; MOST_ENTRIES] {
+        self.change.map(|x| x * by)
     }
 }

@@ -6,9 +6,10 @@
 //! and for matrices that do not change.
 
 use super::band::{Band, Factor, dot};
+use crate::geom::dual::MOST_DEGREE;
 
-/// Factors of a bound: for four control points of both curves.
-pub(super) const ENTRIES: usize = 24;
+/// Factors of a bound, at most: for the control points of both curves on which a place depends.
+pub(super) const MOST_ENTRIES: usize = 6 * (MOST_DEGREE + 1);
 
 /// A bound: a x <= limit + give w.
 #[derive(Clone, Copy, Debug)]
@@ -16,7 +17,7 @@ pub(super) struct Bound {
     /// First unknown of the bound.
     pub(super) first: usize,
     /// Factors of this unknown and of the next ones.
-    pub(super) a: [f64; ENTRIES],
+    pub(super) a: [f64; MOST_ENTRIES],
     /// Right side.
     pub(super) limit: f64,
     /// Factor of the widening.
@@ -27,6 +28,8 @@ pub(super) struct Bound {
 pub(super) struct QuadraticProgram<'a> {
     /// Bounds.
     pub(super) bounds: &'a [Bound],
+    /// How many factors of each bound count.
+    pub(super) entries: usize,
     /// P, positive semidefinite.
     pub(super) quadratic: &'a Band,
     /// q.
@@ -198,7 +201,7 @@ impl QuadraticProgram<'_> {
 
     /// Left sides of all bounds.
     fn taken(&self, x: &[f64], w: f64) -> Each {
-        let bound = |b: &Bound| dot(&b.a, &x[b.first..b.first + ENTRIES]) - b.give * w;
+        let bound = |b: &Bound| dot(&b.a[..self.entries], &x[b.first..b.first + self.entries]) - b.give * w;
         let negative = x.iter().map(|x| -x).collect();
         Each { bounds: self.bounds.iter().map(bound).collect(), ends: [x.to_vec(), negative], widening: -w }
     }
@@ -208,7 +211,7 @@ impl QuadraticProgram<'_> {
         let mut out: Vec<f64> = weight.ends[0].iter().zip(&weight.ends[1]).map(|(a, b)| a - b).collect();
         let mut widening = -weight.widening;
         for (b, w) in self.bounds.iter().zip(&weight.bounds) {
-            for (to, a) in out[b.first..b.first + ENTRIES].iter_mut().zip(&b.a) {
+            for (to, a) in out[b.first..b.first + self.entries].iter_mut().zip(&b.a) {
                 *to += a * w;
             }
             widening -= b.give * w;
@@ -217,13 +220,13 @@ impl QuadraticProgram<'_> {
     }
 
     fn normal(&self, share: &Each) -> Option<Normal> {
-        let mut matrix = self.quadratic.widened(ENTRIES - 1);
+        let mut matrix = self.quadratic.widened(self.entries - 1);
         let n = matrix.size();
         let mut border = vec![0.0; n];
         let mut corner = share.widening;
         for (b, s) in self.bounds.iter().zip(&share.bounds) {
-            matrix.add_square(b.first, &b.a, *s);
-            for (to, a) in border[b.first..b.first + ENTRIES].iter_mut().zip(&b.a) {
+            matrix.add_square(b.first, &b.a[..self.entries], *s);
+            for (to, a) in border[b.first..b.first + self.entries].iter_mut().zip(&b.a) {
                 *to -= b.give * s * a;
             }
             corner += b.give * b.give * s;
@@ -261,11 +264,11 @@ mod tests {
         ((k as f64 * 12.9898 + 78.233).sin() * 43_758.545_3).fract()
     }
 
-    /// Bounds along ten control points, and a curvature.
-    fn sample(seed: usize, widens: bool, tight: f64) -> (Vec<Bound>, Band, Vec<f64>) {
+    /// Bounds along ten control points of cubics or quintics, and a curvature.
+    fn sample(entries: usize, seed: usize, widens: bool, tight: f64) -> (Vec<Bound>, Band, Vec<f64>) {
         let n = 60;
         let bound = |k: usize| Bound {
-            first: 6 * (k % 7),
+            first: 6 * (k % ((n - entries) / 6 + 1)),
             a: std::array::from_fn(|i| drawn(seed + 31 * k + i)),
             limit: tight + 0.5 * drawn(seed + 7 * k + 5),
             give: f64::from(u8::from(widens)) * (0.5 + 0.5 * drawn(k).abs()),
@@ -298,7 +301,8 @@ mod tests {
             right.push(limit);
         };
         for b in program.bounds {
-            let mut entries: Vec<(usize, f64)> = b.a.iter().enumerate().map(|(i, a)| (b.first + i, *a)).collect();
+            let factors = b.a.iter().enumerate().take(program.entries);
+            let mut entries: Vec<(usize, f64)> = factors.map(|(i, a)| (b.first + i, *a)).collect();
             entries.extend(program.widens.then_some((n, -b.give)));
             put(&entries, b.limit);
         }
@@ -320,12 +324,13 @@ mod tests {
 
     #[test]
     fn solutions_keep_the_bounds_and_are_as_low_as_those_of_another_solver() {
-        for (seed, widens) in [(1, true), (400, true), (900, true), (2, false), (500, false), (1_000, false)] {
-            let (bounds, quadratic, linear) = sample(seed, widens, if widens { -0.2 } else { 0.6 });
-            let program = QuadraticProgram { bounds: &bounds, quadratic: &quadratic, linear: &linear, widens };
+        let cases = [(1, true), (400, true), (900, true), (2, false), (500, false), (1_000, false)];
+        for ((seed, widens), entries) in cases.into_iter().flat_map(|case| [24, 36].map(|entries| (case, entries))) {
+            let (bounds, quadratic, linear) = sample(entries, seed, widens, if widens { -0.2 } else { 0.6 });
+            let program = QuadraticProgram { bounds: &bounds, entries, quadratic: &quadratic, linear: &linear, widens };
             let (x, w) = program.solve().expect("a solution");
             for b in &bounds {
-                let over = dot(&b.a, &x[b.first..b.first + ENTRIES]) - b.limit - b.give * w;
+                let over = dot(&b.a[..entries], &x[b.first..b.first + entries]) - b.limit - b.give * w;
                 assert!(over < 1e-6, "{seed}: {over}");
             }
             assert!(x.iter().all(|x| x.abs() < 1.0 + 1e-6) && w > -1e-6);
@@ -338,10 +343,11 @@ mod tests {
 
     #[test]
     fn bounds_that_exclude_each_other_have_no_solution() {
-        let (mut bounds, quadratic, linear) = sample(3, false, 0.6);
+        let (mut bounds, quadratic, linear) = sample(24, 3, false, 0.6);
         let against = Bound { a: bounds[0].a.map(|a| -a), limit: -bounds[0].limit - 0.1, ..bounds[0] };
         bounds.push(against);
-        let program = QuadraticProgram { bounds: &bounds, quadratic: &quadratic, linear: &linear, widens: false };
+        let program =
+            QuadraticProgram { bounds: &bounds, entries: 24, quadratic: &quadratic, linear: &linear, widens: false };
         assert!(program.solve().is_none());
         assert!(reference(&program).is_none());
     }

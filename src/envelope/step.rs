@@ -151,13 +151,14 @@ fn solve(model: &Model<'_>, aim: &Aim<'_>, active: &[Side], unit: f64) -> Option
     let bound = |side: &Side| {
         let row = &model.rows[side.target];
         let scale = side.sign * model.trust / unit;
-        Bound { first: row.first, a: row.change.map(|x| x * scale), limit: side.limit / unit, give: side.give }
+        Bound { first: row.first, a: row.scaled(scale), limit: side.limit / unit, give: side.give }
     };
     let bounds: Vec<Bound> = active.iter().map(bound).collect();
     let (quadratic, linear): (Band, Vec<f64>) = match aim {
         Aim::Widening(_) => {
             let (mut beside, mut slope) = (Band::new(n, second_derivative::WIDTH), vec![0.0; n]);
-            let pushed = model.targets.iter().any(|t| t.of != Of::Cutter);
+            // Quintics run to and fro by themselves.
+            let pushed = model.curve.degree() > 3 || model.targets.iter().any(|t| t.of != Of::Cutter);
             if pushed {
                 second_derivative::add_model(model.curve, SECOND_DERIVATIVE_WEIGHT, &mut beside, &mut slope);
                 beside.scale(model.trust * model.trust);
@@ -175,6 +176,13 @@ fn solve(model: &Model<'_>, aim: &Aim<'_>, active: &[Side], unit: f64) -> Option
         }
     };
     let widens = matches!(aim, Aim::Widening(_));
-    let (x, w) = QuadraticProgram { bounds: &bounds, quadratic: &quadratic, linear: &linear, widens }.solve()?;
+    let (x, w) = QuadraticProgram {
+        bounds: &bounds,
+        entries: model.curve.entries(),
+        quadratic: &quadratic,
+        linear: &linear,
+        widens,
+    }
+    .solve()?;
     Some(ControlStep { shift: x.iter().map(|x| x * model.trust).collect(), widening: (w * unit).max(0.0) })
 }

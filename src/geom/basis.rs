@@ -3,13 +3,13 @@
 /// Largest degree of the kernel; stack arrays have one more place.
 pub const MAX_DEGREE: usize = 3;
 
-/// Nonzero basis functions at a parameter, with first and second derivatives.
+/// Nonzero basis functions at a parameter, with first and second derivatives; `P` places are enough for a degree of P - 1.
 #[derive(Clone, Copy, Debug)]
-pub struct Basis {
+pub struct Basis<const P: usize = { MAX_DEGREE + 1 }> {
     /// Index of the first control point with a weight.
     pub first: usize,
     /// `values[k][j]`: derivative of order k of function `first + j`.
-    pub values: [[f64; MAX_DEGREE + 1]; 3],
+    pub values: [[f64; P]; 3],
 }
 
 /// Index i of the knot span with `knots[i] <= u < knots[i + 1]`, clamped to the domain.
@@ -26,10 +26,10 @@ pub fn span(knots: &[f64], degree: usize, u: f64) -> usize {
 /// Functions at `u` in span `i` of a degree and of the two degrees below, the highest last: entry j of degree d weights
 /// control point i - d + j.
 #[inline(always)]
-fn functions(knots: &[f64], degree: usize, i: usize, u: f64) -> [[f64; MAX_DEGREE + 1]; 3] {
-    let mut n = [0.0; MAX_DEGREE + 1];
+fn functions<const P: usize>(knots: &[f64], degree: usize, i: usize, u: f64) -> [[f64; P]; 3] {
+    let mut n = [0.0; P];
     n[0] = 1.0;
-    let mut all = [[0.0; MAX_DEGREE + 1], [0.0; MAX_DEGREE + 1], n];
+    let mut all = [[0.0; P], [0.0; P], n];
     for d in 1..=degree {
         let mut saved = 0.0;
         for j in 0..d {
@@ -48,8 +48,8 @@ fn functions(knots: &[f64], degree: usize, i: usize, u: f64) -> [[f64; MAX_DEGRE
 
 /// One differentiation step: from functions of `degree - 1` to the derivative of those of `degree`.
 #[inline(always)]
-fn derive(knots: &[f64], degree: usize, i: usize, lower: &[f64; MAX_DEGREE + 1]) -> [f64; MAX_DEGREE + 1] {
-    let mut d = [0.0; MAX_DEGREE + 1];
+fn derive<const P: usize>(knots: &[f64], degree: usize, i: usize, lower: &[f64; P]) -> [f64; P] {
+    let mut d = [0.0; P];
     for j in 0..degree {
         // Function j of the lower degree belongs to control index i - degree + 1 + j.
         let k = i + 1 + j - degree;
@@ -74,10 +74,11 @@ pub fn evaluate(knots: &[f64], degree: usize, u: f64, order: usize) -> Basis {
     }
 }
 
+/// The same for a degree of at most P - 1.
 #[inline(always)]
-fn of_degree(knots: &[f64], degree: usize, u: f64, order: usize) -> Basis {
+pub fn of_degree<const P: usize>(knots: &[f64], degree: usize, u: f64, order: usize) -> Basis<P> {
     let i = span(knots, degree, u);
-    let mut values = [[0.0; MAX_DEGREE + 1]; 3];
+    let mut values = [[0.0; P]; 3];
     let [two_below, below, own] = functions(knots, degree, i, u);
     values[0] = own;
     if order >= 1 && degree >= 1 {

@@ -54,6 +54,22 @@ pub fn fit<const N: usize>(
     Ok(fewer(points, parameters, spline, &off).spans())
 }
 
+/// Inner knots of a spline with a number of spans whose error is about the same in all of them. `parameters` ascend.
+pub fn even_knots<const N: usize>(
+    points: &[SVector<f64, N>],
+    parameters: &[f64],
+    degree: usize,
+    spans: usize,
+) -> Option<Vec<f64>> {
+    /// Spans of the spline whose derivatives tell the density, for each span that is asked for.
+    const FINER: usize = 4;
+    let (first, last) = (*parameters.first()?, *parameters.last()?);
+    let fine = FINER * spans;
+    let inner: Vec<f64> = (1..fine).map(|k| first + (last - first) * k as f64 / fine as f64).collect();
+    let found = FittedSpline::least_squares(points, parameters, degree, &inner)?;
+    Some(evened(&found.densities(), spans))
+}
+
 /// Parameter that halves a span; `None` where a half would have too few points.
 fn halving(parameters: &[f64], [from, to]: [f64; 2]) -> Option<f64> {
     let middle = 0.5 * (from + to);

@@ -37,6 +37,9 @@ fn mark(blank: &Blank<'_>, chain: &Chain, pass: &mut ClPass) {
     let outside = |p: &ClPoint| blank.clear(p, OFF_BLANK);
     let Some(first) = pass.points.iter().position(|p| !outside(p)) else { return };
     let Some(last) = pass.points.iter().rposition(|p| !outside(p)) else { return };
+    // A path that becomes spline blocks as it was planned has one feed.
+    let whole = pass.path.as_ref().is_some_and(|path| path.degree() > 3);
+    let (first, last) = if whole { (first.min(1), last.max(count.saturating_sub(2))) } else { (first, last) };
     let way = |points: &[ClPoint]| points.windows(2).map(|w| (w[1].tip - w[0].tip).norm()).sum::<f64>();
     // The place where a lead leaves the blank, for a lead that then has a way worth it.
     let leaves = |inside: usize, out: usize, lead: Range<usize>| {
