@@ -2,6 +2,7 @@
 
 use crate::contract::ContractKind;
 use crate::ir::{OperationId, Program};
+use crate::kin::pose_curve::CHORD;
 use crate::method::ErrorSide;
 use crate::part::{FaceId, SurfaceClass, SurfaceKind};
 
@@ -34,9 +35,15 @@ fn bounds(program: &Program, operation: OperationId, class: SurfaceClass) -> Bou
     Bounds { gouge: least(ContractKind::Gouge), excess: least(ContractKind::Excess) }
 }
 
+/// What the interpolation between stations may take of a bound, mm: the chord tolerance. Spline blocks are proved on chords, whose
+/// distance from the curve is in the samples and once more in the bound, which is not as sharp.
+pub fn interpolation(program: &Program) -> f64 {
+    program.tolerances.chord.get() + if program.post.spline_form().is_some() { 3.0 * CHORD } else { 0.0 }
+}
+
 /// Difference between each bound of a contract and the budget of the plan, mm.
 pub fn kept(program: &Program) -> f64 {
-    program.tolerances.chord.get() + SLACK + RESERVE
+    interpolation(program) + SLACK + RESERVE
 }
 
 /// Tolerance budget of the plan on a surface, below and above, mm, for passes along the face of `side`; `None` unless

@@ -6,7 +6,7 @@
 //! and for matrices that do not change.
 
 use super::band::{Band, Factor, dot};
-use crate::geom::dual::MOST_DEGREE;
+use crate::geom::bezier::MOST_DEGREE;
 
 /// Factors of a bound, at most: for the control points of both curves on which a place depends.
 pub(super) const MOST_ENTRIES: usize = 6 * (MOST_DEGREE + 1);

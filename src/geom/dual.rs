@@ -1,11 +1,11 @@
 //! The path of a tool axis as dual NURBS: two curves on common knots and parameter (Wei 1 for both).
 
 use super::basis::{self, Basis};
+use super::bezier::MOST_DEGREE;
 use super::spline_fit;
 use nalgebra::{Point3, Rotation3, SVector, Vector3};
 
-/// Largest degree of the curves, and places of its basis functions.
-pub const MOST_DEGREE: usize = 5;
+/// Places of the basis functions.
 const PLACES: usize = MOST_DEGREE + 1;
 
 /// Two B-splines of degree 3 or 5 on common knots: a point of the tool axis near the tip, and a point further up.
@@ -32,7 +32,7 @@ impl DualCurve {
     /// The cubics on even knots nearest to pairs of points at equally spaced parameters in [0, 1], by least squares.
     /// `None` for fewer pairs than control points, or fewer than four control points.
     pub fn through(pairs: &[[Point3<f64>; 2]], control: usize) -> Option<Self> {
-        let spans = control.checked_sub(3)?;
+        let spans = control.checked_sub(3).filter(|spans| *spans > 0)?;
         let inner: Vec<f64> = (1..spans).map(|i| i as f64 / spans as f64).collect();
         Self::nearest_to(pairs, 3, &inner)
     }

@@ -11,7 +11,7 @@ use super::sample_to_tolerance::{FIT_SHARE, compared_heights, kept};
 use crate::geom::{DualCurve, spline_fit};
 use crate::ir::motion::MotionOperation;
 use crate::ir::{ClPlan, ClPoint, JointMove, Motion, MoveKind, Program, SplineBlock};
-use crate::kin::pose_curve::Chord;
+use crate::kin::pose_curve::{CHORD, Chord};
 use crate::kin::{Chain, Machine, Pose, PoseCurve, RotaryPose, TurnCurve, most_turn};
 use crate::post_file::{Decimals, SplineForm, on_step};
 use nalgebra::{Point3, SVector, Vector2, Vector3};
@@ -46,7 +46,7 @@ pub(crate) fn run(cx: &PassContext<'_>, cl: &ClPlan, motion: &mut Motion) {
             form,
             decimals: program.post.decimals,
             height,
-            heights: compared_heights(program, declared).iter().map(|(h, t)| (*h, (1.0 - FIT_SHARE) * t)).collect(),
+            heights: compared_heights(program, declared).into_iter().map(|(h, t)| (h, left_to_fit(t))).collect(),
         };
         let runs = runs(&program.machine, &operation.moves, height);
         let work = cx.progress.begin(format!("{}, splines", declared.name), runs.len());
@@ -58,6 +58,11 @@ pub(crate) fn run(cx: &PassContext<'_>, cl: &ClPlan, motion: &mut Motion) {
         let fitted: Vec<Vec<Fitted>> = runs.par_iter().map(blocks).collect();
         replace(program, operation, (declared.feed.get(), &fitting.heights), fitted.into_iter().flatten());
     }
+}
+
+/// What a fit may take of a tolerance, mm: the stations and the chords of the proof take their parts, but leave half.
+fn left_to_fit(tolerance: f64) -> f64 {
+    ((1.0 - FIT_SHARE) * tolerance - 2.0 * CHORD).max(0.5 * tolerance)
 }
 
 /// Cuts in a row without a corner between them: the indices of their moves.

@@ -9,6 +9,7 @@ mod ridges;
 pub mod scallop;
 mod stations;
 
+use crate::analysis::tolerance_budget::interpolation;
 use crate::diag::{Aborted, Diag, codes::planning};
 use crate::geom::BandMetric;
 use crate::ir::{CcPoint, Operation};
@@ -199,9 +200,9 @@ pub(crate) fn turn_back(lines: &mut [Vec<CcPoint>], order: Order) {
     }
 }
 
-/// Scallop height less the chord tolerance: the interpolation may lift the tool by the chord.
+/// Scallop height less what the interpolation may lift the tool.
 pub(crate) fn left_to_ridges(cx: &PassContext<'_>, height: f64) -> f64 {
-    height - cx.program.tolerances.chord.get().min(0.5 * height)
+    height - interpolation(cx.program).min(0.5 * height)
 }
 
 /// Lines over a surface for a ball, or a corner, of a given radius.
