@@ -7,8 +7,9 @@
 use super::bezier::MOST_DEGREE;
 use nalgebra::{DMatrix, SVector};
 
-/// Points between the knots of a span, at least: each determines a part of the spline.
-const LEAST_POINTS: usize = 4;
+/// Points between the knots of a span, at least. With fewer a spline runs through its points and swings between them: with four, a
+/// pass round an edge left its path by 4 um there.
+const LEAST_POINTS: usize = 8;
 
 /// Spans of a spline, at most: beyond, straight lines are no worse.
 const MOST_SPANS: usize = 64;

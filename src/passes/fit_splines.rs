@@ -10,7 +10,7 @@ use super::context::PassContext;
 use super::sample_to_tolerance::{FIT_SHARE, compared_heights, kept};
 use crate::geom::{DualCurve, spline_fit};
 use crate::ir::motion::MotionOperation;
-use crate::ir::{ClPlan, ClPoint, JointMove, Motion, MoveKind, Program, SplineBlock};
+use crate::ir::{ClPlan, ClPoint, JointMove, Motion, MoveKind, Operation, OperationKind, Program, SplineBlock};
 use crate::kin::pose_curve::{CHORD, Chord};
 use crate::kin::{Chain, Machine, Pose, PoseCurve, RotaryPose, TurnCurve, most_turn};
 use crate::post_file::{Decimals, SplineForm, on_step};
@@ -23,7 +23,7 @@ const CORNER: f64 = 4.0 * std::f64::consts::PI / 180.0;
 
 /// Largest distance of two places through which a spline goes, mm, by the length of tip and second point together: a lead is
 /// one long move.
-const SPACING: f64 = 0.25;
+const SPACING: f64 = 0.125;
 
 /// Fewest moves that a spline replaces.
 const FEWEST: usize = 6;
@@ -46,7 +46,10 @@ pub(crate) fn run(cx: &PassContext<'_>, cl: &ClPlan, motion: &mut Motion) {
             form,
             decimals: program.post.decimals,
             height,
-            heights: compared_heights(program, declared).into_iter().map(|(h, t)| (h, left_to_fit(t))).collect(),
+            heights: compared_heights(program, declared)
+                .into_iter()
+                .map(|(h, t)| (h, left_to_fit(declared, t)))
+                .collect(),
         };
         let runs = runs(&program.machine, &operation.moves, height);
         let work = cx.progress.begin(format!("{}, splines", declared.name), runs.len());
@@ -60,9 +63,11 @@ pub(crate) fn run(cx: &PassContext<'_>, cl: &ClPlan, motion: &mut Motion) {
     }
 }
 
-/// What a fit may take of a tolerance, mm: the stations and the chords of the proof take their parts, but leave half.
-fn left_to_fit(tolerance: f64) -> f64 {
-    ((1.0 - FIT_SHARE) * tolerance - 2.0 * CHORD).max(0.5 * tolerance)
+/// What a fit may take of a tolerance, mm: stations take their share. So do the chords of the proof, but for paths of flank milling,
+/// which leave room for them; half stays.
+fn left_to_fit(operation: &Operation, tolerance: f64) -> f64 {
+    let left = (1.0 - FIT_SHARE) * tolerance;
+    if matches!(operation.kind, OperationKind::Flank { .. }) { left } else { (left - 2.0 * CHORD).max(0.5 * tolerance) }
 }
 
 /// Cuts in a row without a corner between them: the indices of their moves.
@@ -217,7 +222,7 @@ impl Fitting<'_> {
                 return Err(i);
             }
             let from = parameters[parameters.len() - 1];
-            let count = (way / SPACING).ceil().max(2.0);
+            let count = (way / SPACING).ceil().max(4.0);
             for k in 1..=count as usize {
                 let share = k as f64 / count;
                 places.push(pair[0].lerp(&pair[1], share));

@@ -1,7 +1,10 @@
 //! Point milling of vane faces and fillets: the certificate proves the remaining excess, and its verifier does not use
 //! lines and scallops.
 
-use crate::support;
+use crate::support::{
+    self,
+    jobs::{self, Compiled},
+};
 use impellerc::collide::Cutter;
 use impellerc::diag::Sink;
 use impellerc::entity::PrimaryMap;
@@ -10,6 +13,7 @@ use impellerc::method::{AxisMethod, Lines, Milling};
 use impellerc::part::chart::{self, Shape};
 use impellerc::part::{BladeId, FaceId, SurfaceKind};
 use impellerc::passes::pipeline::{self, Plan};
+use impellerc::post_file::PathForm;
 use impellerc::units::Mm;
 use impellerc::verify::{certify, verify};
 use nalgebra::Point3;
@@ -372,4 +376,18 @@ fn fillets_of_a_varied_radius_are_finished() {
     }
     // Three fillets of each blade, and the floor of the first passage; the second ends at a blade without its fillet.
     assert_eq!(finished, 7);
+}
+
+/// Spline blocks are proved like straight moves: all operations of the job, edges of 2.8 mm2 included, round which short passes turn.
+#[test]
+fn polynomials_hold_the_contracts_of_the_job() {
+    let mut program = jobs::program("point", None);
+    program.post.path = PathForm::Splines;
+    let made = Compiled::new(program);
+    let blocks: Vec<usize> = made.motion.get().operations.iter().map(|o| o.splines.len()).collect();
+    println!("{blocks:?} spline blocks");
+    assert!(blocks[0] == 0 && blocks[1..].iter().all(|count| *count > 40), "{blocks:?}");
+    let worst = made.certificate.surfaces.iter().map(|s| s.gouge_bound).fold(0.0, f64::max);
+    println!("gouge at most {worst} mm");
+    assert!(worst > 0.0 && worst <= 0.002, "{worst}");
 }
