@@ -103,16 +103,16 @@ struct StripPoints {
 
 impl StripTask<'_> {
     /// The start as a few quintics, where the text has spline blocks.
-    fn interpolated(&self, start: DualCurve) -> Option<DualCurve> {
+    fn interpolated(&self, start: DualCurve) -> DualCurve {
         if self.program.post.spline_form().is_none() {
-            return Some(start);
+            return start;
         }
         let place = |i: usize| {
             let at = start.at(i as f64 / STARTS as f64);
             [at.lower, at.lower + at.axis * at.length]
         };
         let pairs: Vec<[Point3<f64>; 2]> = (0..=STARTS).map(place).collect();
-        DualCurve::quintics(&pairs, SPANS)
+        DualCurve::quintics(&pairs, SPANS).unwrap_or(start)
     }
 
     /// Deviations that the contracts leave to the plan on a surface.
@@ -130,7 +130,7 @@ impl StripTask<'_> {
             return None;
         }
         let (start, coarse) = strip.fitted(1.0)?;
-        let start = self.interpolated(start)?;
+        let start = self.interpolated(start);
         let fine = strip.targets(2.0);
         let plain = |placed: &[Placed]| placed.iter().map(|p| p.target).collect::<Vec<Target>>();
         let face = SurfaceKind::Face(strip.side);
