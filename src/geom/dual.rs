@@ -196,7 +196,7 @@ impl DualCurve {
 
     /// Bezier control points of the lower and the upper curve over each span, by the symmetric form of a spline: point k
     /// has k times the end of the span as its argument and otherwise the start (The NURBS Book, 5.6).
-    pub fn beziers(&self) -> Vec<[Vec<Vector3<f64>>; 2]> {
+    fn beziers(&self) -> Vec<[Vec<Vector3<f64>>; 2]> {
         let p = self.degree;
         let span_points = |points: &[Point3<f64>], ends: &[f64]| -> Vec<Vector3<f64>> {
             let span = basis::span(&self.knots, p, 0.5 * (ends[0] + ends[1]));

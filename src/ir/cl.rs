@@ -1,6 +1,5 @@
 //! Cutter location plan: tip and axis at every station of the passes, in the part frame.
 
-use crate::geom::DualCurve;
 use crate::ir::program::OperationId;
 use nalgebra::{Point3, Rotation3, Vector3};
 
@@ -36,8 +35,6 @@ pub struct ClPass {
     /// Places between the end of the pass before and the start of this one; the tool goes straight from each to the next.
     /// `None` where the link is not decided yet.
     pub link: Option<Vec<ClPoint>>,
-    /// Path between both leads, where the pass was computed as a whole path: tip, and a second point of the axis.
-    pub path: Option<DualCurve>,
 }
 
 /// Tip and axis of the tool, and its contact.

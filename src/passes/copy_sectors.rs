@@ -21,7 +21,6 @@ pub(crate) fn run(program: &Program, cl: &mut ClPlan) {
                     sector: *sector,
                     air: pass.air.clone(),
                     link: None,
-                    path: pass.path.as_ref().map(|path| path.turned(&turn)),
                     points: pass.points.iter().map(|p| p.turned(&turn)).collect(),
                 })
             })

@@ -3,18 +3,17 @@
 //! Before: straight moves whose ends are exact. After: the cuts of a finishing pass are spline blocks with their chords, as
 //! few as the chord tolerance allows. Where a pass has a corner, it is divided there; where no spline has fewer blocks than
 //! half the straight moves, the moves stay. Every block begins and ends where the words of the post say, so that the blocks of
-//! the text meet exactly. Feeds are those of the process. A pass whose path consists of polynomials that the control has is
-//! written as it was planned.
+//! the text meet exactly. Feeds are those of the process.
 
 use super::context::PassContext;
 use super::sample_to_tolerance::{FIT_SHARE, compared_heights, kept};
-use crate::geom::{DualCurve, spline_fit};
+use crate::geom::spline_fit;
 use crate::ir::motion::MotionOperation;
-use crate::ir::{ClPlan, ClPoint, JointMove, Motion, MoveKind, Operation, OperationKind, Program, SplineBlock};
+use crate::ir::{ClPoint, JointMove, Motion, MoveKind, Operation, OperationKind, Program, SplineBlock};
 use crate::kin::pose_curve::{CHORD, Chord};
 use crate::kin::{Chain, Machine, Pose, PoseCurve, RotaryPose, TurnCurve, most_turn};
 use crate::post_file::{Decimals, SplineForm, on_step};
-use nalgebra::{Point3, SVector, Vector2, Vector3};
+use nalgebra::{SVector, Vector2, Vector3};
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -32,10 +31,10 @@ const FEWEST: usize = 6;
 type Place = SVector<f64, 6>;
 
 /// Fits the splines.
-pub(crate) fn run(cx: &PassContext<'_>, cl: &ClPlan, motion: &mut Motion) {
+pub(crate) fn run(cx: &PassContext<'_>, motion: &mut Motion) {
     let program = cx.program;
     let Some(form) = program.post.spline_form() else { return };
-    for (planned, operation) in cl.operations.iter().zip(&mut motion.operations) {
+    for operation in &mut motion.operations {
         let declared = &program.operations[operation.operation];
         if !declared.kind.finishes() {
             continue;
@@ -53,12 +52,8 @@ pub(crate) fn run(cx: &PassContext<'_>, cl: &ClPlan, motion: &mut Motion) {
         };
         let runs = runs(&program.machine, &operation.moves, height);
         let work = cx.progress.begin(format!("{}, splines", declared.name), runs.len());
-        let blocks = |run: &Range<usize>| {
-            let path = planned.passes.get(operation.moves[run.start].pass as usize).and_then(|pass| pass.path.as_ref());
-            let whole = path.and_then(|path| fitting.planned(&operation.moves, run, path));
-            work.step(whole.map_or_else(|| fitting.fitted(&operation.moves, run), |whole| vec![whole]))
-        };
-        let fitted: Vec<Vec<Fitted>> = runs.par_iter().map(blocks).collect();
+        let fitted: Vec<Vec<Fitted>> =
+            runs.par_iter().map(|run| work.step(fitting.fitted(&operation.moves, run))).collect();
         replace(program, operation, (declared.feed.get(), &fitting.heights), fitted.into_iter().flatten());
     }
 }
@@ -95,11 +90,8 @@ fn runs(machine: &Machine, moves: &[JointMove], height: f64) -> Vec<Range<usize>
 
 /// Tip and second point of a pose.
 fn by_second_point(pose: &Pose, height: f64) -> Place {
-    together(&pose.tip.coords, &(pose.tip + pose.axis * height).coords)
-}
-
-fn together(tip: &Vector3<f64>, turn: &Vector3<f64>) -> Place {
-    Place::from_column_slice(&[tip.x, tip.y, tip.z, turn.x, turn.y, turn.z])
+    let (tip, second) = (pose.tip, pose.tip + pose.axis * height);
+    Place::from_column_slice(&[tip.x, tip.y, tip.z, second.x, second.y, second.z])
 }
 
 /// Spline blocks of moves in a row: the pose at which the first begins, and each curve with the ends of its chords.
@@ -160,52 +152,6 @@ impl Fitting<'_> {
             }
         }
         found
-    }
-
-    /// Blocks of a run that follows a planned path from one end to the other, with straight leads where there are some. `None`
-    /// where the control has no polynomials of its degree, or where a move ends beside the path.
-    fn planned(&self, moves: &[JointMove], run: &Range<usize>, path: &DualCurve) -> Option<Fitted> {
-        if self.form == SplineForm::Spl || self.form.degree() != path.degree() {
-            return None;
-        }
-        let poses: Vec<Pose> = moves[run.start - 1..run.end].iter().map(|m| self.machine.forward(&m.joints)).collect();
-        let (first, last) = (poses.first()?, poses.last()?);
-        let ends = [path.at(0.0), path.at(1.0)];
-        let leads = [(first, &ends[0]), (last, &ends[1])].map(|(pose, at)| (pose.tip - at.lower).norm() > SAME);
-        let [enters, leaves] = leads.map(usize::from);
-        // A lead lies beyond its end of the path.
-        if nearest(path, &first.tip, 0.0) > 0.0 || nearest(path, &last.tip, 1.0) < 1.0 {
-            return None;
-        }
-        let mut t = 0.0;
-        for pose in poses.get(enters..poses.len() - leaves)? {
-            t = nearest(path, &pose.tip, t);
-            let at = path.at(t);
-            let (tip, turned) = (at.lower - pose.tip, at.axis - pose.axis);
-            if self.heights.iter().any(|(h, tolerance)| (tip + turned * *h).norm() > *tolerance) {
-                return None;
-            }
-        }
-        // The second point is at the height of the others where the path begins, and elsewhere as much farther away as that of the
-        // path.
-        let scale = self.height / ends[0].length;
-        let place =
-            |(lower, upper): (&Vector3<f64>, &Vector3<f64>)| together(lower, &(lower + (upper - lower) * scale));
-        let mut spans: Vec<Vec<Place>> =
-            path.beziers().iter().map(|[lower, upper]| lower.iter().zip(upper).map(place).collect()).collect();
-        let (start, end) = (*spans.first()?.first()?, *spans.last()?.last()?);
-        let lead = |far: &Pose, near: &Place| -> Vec<Place> {
-            let by = far.tip.coords - near.fixed_rows::<3>(0);
-            let far = near + together(&by, &by);
-            (0..=path.degree()).map(|k| far.lerp(near, k as f64 / path.degree() as f64)).collect()
-        };
-        if leads[0] {
-            spans.insert(0, lead(first, &start));
-        }
-        if leads[1] {
-            spans.push(lead(last, &end).into_iter().rev().collect());
-        }
-        self.blocks(spans, moves, run)
     }
 
     /// Spans of the spline through the ends of moves.
@@ -292,23 +238,7 @@ impl Fitting<'_> {
     }
 }
 
-/// Parameter of the nearest place of a path, from a parameter before it.
-fn nearest(path: &DualCurve, tip: &Point3<f64>, from: f64) -> f64 {
-    /// Steps; some four are needed between neighbours.
-    const STEPS: usize = 20;
-    let mut t = from;
-    for _ in 0..STEPS {
-        let (at, [rate, _]) = path.moving(t);
-        let step = (tip - at.lower).dot(&rate) / rate.norm_squared();
-        if step.is_nan() || step.abs() < 1e-12 {
-            break;
-        }
-        t = (t + step).clamp(0.0, 1.0);
-    }
-    t
-}
-
-/// Rotary positions that differ by less are the same up to rounding of words, radians. Also tips that differ by less, mm.
+/// Rotary positions that differ by less are the same up to rounding of words, radians.
 const SAME: f64 = 1e-4;
 
 /// Moves both ends of each span to their words. The neighbours of an end go with it, so that no corner arises there.

@@ -74,7 +74,7 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
     let mut motion = link_moves::run(&mut cx, &cl)?;
     cx.holds("link-moves", |program| validate::motion(program, &motion))?;
     // Splines go through the ends of moves as they are before rounding.
-    fit_splines::run(&cx, &cl, &mut motion);
+    fit_splines::run(&cx, &mut motion);
     cx.holds("fit-splines", |program| validate::motion(program, &motion))?;
     // What follows counts with the moves that the text says.
     round_to_words::run(program, &mut motion);

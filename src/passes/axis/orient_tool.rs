@@ -41,7 +41,6 @@ fn orient_operation(cx: &mut PassContext<'_>, cc: &CcOperation) -> Result<ClOper
             sector: 0,
             air: Vec::new(),
             link: None,
-            path: pass.path.clone(),
             points: match pass.drive {
                 Drive::Channel => channel_points(pass),
                 Drive::Face { side, .. } => match &pass.path {

@@ -37,16 +37,11 @@ fn mark(blank: &Blank<'_>, chain: &Chain, pass: &mut ClPass) {
     let outside = |p: &ClPoint| blank.clear(p, OFF_BLANK);
     let Some(first) = pass.points.iter().position(|p| !outside(p)) else { return };
     let Some(last) = pass.points.iter().rposition(|p| !outside(p)) else { return };
-    // A path that becomes spline blocks as it was planned has one feed: of such a pass the leads alone count.
-    let whole = pass.path.as_ref().is_some_and(|path| path.degree() > 3);
-    let (first, last) = if whole { (first.min(1), last.max(count.saturating_sub(2))) } else { (first, last) };
     let way = |points: &[ClPoint]| points.windows(2).map(|w| (w[1].tip - w[0].tip).norm()).sum::<f64>();
-    // The place where a lead leaves the blank, for a lead that then has a way worth it. It begins there where the end of such a path
-    // is outside already.
+    // The place where a lead leaves the blank, for a lead that then has a way worth it.
     let leaves = |inside: usize, out: usize, lead: Range<usize>| {
-        let ends = [pass.points[inside], pass.points[out]];
-        let place = if outside(&ends[0]) { ends[0] } else { leaving(&outside, chain, ends) };
-        let way = (place.tip - ends[1].tip).norm() + way(&pass.points[lead]);
+        let place = leaving(&outside, chain, [pass.points[inside], pass.points[out]]);
+        let way = (place.tip - pass.points[out].tip).norm() + way(&pass.points[lead]);
         (way >= LEAST_WAY).then_some(place)
     };
     let behind = if last + 1 < count { leaves(last, last + 1, last + 1..count) } else { None };
@@ -54,18 +49,12 @@ fn mark(blank: &Blank<'_>, chain: &Chain, pass: &mut ClPass) {
     // The end first, so that the indices at the start stay.
     let mut air = Vec::new();
     if let Some(place) = behind {
-        let new = usize::from(place != pass.points[last]);
-        if new > 0 {
-            pass.points.insert(last + 1, place);
-        }
-        air.extend(last + 1 + new..pass.points.len());
+        pass.points.insert(last + 1, place);
+        air.extend(last + 2..pass.points.len());
     }
     if let Some(place) = before {
-        let new = usize::from(place != pass.points[first]);
-        if new > 0 {
-            pass.points.insert(first, place);
-        }
-        air = (1..=first).chain(air.into_iter().map(|i| i + new)).collect();
+        pass.points.insert(first, place);
+        air = (1..=first).chain(air.into_iter().map(|i| i + 1)).collect();
     }
     pass.air = air;
 }

@@ -206,7 +206,7 @@ fn reduce(
             let inside = stations[run.start..=run.end].iter().enumerate();
             let ends = inside.filter(|(i, s)| s.planned || *i == 0 || *i == run.end - run.start);
             let points = ends.map(|(_, s)| s.point).collect();
-            kept.push(ClPass { label, sector: pass.sector, points, air: Vec::new(), link: None, path: None });
+            kept.push(ClPass { label, sector: pass.sector, points, air: Vec::new(), link: None });
         }
     }
     if kept.is_empty() {

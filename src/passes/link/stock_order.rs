@@ -402,14 +402,8 @@ struct PassEnd {
 /// A pass from the stations of its part, with the steps that run through air.
 pub(super) fn assembled(pass: &ClPass, line: &[PathPoint], depths: &[f64]) -> Reduced {
     let fast = through_air(line, depths);
-    let mut reduced = ClPass {
-        label: pass.label.clone(),
-        sector: pass.sector,
-        points: Vec::new(),
-        air: Vec::new(),
-        link: None,
-        path: None,
-    };
+    let mut reduced =
+        ClPass { label: pass.label.clone(), sector: pass.sector, points: Vec::new(), air: Vec::new(), link: None };
     let mut lengths = [0.0; 2];
     for (i, station) in line.iter().enumerate() {
         let [before, after] = [i.checked_sub(1).map(|b| fast[b]), fast.get(i).copied()];

@@ -169,14 +169,7 @@ impl StrokeReduction<'_> {
             let tip = from.tip + (to.tip - from.tip) * (k as f64 / PARTS as f64);
             ClPoint { tip, ..from }
         });
-        let pass = ClPass {
-            label: String::new(),
-            sector: 0,
-            points: points.collect(),
-            air: Vec::new(),
-            link: None,
-            path: None,
-        };
+        let pass = ClPass { label: String::new(), sector: 0, points: points.collect(), air: Vec::new(), link: None };
         let fine = stations(machine, &pass);
         let end = meets(&fine, field).unwrap_or(PARTS);
         let mut short = line[..=step].to_vec();

@@ -177,8 +177,7 @@ impl<'a> ThroughAir<'a> {
 
     /// Stations of a straight way.
     pub(super) fn straight_way(&self, ends: [ClPoint; 2]) -> Vec<PathPoint> {
-        let pass =
-            ClPass { label: String::new(), sector: 0, points: ends.into(), air: Vec::new(), link: None, path: None };
+        let pass = ClPass { label: String::new(), sector: 0, points: ends.into(), air: Vec::new(), link: None };
         stations(self.machine, &pass)
     }
 
