@@ -396,11 +396,11 @@ mod tests {
                 let (same, same_rates) = pieces.moving(t);
                 let finer = refined.moving(t);
                 for (other, other_rates) in [(same, same_rates), finer] {
-                    assert!((other.lower - at.lower).norm() < 1e-11, "{t}");
-                    assert!((other.axis - at.axis).norm() < 1e-11, "{t}");
-                    assert!((other.length - at.length).abs() < 1e-11, "{t}");
+                    assert!((other.lower - at.lower).norm() < 1e-12, "{t}");
+                    assert!((other.axis - at.axis).norm() < 1e-12, "{t}");
+                    assert!((other.length - at.length).abs() < 1e-12, "{t}");
                     for k in 0..2 {
-                        assert!((other_rates[k] - rates[k]).norm() < 1e-9, "{t}");
+                        assert!((other_rates[k] - rates[k]).norm() < 1e-10, "{t}");
                     }
                 }
                 assert_eq!(pieces.at(t), same);
@@ -408,8 +408,8 @@ mod tests {
                 let span = breaks[1..beziers.len()].partition_point(|b| *b <= t);
                 let share = (t - breaks[span]) / (breaks[span + 1] - breaks[span]);
                 let [lower, upper] = [0, 1].map(|k| bezier::value(&beziers[span][k], share));
-                assert!((lower - at.lower.coords).norm() < 1e-11, "{t}");
-                assert!(((upper - lower).normalize() - at.axis).norm() < 1e-11, "{t}");
+                assert!((lower - at.lower.coords).norm() < 1e-12, "{t}");
+                assert!(((upper - lower).normalize() - at.axis).norm() < 1e-12, "{t}");
             }
         }
     }

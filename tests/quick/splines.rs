@@ -5,12 +5,12 @@ use impellerc::contract::Scope;
 use impellerc::diag::Sink;
 use impellerc::entity::PrimaryMap;
 use impellerc::geom::bezier;
-use impellerc::ir::{ClPlan, Contract, ContractKind, Motion, MoveKind, OperationKind, Program, SplineBlock};
+use impellerc::ir::{Contract, ContractKind, Motion, MoveKind, OperationKind, Program, SplineBlock};
 use impellerc::job::shipped_post;
 use impellerc::kin::{PoseCurve, RotaryPose, TurnCurve};
 use impellerc::method::{Flank, FlankMethod};
 use impellerc::part::{BladeId, SurfaceClass};
-use impellerc::passes::pipeline::{self, Plan};
+use impellerc::passes::pipeline;
 use impellerc::post::{self, motion_of::motion_of};
 use impellerc::post_file::PathForm;
 use impellerc::source::Span;
@@ -24,7 +24,6 @@ const POSTS: [&str; 3] = ["siemens-840d", "heidenhain-itnc530", "apt-cl"];
 /// Both faces of a vane with splines, for a post.
 struct Splines {
     program: Program,
-    cl: ClPlan,
     motion: Motion,
     text: String,
 }
@@ -32,9 +31,9 @@ struct Splines {
 fn splines(name: &str, mut program: Program) -> Splines {
     program.post = shipped_post(name).unwrap();
     program.post.path = PathForm::Splines;
-    let Plan { cl, motion, .. } = pipeline::run(&program, &mut Sink::default()).unwrap();
+    let motion = pipeline::run(&program, &mut Sink::default()).unwrap().motion;
     let text = text(&program, &motion);
-    Splines { program, cl, motion, text }
+    Splines { program, motion, text }
 }
 
 static FITTED: LazyLock<[Splines; 3]> = LazyLock::new(|| POSTS.map(|name| splines(name, support::flank_only(&[0]))));
@@ -109,39 +108,35 @@ fn a_path_of_quintics_needs_few_polynomials() {
     assert!((8..=14).contains(&count), "{count}");
 }
 
-/// Every station of the plan lies on the path with splines, within the tolerance.
+/// Every station of the path with lines lies on the path with splines, within the tolerance.
 #[test]
-fn splines_follow_the_stations_of_their_plan() {
-    for made in &*FITTED {
-        let worst = beside(made);
-        println!("stations at most {worst} mm beside the splines");
-        assert!(worst > 0.0 && worst < 1.05 * made.program.tolerances.chord.get(), "{worst}");
-    }
-}
-
-/// Largest distance of a station of the plan from the path with splines, at the ends of the engaged part of the cutter, mm.
-fn beside(made: &Splines) -> f64 {
-    let program = &made.program;
+fn splines_follow_the_path_that_lines_follow() {
+    let (program, lines) = jobs::flank().planned();
     let tool = &program.tools[program.operations.iter().next().unwrap().1.tool];
     let heights = [tool.solid.cutter.tip_radius(), tool.solid.flute_length];
-    let machine = &made.program.machine;
-    let all: Vec<_> = made.motion.operations[0].moves.iter().map(|m| machine.forward(&m.joints)).collect();
-    let stations: Vec<_> = made.cl.operations[0].passes.iter().flat_map(|pass| &pass.points).collect();
-    let mut worst = 0.0_f64;
-    for station in stations.iter().step_by(5) {
-        let far = |h: f64| {
-            let point = station.tip + station.axis * h;
-            let each = all.windows(2).map(|w| {
-                let [a, b] = [0, 1].map(|k| w[k].tip + w[k].axis * h);
-                let way = b - a;
-                let t = (way.dot(&(point - a)) / way.norm_squared()).clamp(0.0, 1.0);
-                (a + way * t - point).norm()
-            });
-            each.fold(f64::INFINITY, f64::min)
-        };
-        worst = heights.map(far).into_iter().fold(worst, f64::max);
+    let tolerance = program.tolerances.chord.get();
+    for made in &*FITTED {
+        let machine = &made.program.machine;
+        let all: Vec<_> = made.motion.operations[0].moves.iter().map(|m| machine.forward(&m.joints)).collect();
+        let cuts: Vec<_> = lines.operations[0].moves.iter().filter(|m| m.kind == MoveKind::Cut).collect();
+        let mut worst = 0.0_f64;
+        for m in cuts.iter().step_by(9) {
+            let pose = program.machine.forward(&m.joints);
+            let far = |h: f64| {
+                let point = pose.tip + pose.axis * h;
+                let each = all.windows(2).map(|w| {
+                    let [a, b] = [0, 1].map(|k| w[k].tip + w[k].axis * h);
+                    let way = b - a;
+                    let t = (way.dot(&(point - a)) / way.norm_squared()).clamp(0.0, 1.0);
+                    (a + way * t - point).norm()
+                });
+                each.fold(f64::INFINITY, f64::min)
+            };
+            worst = heights.map(far).into_iter().fold(worst, f64::max);
+        }
+        println!("stations at most {worst} mm beside the splines");
+        assert!(worst > 0.0 && worst < 1.05 * tolerance, "{worst}");
     }
-    worst
 }
 
 /// Samples, which share nothing with the bounds: no point of the tool leaves its chord by more than the certificate says.
