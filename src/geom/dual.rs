@@ -194,28 +194,17 @@ impl DualCurve {
         breaks
     }
 
-    /// Bezier control points of the lower and the upper curve over each span, by the symmetric form of a spline: point k
-    /// has k times the end of the span as its argument and otherwise the start (The NURBS Book, 5.6).
+    /// Bezier control points of the lower and the upper curve over each span.
     fn beziers(&self) -> Vec<[Vec<Vector3<f64>>; 2]> {
         let p = self.degree;
-        let span_points = |points: &[Point3<f64>], ends: &[f64]| -> Vec<Vector3<f64>> {
+        let of_span = |ends: &[f64]| {
             let span = basis::span(&self.knots, p, 0.5 * (ends[0] + ends[1]));
-            let point = |k: usize| {
-                let mut row = [Vector3::zeros(); PLACES];
-                row.iter_mut().zip(&points[span - p..=span]).for_each(|(to, from)| *to = from.coords);
-                for step in 1..=p {
-                    let at = ends[usize::from(step > p - k)];
-                    for j in (step..=p).rev() {
-                        let (left, right) = (self.knots[span + j - p], self.knots[span + 1 + j - step]);
-                        row[j] = row[j - 1].lerp(&row[j], (at - left) / (right - left));
-                    }
-                }
-                row[p]
-            };
-            (0..=p).map(point).collect()
+            [&self.lower, &self.upper].map(|points| {
+                let control: Vec<Vector3<f64>> = points[span - p..=span].iter().map(|point| point.coords).collect();
+                spline_fit::bezier(&self.knots, &control, span, [ends[0], ends[1]])
+            })
         };
-        let spans = |ends: &[f64]| [&self.lower, &self.upper].map(|points| span_points(points, ends));
-        self.breaks().windows(2).map(spans).collect()
+        self.breaks().windows(2).map(of_span).collect()
     }
 
     /// The curves as polynomials, for many evaluations.

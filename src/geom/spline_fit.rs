@@ -255,8 +255,7 @@ impl<const N: usize> FittedSpline<N> {
         ends.into_iter().zip(densities).collect()
     }
 
-    /// Bezier control points of each span, by the symmetric form of the spline: point k has k times the end of the span as
-    /// its argument and otherwise the start.
+    /// Bezier control points of each span.
     fn spans(&self) -> Vec<Vec<SVector<f64, N>>> {
         let degree = self.degree;
         self.breaks
@@ -264,24 +263,34 @@ impl<const N: usize> FittedSpline<N> {
             .enumerate()
             .map(|(k, ends)| {
                 let span = degree + k * (degree - 2);
-                (0..=degree).map(|k| self.blossom(span, |step| ends[usize::from(step >= degree - k)])).collect()
+                bezier(&self.knots, &self.control[span - degree..=span], span, [ends[0], ends[1]])
             })
             .collect()
     }
+}
 
-    fn blossom(&self, span: usize, at: impl Fn(usize) -> f64) -> SVector<f64, N> {
-        let degree = self.degree;
+/// Bezier control points of a span between two parameters, by the symmetric form of a spline: point k has k times the end as its
+/// argument and otherwise the start (The NURBS Book, 5.6). `control` are the points with a weight there, one more than the degree.
+pub(super) fn bezier<const N: usize>(
+    knots: &[f64],
+    control: &[SVector<f64, N>],
+    span: usize,
+    ends: [f64; 2],
+) -> Vec<SVector<f64, N>> {
+    let degree = control.len() - 1;
+    let point = |k: usize| {
         let mut row = [SVector::zeros(); MOST_DEGREE + 1];
-        row[..=degree].copy_from_slice(&self.control[span - degree..=span]);
+        row[..=degree].copy_from_slice(control);
         for step in 1..=degree {
+            let at = ends[usize::from(step > degree - k)];
             for j in (step..=degree).rev() {
-                let (left, right) = (self.knots[span + j - degree], self.knots[span + 1 + j - step]);
-                let t = (at(step - 1) - left) / (right - left);
-                row[j] = row[j - 1].lerp(&row[j], t);
+                let (left, right) = (knots[span + j - degree], knots[span + 1 + j - step]);
+                row[j] = row[j - 1].lerp(&row[j], (at - left) / (right - left));
             }
         }
         row[degree]
-    }
+    };
+    (0..=degree).map(point).collect()
 }
 
 /// Highest derivative of a Bezier curve by a parameter that runs over a width.
