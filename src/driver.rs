@@ -211,7 +211,8 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         let html = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm"));
         setup_sheet(options, &program, &certificate, post, &written, html)
     });
-    let read = or_reported(stages.run("read back", || post::read_back(post, &program, motion, &written.text)), sink)?;
+    let read = stages.run("read back", || post::read_back(post, &program, motion, &written.text));
+    let read = or_reported(read.map_err(|fault| post::refused(&program, &written.nc, &fault)), sink)?;
     if options.emit == Some(Emit::Nc) {
         *emitted = Some(written.text);
         return Ok(());

@@ -12,7 +12,7 @@ use crate::export::certificate_file::{self, CertificateFile, HEAD, InputFile, In
 use crate::export::source_map::{LaidMap, SourceMapFile};
 use crate::ir::Program;
 use crate::output::Outputs;
-use crate::post::motion_of::{NcMotion, READ_PASS, motion_of};
+use crate::post::motion_of::{NcMotion, READ_PASS};
 use crate::post::{self, Post};
 use crate::source::{SourceFile, SourceId, SourceMap, Span};
 use crate::verify::{self, Certificate};
@@ -477,36 +477,7 @@ pub(super) fn read_motion(
 ) -> Result<NcMotion, Aborted> {
     let text = sources.get(source).map_or("", |f| f.text.as_str());
     let span = |line: usize| sources.line_span(source, line).unwrap_or(Span::new(source, 0..0));
-    let before = sink.diags().len();
-    post.check_machine(&program.machine, program.post.span, sink);
-    if sink.diags().len() > before {
-        return Err(Aborted);
-    }
-    let sections = post.read(text, &program.machine).map_err(|faults| {
-        let meant = post::recognise(text);
-        let help = match meant {
-            Some(meant) if meant.name() == post.name() => {
-                format!("correct the block; the text was read as {}", post.name())
-            }
-            Some(meant) => {
-                format!("its words are those of {}, but it was read as {}; use `--post`", meant.name(), post.name())
-            }
-            None => {
-                format!("give NC text: it was read as {}, and no line has a word of this dialect alone", post.name())
-            }
-        };
-        // When no dialect is recognised, the text can be anything, and the first fault is enough.
-        let shown = if meant.is_some() { faults.len() } else { 1 };
-        for fault in faults.into_iter().take(shown) {
-            sink.push(
-                Diag::error(codes::NC_BLOCK, format!("line {}: {}", fault.line, fault.reason))
-                    .label(span(fault.line), "this block")
-                    .help(help.clone()),
-            );
-        }
-        Aborted
-    })?;
-    motion_of(program, &sections, &span, sink).ok_or(Aborted)
+    post::judge(post, program, text, &span, sink).map(|commands| commands.motion).ok_or(Aborted)
 }
 
 /// Puts a label at the NC block of a finding first, and adds a label at the operation in the job.

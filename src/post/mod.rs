@@ -12,6 +12,7 @@ mod divided;
 mod fanuc;
 mod form;
 mod heidenhain;
+mod judgement;
 mod linuxcnc;
 mod modulo;
 pub mod motion_of;
@@ -29,10 +30,11 @@ pub use control::MOST_FAULTS;
 pub use dialect::{Post, WriteBlock};
 pub use divided::Divided;
 pub use form::{NumberForm, TextForm};
+pub use judgement::{NcCommands, TextFault, judge};
 pub use nc::{
     Direction, NcLine, NcMove, NcPlace, NcPose, NcProgram, NcRetract, NcSection, NcStation, NcTool, ReadError,
 };
-pub use read_back::{ReadBack, read_back};
+pub use read_back::{ReadBack, read_back, refused};
 pub use tool_shape::{NcCutter, NcToolShape};
 pub use write::emit;
 

@@ -6,11 +6,10 @@
 //! an operation, and the retract after it is the last. Nothing is corrected: whatever the job does not allow is a fault
 //! with its line. CL data have poses alone: `positions` chooses the rotary positions, as a later post-processor would.
 
-use super::nc::{Direction, NcMove, NcPlace, NcPose, NcRetract, NcSection, STANDS};
-use super::read_back::says_tool;
+use super::nc::{Direction, NcMove, NcPlace, NcPose, NcRetract, NcSection, NcTool, STANDS};
 use super::{positions, tool_shape};
 use crate::diag::{Code, Diag, Sink, codes::post};
-use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Operation, OperationId, Program, SplineBlock};
+use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Operation, OperationId, Program, SplineBlock, Tool};
 use crate::kin::pose_curve::Chord;
 use crate::kin::{Angles, Interpolation, Joints, Machine, PoseCurve, linuxcnc, most_turn};
 use crate::method::Planning;
@@ -94,6 +93,15 @@ pub fn motion_of(
         );
     }
     reader.sound.then_some(result)
+}
+
+/// Whether a move names this tool.
+pub(super) fn says_tool(read: &NcMove, tool: &Tool) -> bool {
+    match &read.tool {
+        NcTool::Name(name) => **name == *tool.name,
+        NcTool::Capitals(name) => **name == *tool.name.to_ascii_uppercase(),
+        NcTool::Number(number) => *number == tool.number,
+    }
 }
 
 struct Interpreter<'a> {

@@ -1,13 +1,15 @@
 //! V5: interprets the NC text and compares it with the motion.
 
 use super::dialect::Post;
-use super::nc::{Direction, NcMove, NcPlace, NcPose, NcRetract, NcSection, NcTool, STANDS};
+use super::judgement::{NcCommands, TextFault, judged};
+use super::motion_of::says_tool;
+use super::nc::{Direction, NcMove, NcPlace, NcPose, NcProgram, NcRetract, NcSection, STANDS};
 use super::tool_shape;
 use super::words::INVERSE_DECIMALS;
 use crate::diag::{Diag, codes::post as codes};
 use crate::geom::bezier;
 use crate::ir::repeats;
-use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program, Tool};
+use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
 use crate::kin::{Angles, PoseCurve, TurnCurve, most_turn};
 use crate::post_file::Decimals;
 use crate::verify::Verified;
@@ -38,49 +40,72 @@ fn half_step(decimals: usize) -> f64 {
     0.5 * 10f64.powi(-i32::try_from(decimals).unwrap_or(0)) + 1e-11
 }
 
-/// Interprets the text of a dialect and compares every move with the motion: kind, tip, axis, rotary positions, feed,
-/// tool and spindle speed.
+/// Judges the text as `impellerc verify` judges it, and compares every move with the motion: kind, tip, axis, rotary
+/// positions, feed, tool and spindle speed.
 ///
 /// # Errors
-/// A line that is not understood, or that differs from the motion.
-pub fn read_back(post: &dyn Post, program: &Program, motion: &Verified<Motion>, text: &str) -> Result<ReadBack, Diag> {
-    compare_text(post, program, motion.get(), text).map_err(|fault| {
-        let TextFault { line, reason, understood } = fault;
-        let diag = if understood {
-            let message = format!("line {line} of the NC text does not agree with the motion: {reason}");
-            Diag::error(codes::TEXT_DIFFERS, message)
-        } else {
-            Diag::error(codes::NOT_UNDERSTOOD, format!("line {line} of the NC text: {reason}"))
-        };
-        diag.note("nothing was written").help("report the job file: this is a fault of the compiler")
-    })
+/// The first line that is refused, or that differs from the motion.
+pub fn read_back(
+    post: &dyn Post,
+    program: &Program,
+    motion: &Verified<Motion>,
+    text: &str,
+) -> Result<ReadBack, TextFault> {
+    compare_text(post, program, motion.get(), text)
 }
 
-/// Why a text is not that of a motion.
-pub(super) struct TextFault {
-    /// Line, from 1; 0 where the text ends too early.
-    pub(super) line: usize,
-    /// Reason.
-    pub(super) reason: String,
-    /// The reader understands the text, and the text differs from the motion.
-    pub(super) understood: bool,
+/// The diagnostic for a fault of a text that was written. What the job does not allow comes from the post file: it is labelled
+/// at the template that made the line, or the last one before it.
+pub fn refused(program: &Program, nc: &NcProgram, fault: &TextFault) -> Diag {
+    let TextFault { line, code, reason, help } = fault;
+    let own = if *code == codes::TEXT_DIFFERS {
+        Some((*code, format!("line {line} of the NC text does not agree with the motion: {reason}")))
+    } else if [codes::NC_BLOCK, codes::NOT_UNDERSTOOD].contains(code) {
+        Some((codes::NOT_UNDERSTOOD, format!("line {line} of the NC text: {reason}")))
+    } else {
+        None
+    };
+    if let Some((code, message)) = own {
+        let diag = Diag::error(code, message).note("nothing was written");
+        return diag.help("report the job file: this is a fault of the compiler");
+    }
+    let diag = Diag::error(*code, format!("post {} makes a program that is refused: {reason}", program.post.name));
+    let diag = at_template(diag, nc, (*line, "the program"));
+    match help {
+        Some(help) => diag.help(format!("correct the post file: {help}")),
+        None => diag,
+    }
+}
+
+/// Adds the template of the post file that made a line of a text, or the last one before it, and the line.
+pub(super) fn at_template(mut diag: Diag, nc: &NcProgram, (line, of): (usize, &str)) -> Diag {
+    let line = if line == 0 { nc.lines.len() } else { line.min(nc.lines.len()) };
+    let own = nc.lines.get(line.wrapping_sub(1));
+    if let Some(span) = nc.lines[..line].iter().rev().find_map(|l| l.frame) {
+        let made = own.is_some_and(|l| l.frame.is_some());
+        diag = diag.label(span, if made { "this line" } else { "what the program does behind this line is refused" });
+    }
+    match own {
+        Some(own) => diag.note(format!("line {line} of {of}: {}", own.text)),
+        None => diag,
+    }
 }
 
 fn differs(line: usize, reason: String) -> TextFault {
-    TextFault { line, reason, understood: true }
+    TextFault { line, code: codes::TEXT_DIFFERS, reason, help: None }
 }
 
-/// Compares a text with a motion that nobody needs to have verified.
+/// Judges a text, and compares it with a motion that nobody needs to have verified.
+///
+/// # Errors
+/// The first fault of the judgement, or else the first difference.
 pub(super) fn compare_text(
     post: &dyn Post,
     program: &Program,
     motion: &Motion,
     text: &str,
 ) -> Result<ReadBack, TextFault> {
-    let sections = post.read(text, &program.machine).map_err(|faults| {
-        let (line, reason) = faults.into_iter().next().map_or((0, String::new()), |e| (e.line, e.reason));
-        TextFault { line, reason, understood: false }
-    })?;
+    let NcCommands { sections, .. } = judged(post, program, text)?;
     let mut result = ReadBack { moves: 0, tip: 0.0, axis: 0.0 };
     let mut found = sections.iter();
     for operation in &motion.operations {
@@ -251,14 +276,6 @@ fn same_pose(program: &Program, meant: &JointMove, read: &NcPose) -> Result<(), 
         return Err(format!("the tool axis is off by {axis:.3e} rad"));
     }
     Ok(())
-}
-
-pub(super) fn says_tool(read: &NcMove, tool: &Tool) -> bool {
-    match &read.tool {
-        NcTool::Name(name) => **name == *tool.name,
-        NcTool::Capitals(name) => **name == *tool.name.to_ascii_uppercase(),
-        NcTool::Number(number) => *number == tool.number,
-    }
 }
 
 fn compare(

@@ -5,8 +5,9 @@
 //! line of the post file, and not after a minute of planning.
 
 use super::dialect::Post;
+use super::judgement::TextFault;
 use super::nc::NcProgram;
-use super::read_back::{TextFault, compare_text};
+use super::read_back::{at_template, compare_text};
 use super::write::text_of;
 use crate::diag::{Diag, Sink, codes::post as codes};
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Operation, OperationId, Program};
@@ -16,8 +17,8 @@ use nalgebra::Vector3;
 /// Length of the moves, mm.
 const STEP: f64 = 1.0;
 
-/// Time of a move, s. The comparison of texts uses it where blocks give times.
-const TIME: f64 = 1.0;
+/// Turn of rotary axis 1 within a block, radians: it shows by which rule the control turns the axes.
+const TURN: f64 = 0.05;
 
 /// Refuses what the dialect has no words for, as far as tools, machine and post file say it, and frames with which the
 /// dialect would not do what the program means.
@@ -37,7 +38,7 @@ pub fn check(post: &dyn Post, program: &Program, sink: &mut Sink) {
     let fault = match (long, compare_text(post, program, &motion, &nc.text())) {
         (Some(at), _) => {
             let reason = format!("the line has {} characters; the control takes {longest}", nc.lines[at].text.len());
-            TextFault { line: at + 1, reason, understood: true }
+            TextFault { line: at + 1, code: codes::FRAME, reason, help: None }
         }
         (None, Err(fault)) => fault,
         (None, Ok(_)) => return,
@@ -61,46 +62,47 @@ fn check_splines(post: &dyn Post, program: &Program, sink: &mut Sink) {
 
 /// The diagnostic for a fault, at the line of the post file from which it comes.
 fn refused(program: &Program, nc: &NcProgram, fault: &TextFault) -> Diag {
-    let line = if fault.line == 0 { nc.lines.len() } else { fault.line.min(nc.lines.len()) };
-    let own = nc.lines.get(line.wrapping_sub(1));
-    let before = nc.lines[..line].iter().rev().find_map(|l| l.frame);
-    let mut diag = Diag::error(
-        codes::FRAME,
-        format!("the frames of post {} make a program that is refused: {}", program.post.name, fault.reason),
-    );
-    if let Some(span) = before {
-        let made = own.is_some_and(|l| l.frame.is_some());
-        diag = diag.label(span, if made { "this line" } else { "what the program does behind this line is refused" });
+    let TextFault { line, code, reason, help } = fault;
+    // What the reader does not understand is a fault of the frame; what the job does not allow keeps its own code.
+    let code = if [codes::NC_BLOCK, codes::TEXT_DIFFERS].contains(code) { codes::FRAME } else { *code };
+    let message = format!("the frames of post {} make a program that is refused: {reason}", program.post.name);
+    let diag = at_template(Diag::error(code, message), nc, (*line, "a trial program"));
+    match help.as_ref().filter(|_| code != codes::FRAME) {
+        Some(help) => diag.help(help),
+        None => diag.help("correct the frame; the file of the same dialect in jobs/_lib/posts is understood"),
     }
-    if let Some(own) = own {
-        diag = diag.note(format!("line {line} of a trial program: {}", own.text));
-    }
-    diag.help("correct the frame; the file of the same dialect in jobs/_lib/posts is understood")
 }
 
-/// A few moves below the retract height, in the middle of the travel.
+/// A few moves below the retract height, in the middle of the travel: along a line, and with a turn of rotary axis 1.
 fn moves(program: &Program, id: OperationId, operation: &Operation) -> MotionOperation {
     let machine = &program.machine;
     let length = program.tools[operation.tool].length();
     let middle = |k: usize| 0.5 * (machine.linear[k].min + machine.linear[k].max);
     let rotary = [0, 1].map(|k: usize| 0.0_f64.clamp(machine.rotary[k].min, machine.rotary[k].max));
+    let turn = if rotary[0] + TURN <= machine.rotary[0].max { TURN } else { -TURN };
     // The tip for the gauge line at zero.
     let from_gauge = machine.positions(&Joints { xyz: Vector3::zeros(), rotary }, length);
     let at = |sideways: f64, below: f64| {
         let gauge = [middle(0) + sideways, middle(1), machine.retract - below];
         Joints { xyz: Vector3::from_fn(|k, _| gauge[k] - from_gauge[k]), rotary }
     };
+    let turned = machine.joints(&machine.forward(&at(2.0 * STEP, STEP)).tip, [rotary[0] + turn, rotary[1]]);
     let feed = operation.feed.get();
-    let step = |kind: MoveKind, joints: Joints| {
-        let feed = (kind != MoveKind::Rapid).then_some(feed);
-        JointMove { kind, joints, feed, time: TIME, pass: 0, stop: false }
-    };
-    let moves = vec![
-        step(MoveKind::Rapid, at(0.0, 0.0)),
-        step(MoveKind::Rapid, at(0.0, STEP)),
-        step(MoveKind::Cut, at(STEP, STEP)),
-        step(MoveKind::Cut, at(0.0, STEP)),
-        step(MoveKind::Rapid, at(0.0, 0.0)),
+    let places = [
+        (MoveKind::Rapid, at(0.0, 0.0)),
+        (MoveKind::Rapid, at(0.0, STEP)),
+        (MoveKind::Cut, at(STEP, STEP)),
+        (MoveKind::Cut, turned),
+        (MoveKind::Cut, at(0.0, STEP)),
+        (MoveKind::Rapid, at(0.0, 0.0)),
     ];
-    MotionOperation { operation: id, labels: vec![String::new()], moves, splines: Vec::new() }
+    let before = places.iter().take(1).chain(&places);
+    let moves = before.zip(&places).map(|((_, from), (kind, joints))| {
+        let way = (machine.forward(joints).tip - machine.forward(from).tip).norm();
+        // Blocks in inverse time give it.
+        let time = machine.planned_time(from, joints, length).max(way / machine.rapid);
+        let feed = (*kind != MoveKind::Rapid).then_some(feed);
+        JointMove { kind: *kind, joints: *joints, feed, time, pass: 0, stop: false }
+    });
+    MotionOperation { operation: id, labels: vec![String::new()], moves: moves.collect(), splines: Vec::new() }
 }

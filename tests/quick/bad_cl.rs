@@ -42,6 +42,23 @@ fn read(text: &str) -> Result<Vec<NcSection>, Vec<ReadError>> {
     post::find("apt-cl").unwrap().read(text, &MACHINE)
 }
 
+/// No cutter touches stock while the spindle stands.
+#[test]
+fn the_spindle_turns_until_the_retract() {
+    let stops = "stops or turns round with the tool in the part";
+    for words in ["SPINDL/OFF", "SPINDL/RPM,8000,CCLW", "SPINDL/OFF\nSPINDL/RPM,8000,CLW"] {
+        refused("FEDRAT/250.0,MMPM\n", &format!("{words}\nFEDRAT/250.0,MMPM\n"), 17, stops);
+    }
+    refused(
+        "RAPID\nGOTO/101.3030,-180.9539,269.8076,0.18101007",
+        "SPINDL/OFF\nRAPID\nGOTO/101.3030,-180.9539,269.8076,0.18101007",
+        20,
+        stops,
+    );
+    let again = CL.replacen("FEDRAT/250.0", "SPINDL/RPM,8000,CLW\nFEDRAT/250.0", 1);
+    assert!(read(&again).is_ok(), "{:?}", read(&again));
+}
+
 /// The first fault of the text with a change: its line and its words.
 fn refused(from: &str, to: &str, line: usize, words: &str) {
     assert!(CL.contains(from), "{from}");

@@ -291,7 +291,7 @@ fn the_way_to_the_first_target_is_known() {
 #[test]
 fn what_a_program_leaves_behind_is_judged() {
     refused_at("linuxcnc", "M429\nG49\nG53 G0 Z350\nM9\nM5\n", "", 20, "ends with the transformation on");
-    refused_at("linuxcnc", "G49\nG53 G0 Z350\nM9\n", "M9\n", 23, "ends with the tool in the part");
+    refused_at("linuxcnc", "G49\nG53 G0 Z350\nM9\nM5\n", "M9\n", 22, "ends with the tool in the part");
     refused_at("siemens-840d", "N180 M5\n", "", 19, "ends with the spindle on, by M3 in line 6");
     refused_at("siemens-840d", " M9\n", "\n", 20, "ends with the coolant on, by M8");
     // The end of a program switches both off there.
@@ -305,6 +305,67 @@ fn what_a_program_leaves_behind_is_judged() {
     let faults = read("linuxcnc", &tape.replacen("M5\n", "", 1)).unwrap_err();
     assert!(faults[0].reason.contains("ends with the spindle on"), "{faults:?}");
     assert!(read("linuxcnc", &format!("{LINUXCNC}%\n")).is_err());
+}
+
+/// A text with the numbers of its blocks anew, where the control counts them.
+fn numbered(dialect: &str, text: &str) -> String {
+    if dialect != "heidenhain" {
+        return text.to_owned();
+    }
+    let mut number = 0;
+    let lines = text.lines().map(|line| {
+        let Some((_, words)) = line.split_once(' ').filter(|_| !line.starts_with(' ')) else {
+            return format!("{line}\n");
+        };
+        number += 1;
+        format!("{} {words}\n", number - 1)
+    });
+    lines.collect()
+}
+
+/// No cutter touches stock while the spindle stands, turns the wrong way, or waits: from the switch of the transformation to
+/// the retract.
+#[test]
+fn the_spindle_turns_until_the_retract() {
+    let [stops, waits] = ["stops the spindle or turns it round with the tool in the part", "wait with the tool"];
+    for (dialect, cut, off, retract) in [
+        ("siemens-840d", "N150 G1 X28", "N160 TRAFOOF\n", ["SUPA G0 Z350 D0 M9", "M9"]),
+        ("linuxcnc", "G1 X28", "M429\nG49\nG53 G0 Z350", ["G53 G0 Z350\nM9", "M9"]),
+        ("heidenhain", "21 L X+28", "22 FUNCTION RESET TCPM\n", ["L Z+350 R0 FMAX M91 M9", "M9"]),
+    ] {
+        let text = original(dialect);
+        let behind = off.split_inclusive('\n').next().unwrap();
+        let places = [cut, off].map(|piece| text.find(piece).unwrap());
+        let places = [places[0], places[1], places[1] + behind.len()];
+        let line = |at: usize| text[..at].matches('\n').count() + 1;
+        let judge = |at: usize, words: &str| {
+            let words: String = words
+                .split('\n')
+                .map(|word| format!("{}{word}\n", if dialect == "heidenhain" { "0 " } else { "" }))
+                .collect();
+            read(dialect, &numbered(dialect, &format!("{}{words}{}", &text[..at], &text[at..])))
+        };
+        // Between two cuts, behind the last cut, and behind the end of the transformation, whatever follows.
+        for at in places {
+            for (words, why) in [("M5", stops), ("M4", stops), ("M5\nM3", stops), ("M4\nM3", stops), ("M0", waits)] {
+                let faults = judge(at, words).expect_err(words);
+                assert!(faults[0].line == line(at) && faults[0].reason.contains(why), "{dialect} {words}: {faults:?}");
+                assert_eq!(faults.len(), 1, "{dialect} {words}: {faults:?}");
+            }
+            if dialect != "heidenhain" {
+                let faults = judge(at, "S0").expect_err("S0");
+                assert!(faults[0].line == line(at) && faults[0].reason.contains(stops), "{dialect} S0: {faults:?}");
+            }
+            // What changes nothing.
+            assert!(judge(at, "M3").is_ok(), "{dialect}: {:?}", judge(at, "M3"));
+        }
+        let faults = read(dialect, &text.replacen(retract[0], retract[1], 1)).expect_err(retract[0]);
+        assert!(faults[0].reason.contains(stops) && faults.len() == 1, "{dialect}: {faults:?}");
+    }
+    // M5 acts at the end of its block on HEIDENHAIN controls, on others before it.
+    let text = numbered("heidenhain", &HEIDENHAIN.replacen("M91 M9\n24 M5", "M91 M5\n24 M9", 1));
+    assert!(read("heidenhain", &text).is_ok(), "{:?}", read("heidenhain", &text));
+    refused_at("siemens-840d", "D0 M9\nN180 M5", "D0 M5\nN180 M9", 18, stops);
 }
 
 /// Each modal group that a move needs: dropped, and set to another value.
@@ -382,7 +443,7 @@ fn edits_with_which_the_control_does_something_else() {
     siemens("G0 A=30 C=20", "G0 A3 C=20", 7, "`=` is missing");
     siemens("Z10 A=30 C=20", "Z10 A=30 C3", 13, "`=` is missing");
     // States that end too early.
-    siemens("N140 G1", "N140 M5 G1", 15, "a move with M5");
+    siemens("N140 G1", "N140 M5 G1", 15, "`M5` stops the spindle");
     siemens("N140 G1", "N140 G500 G1", 15, "a move with G500");
     siemens("N140 G1", "N140 M6 G1", 15, "tool change before");
     siemens("N140 G1", "N140 D0 G1", 15, "the axes jump");

@@ -61,6 +61,7 @@ mod perimeter;
 mod planning;
 mod platform;
 mod plunge;
+mod post_files;
 mod posts;
 mod progress;
 mod quirks;

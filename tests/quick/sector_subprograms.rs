@@ -86,7 +86,7 @@ fn a_text_with_subprograms_is_the_inline_text_for_the_machine() {
         assert!(lines[0] * 2 < lines[1], "{lines:?}");
         for nc in [&short, &long] {
             let found = post::read_back(post, &program, &compiled.motion, &nc.text());
-            let found = found.unwrap_or_else(|d| panic!("{}: {}", post.name(), d.message));
+            let found = found.unwrap_or_else(|d| panic!("{}: {}", post.name(), d.reason));
             assert!(found.tip <= 0.5e-4 * 2f64.sqrt() + 1e-6, "{found:?}");
         }
         let motions = [&short, &long].map(|nc| meant(&program, &nc.text()).unwrap());

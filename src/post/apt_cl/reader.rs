@@ -12,6 +12,7 @@
 
 mod curves;
 mod movnrb;
+mod spindle;
 
 use self::movnrb::Movnrb;
 use super::statements::{self, Statement};
@@ -83,6 +84,10 @@ enum Coolant {
 struct Path {
     /// FROM.
     from: NcPose,
+    /// Where the tool stands.
+    at: NcPose,
+    /// The path has a move at feed.
+    cuts: bool,
     /// Line of the first GOTO, which goes to the pose of FROM.
     start: Option<usize>,
     moves: Vec<NcMove>,
@@ -369,35 +374,6 @@ impl<'a> State<'a> {
         }
     }
 
-    fn spindle(&mut self, values: &[&str]) -> Result<(), String> {
-        self.spindle = match values {
-            ["OFF"] => Spindle::Off,
-            ["RPM", speed, turn @ ("CLW" | "CCLW")] | [speed, "RPM", turn @ ("CLW" | "CCLW")] => {
-                Spindle::On(self.positive("SPINDL", speed, FASTEST)?, *turn == "CLW", self.line)
-            }
-            _ => {
-                self.spindle = Spindle::Unknown;
-                return Err(format!(
-                    "`SPINDL/{}` is not understood: write SPINDL/RPM, the speed, and CLW",
-                    listed(values)
-                ));
-            }
-        };
-        Ok(())
-    }
-
-    fn coolant(&mut self, values: &[&str]) -> Result<(), String> {
-        self.coolant = match values {
-            ["OFF"] => Coolant::Off,
-            ["ON" | "FLOOD" | "MIST" | "THRU"] => Coolant::On(self.line),
-            _ => {
-                self.coolant = Coolant::Unknown;
-                return Err(format!("`COOLNT/{}` is not understood: write COOLNT/FLOOD or COOLNT/OFF", listed(values)));
-            }
-        };
-        Ok(())
-    }
-
     fn feed(&mut self, values: &[&str]) -> Result<(), String> {
         self.feed = None;
         let feed = match values {
@@ -472,21 +448,33 @@ impl<'a> State<'a> {
             return Err("FROM in a path: it moves nothing, so that the tool stands elsewhere; write GOTO".to_owned());
         }
         self.check_height("FROM", &pose);
-        self.path = Some(Path { from: pose, start: None, moves: Vec::new() });
+        self.path = Some(Path { from: pose, at: pose, cuts: false, start: None, moves: Vec::new() });
         Ok(())
     }
 
-    /// Whether the gauge line stands at the retract height or above, on one of the ways in which the machine reaches the
-    /// pose.
+    /// Height of the gauge line, the higher one of the two in which the machine reaches the pose; `None` where no angles give
+    /// its direction.
+    fn height(&self, pose: &NcPose, length: f64) -> Option<f64> {
+        let machine = self.machine;
+        let solutions = machine.chain.inverse(&pose.axis, 0.0)?;
+        let heights = solutions.map(|rotary| machine.positions(&machine.joints(&pose.tip, rotary), length)[2]);
+        Some(heights[0].max(heights[1]))
+    }
+
+    /// Whether the gauge line stands at the retract height or above.
+    fn is_retracted(&self, pose: &NcPose) -> bool {
+        let height = self.shape.length.and_then(|length| self.height(pose, length));
+        height.is_some_and(|height| height >= self.machine.retract - ROUNDING)
+    }
+
+    /// Reports a pose in which the gauge line stands below the retract height.
     fn check_height(&mut self, word: &str, pose: &NcPose) {
         let machine = self.machine;
         let Some(length) = self.shape.length else { return };
-        let Some(solutions) = machine.chain.inverse(&pose.axis, 0.0) else {
+        let Some(height) = self.height(pose, length) else {
             let [.., first, second] = machine.names();
             return self.fault(format!("{word}: no angles of {first} and {second} give this direction"));
         };
-        let heights = solutions.map(|rotary| machine.positions(&machine.joints(&pose.tip, rotary), length)[2]);
-        let height = heights[0].max(heights[1]);
         if height < machine.retract - ROUNDING {
             self.fault(format!(
                 "{word}: the gauge line stands at Z {height:.3} of the machine; where a path begins and ends, it stands at the \
@@ -512,6 +500,14 @@ impl<'a> State<'a> {
                 );
             }
             return Ok(());
+        }
+        path.at = pose;
+        path.cuts |= !rapid;
+        if rapid && path.cuts && !self.turns() {
+            self.fault_once(
+                "spindle",
+                "RAPID and GOTO with the spindle at rest behind a cut: the tool may be in the part",
+            );
         }
         let feed = if rapid { None } else { Some(self.feed_of_move()) };
         if rapid {
@@ -596,7 +592,7 @@ impl<'a> State<'a> {
 
     /// The path with the tool ends: its last move is the retract.
     fn leave(&mut self) {
-        let Some(Path { from, start, mut moves }) = self.path.take() else { return };
+        let Some(Path { from, start, mut moves, .. }) = self.path.take() else { return };
         let Some(start) = start else {
             return self.fault("a path without GOTO: leave out FROM, or write RAPID and GOTO");
         };

@@ -120,6 +120,8 @@ pub(super) struct Control {
     /// A rotary axis whose words the control reduces modulo 360 deg takes the shorter way to each. Without it such axes are
     /// not read.
     pub(super) modulo: bool,
+    /// The words that stop spindle and coolant act behind the move of their block; all others act before it.
+    pub(super) stops_behind: bool,
     /// A stop of the program switches spindle and coolant off.
     pub(super) wait_switches_off: bool,
     /// The end of a program switches spindle and coolant off.

@@ -214,6 +214,7 @@ pub(super) const CONTROL: Control = Control {
     change_sets_length: false,
     shorter_way: true,
     modulo: true,
+    stops_behind: false,
     wait_switches_off: false,
     end_switches_off: false,
 };

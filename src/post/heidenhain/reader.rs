@@ -135,6 +135,8 @@ const fn klartext(transformation: [&'static str; 2]) -> Control {
         change_sets_length: true,
         shorter_way: true,
         modulo: true,
+        // Lists of miscellaneous functions in the manuals (TNC 155, page 15): M5 and M9 act at the end of the block.
+        stops_behind: true,
         wait_switches_off: true,
         end_switches_off: true,
     }

@@ -162,6 +162,7 @@ const LINUXCNC: Control = Control {
     change_sets_length: false,
     shorter_way: false,
     modulo: false,
+    stops_behind: false,
     wait_switches_off: false,
     end_switches_off: true,
 };

@@ -153,6 +153,7 @@ const SINUMERIK: Control = Control {
     change_sets_length: false,
     shorter_way: false,
     modulo: true,
+    stops_behind: false,
     wait_switches_off: false,
     end_switches_off: false,
 };

@@ -1,6 +1,7 @@
 //! The state of a control while it executes a program: the changes of each block, and its faults.
 
 mod moves;
+mod spindle;
 mod splines;
 
 use super::{Act, Control, LengthWord, MOST_FAULTS, MotionWord, NcBlock, ROUNDING, Smoothing, figure};
@@ -185,7 +186,7 @@ impl<'a> ControlState<'a> {
                     }
                 }
                 Act::Feed => self.feed = block.feed.or(self.feed),
-                Act::Speed => self.speed = block.speed.or(self.speed),
+                Act::Speed => self.set_speed(block),
                 Act::Select => {
                     if let Some(tool) = &block.tool {
                         self.ready = Some(tool.clone());
@@ -208,7 +209,10 @@ impl<'a> ControlState<'a> {
                         self.wait(word);
                     }
                 }
-                Act::Move => self.moved(block),
+                Act::Move => {
+                    self.moved(block);
+                    self.set_stops(block);
+                }
                 Act::End => {
                     if let Some(word) = block.end {
                         self.end(word);
@@ -251,8 +255,8 @@ impl<'a> ControlState<'a> {
     }
 
     fn wait(&mut self, word: &str) {
-        if self.transformation == Transformation::On {
-            self.fault(format!(
+        if self.transformation == Transformation::On || self.open {
+            return self.fault(format!(
                 "`{word}` makes the program wait with the tool in the part: wait with the tool retracted, before {}",
                 self.control.transformation[0]
             ));
@@ -266,6 +270,15 @@ impl<'a> ControlState<'a> {
 
     fn set(&mut self, group: ModalGroup, block: &NcBlock) {
         let Some(word) = block.modal[group as usize] else { return };
+        if !self.acts_behind(word) {
+            self.set_to(group, word);
+        }
+    }
+
+    fn set_to(&mut self, group: ModalGroup, word: &'static str) {
+        if group == ModalGroup::Spindle && self.stops_in_part(word) {
+            return;
+        }
         let before = self.modal[group as usize];
         // A control forgets the feed when the feed mode changes.
         if group == ModalGroup::FeedMode

@@ -233,13 +233,6 @@ impl ControlState<'_> {
         }
     }
 
-    /// Reports a move at feed without a speed of the spindle.
-    pub(super) fn judge_spindle(&mut self) {
-        if !self.speed.is_some_and(|s| s > 0.0) {
-            self.fault_once("speed", "a move at feed with the spindle at rest: no S before this block sets its speed");
-        }
-    }
-
     /// Tolerance of the direction through smoothing, where a word states it.
     pub(super) fn turn_tolerance(&self) -> Option<f64> {
         if let Some(Smoothing::Within(deviation)) = self.smoothing { deviation.turn } else { None }
