@@ -6,6 +6,7 @@
 
 use crate::ir::{Motion, MotionOperation, MoveKind, Program};
 use crate::kin::{Machine, between};
+use crate::verify::dynamics;
 use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 
@@ -100,15 +101,15 @@ pub fn compare(sides: [ComparedMotion<'_>; 2]) -> Vec<OperationDifference> {
         .operations
         .iter()
         .zip(&second.motion.operations)
-        .map(|(a, b)| operation([first, second], [a, b]))
+        .enumerate()
+        .map(|(index, (a, b))| operation([first, second], [a, b], index))
         .collect()
 }
 
-fn operation(sides: [ComparedMotion<'_>; 2], made: [&MotionOperation; 2]) -> OperationDifference {
+fn operation(sides: [ComparedMotion<'_>; 2], made: [&MotionOperation; 2], index: usize) -> OperationDifference {
     let ways = [0, 1].map(|k: usize| way(&sides[k].program.machine, made[k]));
     let [tip, axis, speed] = largest([&ways[0], &ways[1]]);
     let swapped = largest([&ways[1], &ways[0]]).map(|d| Difference { moves: [d.moves[1], d.moves[0]], ..d });
-    let time = |o: &MotionOperation, kind: MoveKind| o.moves.iter().filter(|m| m.kind == kind).map(|m| m.time).sum();
     let range = |k: usize| {
         let (o, Program { machine, tools, operations, .. }) = (made[k], sides[k].program);
         let length = tools[operations[o.operation].tool].length();
@@ -126,7 +127,8 @@ fn operation(sides: [ComparedMotion<'_>; 2], made: [&MotionOperation; 2]) -> Ope
         axis: axis.or(swapped[1]),
         speed: speed.or(swapped[2]),
         moves: made.map(|o| o.moves.len()),
-        times: made.map(|o| [MoveKind::Cut, MoveKind::Link, MoveKind::Rapid].map(|kind| time(o, kind))),
+        // The run of the control, as in the certificate; limits of removal change no time.
+        times: sides.map(|side| dynamics::run(side.program, side.motion, index, &[]).time),
         ranges: [0, 1].map(range),
     }
 }

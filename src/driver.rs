@@ -2,6 +2,7 @@
 
 mod certificate_text;
 mod file_stamps;
+mod head;
 mod import;
 mod job_check;
 mod job_format;
@@ -21,9 +22,7 @@ mod stages;
 use crate::diag::codes::{files, post as post_codes, syntax};
 use crate::diag::junit::Judged;
 use crate::diag::{Aborted, Diag, Sink, printable};
-use crate::export::certificate_file::{
-    self, BLANK, CertificateFile, HEAD, InputFile, Inputs, NcText, OperationLines, sha256,
-};
+use crate::export::certificate_file::{self, CertificateFile, HEAD, Inputs, NcText, OperationLines, sha256};
 use crate::export::picture;
 use crate::export::setup_sheet::{self, SheetInput};
 use crate::export::source_map::{SourceMapFile, WrittenLine};
@@ -36,7 +35,6 @@ use crate::passes::pipeline::{self, Plan};
 use crate::post::{self, NcProgram, Post};
 use crate::source::{Origin, SourceFile, SourceMap, Span};
 use crate::syntax::ast::{File, ItemKind};
-use crate::units::trim;
 use crate::verify::Verified;
 use crate::verify::certificate::{Certificate, ContractReport, OperationReport};
 use crate::{analysis, job, lower};
@@ -202,14 +200,16 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     };
 
     post::sectors::remark(post, &program, motion.get(), sink);
-    let written = stages.run("write", || Written::new(&program, motion, &certificate, post, inputs.clone()));
+    let library = certificate_text::library_lines(sources);
+    let written =
+        stages.run("write", || Written::new(&program, motion, &certificate, post, (inputs.clone(), &library)));
     let mut written = or_reported(written, sink)?;
     if options.source_map.is_some() {
         written.source_map = Some(or_reported(source_map(&program, motion.get(), sources, &written.nc), sink)?);
     }
     written.setup_sheet = options.setup_sheet.as_ref().map(|path| {
         let html = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm"));
-        setup_sheet(options, &program, &certificate, post, &written, html)
+        setup_sheet(options, &program, (&certificate, &library), post, &written, html)
     });
     let read = stages.run("read back", || post::read_back(post, &program, motion, &written.text));
     let read = or_reported(read.map_err(|fault| post::refused(&program, &written.nc, &fault)), sink)?;
@@ -505,7 +505,7 @@ fn restarts(program: &Program, nc: &NcProgram) -> Vec<usize> {
 fn setup_sheet(
     options: &Options,
     program: &Program,
-    certificate: &Certificate,
+    (certificate, library): (&Certificate, &[String]),
     post: &dyn Post,
     written: &Written,
     html: bool,
@@ -519,6 +519,7 @@ fn setup_sheet(
         program,
         certificate,
         post: post.name(),
+        library,
         assumptions: &post::assumptions(post, &program.machine),
         nc: (&file, written.nc.lines.len(), &body[..SHOWN_HASH]),
         restarts: &restarts,
@@ -551,9 +552,10 @@ impl Written {
         motion: &Verified<Motion>,
         certificate: &Certificate,
         post: &dyn Post,
-        inputs: Inputs,
+        (inputs, library): (Inputs, &[String]),
     ) -> Result<Self, Diag> {
-        let mut nc = post::emit(post, program, motion, &header(program, certificate, post, &inputs));
+        let head = head::lines(program, certificate, post, (&inputs, library));
+        let mut nc = post::emit(post, program, motion, &head);
         // Order: the body, then the head without the line of the certificate, then the certificate.
         let [_, of_body, of_certificate] = HEAD;
         let fill = |nc: &mut NcProgram, word: &str, hash: &str| {
@@ -628,51 +630,6 @@ fn operation_lines(program: &Program, motion: &Motion, nc: &NcProgram) -> Vec<Op
         }
     }
     found
-}
-
-/// Characters of a name in a line of the head; controls show about 100 characters of a line.
-const NAME_IN_LINE: usize = 80;
-
-/// The lines of the head for an input file.
-fn file_lines(file: &InputFile) -> Vec<String> {
-    let InputFile { name, origin, sha256, .. } = file;
-    let name: Vec<char> = name.chars().collect();
-    let names = name.chunks(NAME_IN_LINE).map(|part| format!("named {}", part.iter().collect::<String>()));
-    std::iter::once(format!("file sha256 {sha256}, {origin}:")).chain(names).collect()
-}
-
-/// Lines of the comment block at the head of the NC text; placeholders stand for the hashes of body and certificate.
-fn header(program: &Program, certificate: &Certificate, post: &dyn Post, inputs: &Inputs) -> Vec<String> {
-    let mut head = certificate.head();
-    let mut lines = vec![format!("impellerc {}, {}", env!("CARGO_PKG_VERSION"), head.remove(0))];
-    lines.extend(head);
-    if program.machine.chain.has_head() {
-        lines.push("not checked: head and spindle above the gauge line, against part and table".to_owned());
-    }
-    lines.extend(HEAD.iter().zip([&inputs.sha256, BLANK, BLANK]).map(|(word, hash)| format!("{word}{hash}")));
-    lines.extend(inputs.files.iter().flat_map(file_lines));
-    lines.push(format!(
-        "part {}, machine {}, zero at the origin of the part frame, mm",
-        program.name, program.machine.name
-    ));
-    lines.extend(post::assumptions(post, &program.machine).iter().map(|what| format!("assumed: {what}")));
-    for c in &certificate.contracts {
-        lines.push(format!("{} {}, required {} {}", c.name(), c.figures[1], c.relation, c.figures[0]));
-    }
-    for a in &certificate.allowed {
-        lines.push(format!("allowed: {} {}, {}: {}", a.kind, a.scope, a.figure, a.reason));
-    }
-    for (_, tool) in program.tools.iter() {
-        lines.push(format!(
-            "tool {} number {}: {} radius {} mm, length {} mm from the tip to the gauge line",
-            tool.name,
-            tool.number,
-            tool.solid.cutter.keyword(),
-            tool.solid.radius(),
-            trim(tool.length(), 4)
-        ));
-    }
-    lines
 }
 
 /// Largest job file, bytes. The parser refuses far smaller files, with a reason.

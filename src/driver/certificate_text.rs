@@ -3,7 +3,8 @@
 use super::report::Shown;
 use super::{RunOptions, shown_path};
 use crate::diag::Sink;
-use crate::source::SourceMap;
+use crate::job::files::shipped;
+use crate::source::{Origin, SourceMap};
 use crate::verify::summary::Verdict;
 use std::path::Path;
 
@@ -12,6 +13,35 @@ fn machine(name: &str, sources: &SourceMap) -> String {
     let file = sources.files().iter().find(|f| f.name == format!("machines/{name}.toml"));
     let origin = file.map_or("given in the job", |f| f.origin.word());
     format!("{name} ({origin})")
+}
+
+/// Dialect, with post file and libraries of tools that are not the shipped ones.
+fn post(dialect: &str, sources: &SourceMap) -> String {
+    let own = own_files(sources).filter(|(kind, ..)| *kind != "machines");
+    let own = own.map(|(kind, name, origin)| format!(", {} {name} ({origin})", kind.trim_end_matches('s')));
+    format!("{dialect}{}", own.collect::<String>())
+}
+
+/// Files of the library with another content than the shipped ones: kind, name, and origin.
+fn own_files(sources: &SourceMap) -> impl Iterator<Item = (&str, &str, &'static str)> {
+    let files = sources.files().iter().filter(|f| f.origin != Origin::Shipped);
+    files.filter_map(|f| {
+        let (kind, name) = f.name.strip_suffix(".toml")?.split_once('/')?;
+        let shipped = match kind {
+            "machines" => shipped::MACHINES,
+            "tools" => shipped::TOOLS,
+            "posts" => shipped::POSTS,
+            _ => return None,
+        };
+        let same = shipped.iter().any(|(known, text)| *known == name && *text == f.text);
+        (!same).then_some((kind, name, f.origin.word()))
+    })
+}
+
+/// A line for each file of the library that is not the shipped one, for the head of the text and the setup sheet.
+pub(super) fn library_lines(sources: &SourceMap) -> Vec<String> {
+    let own = own_files(sources);
+    own.map(|(kind, name, origin)| format!("library file {kind}/{name}.toml: {origin}, not a shipped file")).collect()
 }
 
 /// The text on the proof. `judged` is the NC text that was judged; without it the part names what was judged.
@@ -26,7 +56,8 @@ pub(super) fn text(
     let machine = machine(&program.machine.name, sources);
     let file = judged.map(shown_path);
     let name = file.as_deref().unwrap_or(&program.name);
-    let verdict = Verdict { errors: sink.errors(), name, machine: &machine, post: shown.post };
+    let post = post(shown.post, sources);
+    let verdict = Verdict { errors: sink.errors(), name, machine: &machine, post: &post };
     if !run.details {
         return certificate.summary(verdict) + "  all figures: `--details`\n";
     }

@@ -1,10 +1,10 @@
 //! `impellerc verify`: checks NC text against its job.
 
-use super::certificate_text;
 use super::{
     Options, Outcome, RunOptions, Stages, before_work, find_post, front, judged_operations, meshes_written,
     or_reported, reading, report, rest_stock, save, shown_path,
 };
+use super::{certificate_text, head};
 use crate::analysis;
 use crate::diag::codes::post as codes;
 use crate::diag::{Aborted, Diag, Sink, printable};
@@ -216,6 +216,7 @@ fn measure(
     if let Some((path, file)) = stated {
         compare_figures(path, file, &certificate, sink);
     }
+    let head = head::compare((program, &certificate, post), inputs, sources, source, sink);
     let nc = sources.get(source).map_or("", |f| f.text.as_str());
     let shown = report::Shown {
         program,
@@ -234,6 +235,7 @@ fn measure(
     let mut text = certificate_text::text(&check.run, &shown, Some(&check.nc), sources, sink);
     let moves: usize = motion.lines.iter().map(Vec::len).sum();
     text.push_str(&format!("\n{}: {moves} moves read as {}\n", shown_path(&check.nc), post.name()));
+    text.push_str(&head);
     text.push_str(&meshes_written(&check.run, &motion.motion));
     if let Some(path) = &check.run.report {
         text.push_str(&format!("wrote {}\n", shown_path(path)));

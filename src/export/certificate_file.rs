@@ -193,6 +193,20 @@ fn head(text: &str) -> Vec<(usize, &str)> {
     lines
 }
 
+/// The comments of the head with the numbers of their lines, from 1, without block numbers and the characters about a
+/// comment.
+pub fn head_lines(text: &str) -> Vec<(usize, &str)> {
+    let (starts, _) = body(text);
+    (1..starts).zip(text.lines()).filter_map(|(number, line)| Some((number, comment_of(line)?))).collect()
+}
+
+/// The text of a comment line.
+fn comment_of(line: &str) -> Option<&str> {
+    let line = unnumbered(line.trim());
+    let bare = line.strip_prefix("$$").or_else(|| line.strip_prefix(';'));
+    Some(bare.or_else(|| line.strip_prefix('(')?.strip_suffix(')'))?.trim())
+}
+
 /// The rest of a line after the word with which its comment begins.
 fn after<'a>(line: &'a str, word: &str) -> Option<&'a str> {
     let line = unnumbered(line);

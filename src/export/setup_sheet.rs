@@ -21,6 +21,8 @@ pub struct SheetInput<'a> {
     pub certificate: &'a Certificate,
     /// Dialect.
     pub post: &'a str,
+    /// Files of the library that are not the shipped ones, a line each.
+    pub library: &'a [String],
     /// What the proof assumes of the control.
     pub assumptions: &'a [String],
     /// File name of the NC text, its number of lines, and the short hash of its body.
@@ -133,6 +135,11 @@ fn program_section(input: SheetInput<'_>) -> SheetSection {
         format!("Machine: {}", program.machine.name),
         format!("Machining time: {} (h:mm:ss), from a model of the control, without tool changes", clock(time)),
     ];
+    let [made, sectors] = certificate.sectors();
+    let missing = certificate.not_machined().map_or_else(String::new, |missing| format!("; {missing}"));
+    facts.push(format!("Machined: {made} of {sectors} sectors{missing}"));
+    facts.extend(certificate.not_checked().map(|line| line.replacen("not", "Not", 1)));
+    facts.extend(input.library.iter().cloned());
     facts.push(end_of_program(program));
     facts.extend(program.machine.assumed.iter().map(|a| format!("Nobody measured on this machine: {a}")));
     SheetSection { facts, ..SheetSection::new("Program") }

@@ -14,6 +14,18 @@ const LONGEST: f64 = 30.0;
 /// Largest usual gouge, mm: a tenth of the thickness of the thinnest usual vanes.
 const DEEPEST: f64 = 0.2;
 
+/// Largest usual excess after finishing, mm: more is left by roughing.
+const LARGEST_EXCESS: f64 = 2.0;
+
+/// Largest usual rest of roughing, mm: more is not roughed.
+const LARGEST_REST: f64 = 10.0;
+
+/// Largest usual deviation of the tool axis, deg.
+const WIDEST: f64 = 5.0;
+
+/// Longest usual machining time, s: 1000 h.
+const LONGEST_TIME: f64 = 3.6e6;
+
 /// Least usual clearance, mm: machines and set-ups are not more exact.
 const CLOSEST: f64 = 0.02;
 
@@ -137,6 +149,32 @@ fn bound(contract: &ContractSpec, chord: Mm, sink: &mut Sink) {
                 .label(contract.span, "no machine and no set-up is so exact")
                 .help("write a bound of at least 0.1 mm, such as `clearance >= 0.5 mm`"),
         ),
-        _ => {}
+        kind => loose(contract, kind, sink),
+    }
+}
+
+/// A bound of another quantity that hardly forbids anything.
+fn loose(contract: &ContractSpec, kind: ContractKind, sink: &mut Sink) {
+    let value = contract.bound.value();
+    let (over, than) = match kind {
+        ContractKind::Excess => (value > LARGEST_EXCESS, format!("`excess <= {LARGEST_EXCESS} mm`")),
+        ContractKind::Rest => (value > LARGEST_REST, format!("`rest <= {LARGEST_REST} mm`")),
+        ContractKind::ContourError => (value > DEEPEST, format!("`contour-error <= {} um`", trim(DEEPEST * 1e3, 0))),
+        ContractKind::OrientationError => (value > WIDEST, format!("`orientation-error <= {WIDEST} deg`")),
+        // A cutter has an arc of 180 deg in a slot, and never more.
+        ContractKind::Engagement(_) => (value >= 180.0, "an arc below 180 deg".to_owned()),
+        // Above it, an axis is refused without a contract.
+        ContractKind::AxisSpeed => (value >= 1.0, "a share below 100 %".to_owned()),
+        ContractKind::Air => (value >= 1.0, "a share below 100 %".to_owned()),
+        ContractKind::Time => (value > LONGEST_TIME, "a time of at most 1000 h".to_owned()),
+        _ => (false, String::new()),
+    };
+    if over {
+        let bound = contract.bound.figure();
+        sink.push(
+            warning(format!("{} of {bound} is allowed", kind.name()))
+                .label(contract.span, "this contract hardly forbids anything")
+                .help(format!("write {than}, or less")),
+        );
     }
 }

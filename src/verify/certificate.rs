@@ -196,6 +196,10 @@ impl Certificate {
         if lines.is_empty() {
             lines.push("verified from the first block to the last".to_owned());
         }
+        let [made, sectors] = self.sectors();
+        lines.push(format!("machined: {made} of {sectors} sectors"));
+        lines.extend(self.not_machined());
+        lines.extend(self.not_checked().map(str::to_owned));
         let solids: String = self.carried.iter().map(|c| format!(", {}", c.solid)).collect();
         lines.push(format!(
             "checked: whole tool against part, stock{solids}; travel and speed of all axes; contracts below"

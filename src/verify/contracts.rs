@@ -81,7 +81,9 @@ impl Judge<'_> {
                 return None;
             }
         };
-        let holds = contract.kind.relation().holds(figure.value, contract.bound.value());
+        // What is not measured is under no bound, however wide.
+        let holds = contract.kind.relation().holds(figure.value, contract.bound.value())
+            && !beyond_measure(contract.kind, figure.value);
         if !holds {
             sink.push(self.failure(contract, &figure));
         }
@@ -214,13 +216,14 @@ impl Judge<'_> {
     }
 }
 
-/// The found value in words; values from [`FAR`] on are not measured.
+/// Whether a found value is not measured: from [`FAR`] on, the distance of surfaces to cutters is not known.
+fn beyond_measure(kind: ContractKind, found: f64) -> bool {
+    matches!(kind, ContractKind::Excess | ContractKind::Rest) && found >= FAR
+}
+
+/// The found value in words.
 fn amount(kind: ContractKind, found: f64) -> String {
-    if matches!(kind, ContractKind::Excess | ContractKind::Rest) && found >= FAR {
-        "all of it".to_owned()
-    } else {
-        kind.bound(found).figure()
-    }
+    if beyond_measure(kind, found) { "all of it".to_owned() } else { kind.bound(found).figure() }
 }
 
 /// Code, message and help of a contract that fails.

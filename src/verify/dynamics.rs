@@ -77,6 +77,9 @@ pub struct Run {
     /// The limit of each move that takes time, in their order; not part of the file.
     #[serde(skip)]
     pub of_moves: Vec<MoveLimit>,
+    /// Time of each move of the operation, s; their sum is that of `time`. Not part of the file.
+    #[serde(skip)]
+    pub move_times: Vec<f64>,
     /// Least share of the programmed feed that a cutting block reaches, and this block.
     pub slowest: Peak,
     /// Largest reached speed of X, Y, Z and the rotary axes, as a share of the limit.
@@ -248,6 +251,7 @@ impl Run {
         programmed: [0.0; 3],
         limits: Vec::new(),
         of_moves: Vec::new(),
+        move_times: Vec::new(),
         slowest: Peak { value: 1.0, at: None },
         speed: [Peak::NONE; 5],
         asked: [Peak::NONE; 5],
@@ -360,6 +364,12 @@ pub fn run(program: &Program, motion: &Motion, operation: usize, removal: &[f64]
     let parts = if limited { jerk::run(&limits, &cells) } else { trapezoids };
     let operation = u32::try_from(operation).unwrap_or(u32::MAX);
     let mut errors = report.measure(&limits, &cells, &parts, operation, machine.cycle);
+    report.move_times = vec![0.0; moves.moves.len()];
+    for part in &parts {
+        if let Some(time) = report.move_times.get_mut(cells[part.cell].block as usize) {
+            *time += part.time;
+        }
+    }
     let corner = |at: usize, rate: f64| jerk::corner_shares(&limits, &cells, at, rate * rate);
     (report.limits, report.of_moves) = ActiveTimes::of_run(&limits, &cells, &parts, corner).named(machine.names());
     // Runs with a limit of jerk use smaller parts of the blocks, which may permit a faster run.

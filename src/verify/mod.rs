@@ -405,8 +405,8 @@ fn report_faults(program: &Program, motion: &Motion, certificate: &Certificate, 
         );
     }
     let missed: f64 = certificate.surfaces.iter().filter(|s| s.excess.value >= surface::FAR).map(|s| s.area).sum();
-    let asked = program.contracts.iter().any(|c| c.kind == ContractKind::Excess);
-    if missed > 0.0 && !asked {
+    let judged = program.contracts.iter().any(|c| c.kind == ContractKind::Excess);
+    if missed > 0.0 && !judged {
         sink.push(Diag::remark(
             verification::NOT_REACHED,
             format!("surfaces of {missed:.0} mm2 have places that no cutter reaches; the job has no `require excess`"),

@@ -5,6 +5,7 @@ use super::certificate::{Certificate, ContractReport, gap, um};
 use super::surface::{self, FAR, SurfaceReport};
 use crate::contract::clock;
 use crate::units::length;
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 /// Most columns of a line.
@@ -78,8 +79,34 @@ impl Certificate {
             1 => ", 1 error".to_owned(),
             n => format!(", {n} errors"),
         };
-        let all = self.contracts.len();
-        format!("{word} {name}: {held} of {all} contracts{errors}, {}, {machine}, {post}\n", clock(self.time()))
+        let (all, [made, sectors]) = (self.contracts.len(), self.sectors());
+        format!(
+            "{word} {name}: {held} of {all} contracts{errors}, {made} of {sectors} sectors, {}, {machine}, {post}\n",
+            clock(self.time())
+        )
+    }
+
+    /// Sectors in which every kind of surface is machined that is machined in any sector, and all sectors.
+    pub fn sectors(&self) -> [usize; 2] {
+        let machined = |s: &SurfaceReport| left_share(s) < UNTOUCHED;
+        let kinds: BTreeSet<_> = self.surfaces.iter().filter(|s| machined(s)).map(|s| s.id.kind).collect();
+        let all: BTreeSet<_> = self.surfaces.iter().map(|s| s.id.sector).collect();
+        let missing = self.surfaces.iter().filter(|s| kinds.contains(&s.id.kind) && !machined(s));
+        let missing: BTreeSet<_> = missing.map(|s| s.id.sector).collect();
+        let made = if kinds.is_empty() { 0 } else { all.len() - missing.len() };
+        [made, all.len()]
+    }
+
+    /// The surfaces that no operation machines, in words; `None` where there are none.
+    pub fn not_machined(&self) -> Option<String> {
+        let untouched = alike(&self.surfaces, |s| (left_share(s) >= UNTOUCHED).then(String::new));
+        let names: Vec<&str> = untouched.iter().map(|g| g.name.as_str()).collect();
+        (!names.is_empty()).then(|| format!("not machined: {}", names.join(", ")))
+    }
+
+    /// What the proof does not know of the machine, in words; `None` where the machine file has table or fixtures.
+    pub fn not_checked(&self) -> Option<&'static str> {
+        self.carried.is_empty().then_some("not checked: table and fixtures, of which the machine file has none")
     }
 
     /// Verdict and contracts; the contracts that fail come first.
@@ -87,6 +114,9 @@ impl Certificate {
         let mut t = self.verdict(verdict);
         for line in self.not_verified() {
             t.push_str(&wrapped(&line, 2));
+        }
+        if let Some(line) = self.not_machined() {
+            t.push_str(&wrapped(&format!("  {line}"), 4));
         }
         t.push('\n');
         let (holds, fails): (Vec<_>, Vec<_>) = self.contracts.iter().partition(|c| c.holds);
@@ -141,7 +171,7 @@ impl Certificate {
         writeln!(t, "  shank, holder: least distance to the part, mm")
     }
 
-    /// The surfaces that the operations machine, worst first, and in one paragraph those that they do not.
+    /// The surfaces that the operations machine, worst first.
     fn write_short_surfaces(&self, t: &mut String) -> std::fmt::Result {
         let figures = |s: &SurfaceReport| {
             let all = [s.gouge_bound, s.gouge.depth, s.excess_bound, s.excess.value].map(um);
@@ -178,11 +208,6 @@ impl Certificate {
                 um(most.excess.value)
             )?;
         }
-        let untouched = alike(&self.surfaces, |s| (left_share(s) >= UNTOUCHED).then(String::new));
-        if !untouched.is_empty() {
-            let names: Vec<&str> = untouched.iter().map(|g| g.name.as_str()).collect();
-            t.push_str(&wrapped(&format!("  not machined: {}", names.join(", ")), 4));
-        }
         Ok(())
     }
 
@@ -215,6 +240,9 @@ impl Certificate {
                 "  figures are those of the programmed motion; the control departs from it by <= {}, in {name}",
                 length(most)
             )?;
+        }
+        if let Some(line) = self.not_checked() {
+            writeln!(t, "  {line}")?;
         }
         writeln!(t, "  {NOT_COVERED}")
     }

@@ -111,6 +111,13 @@ least one of the two.\n\nRemedy: add `--job job.imp`, `--certificate part.json`,
         "The contracts were measured on the text. The certificate has other figures, and the digits of the NC words \
 do not explain the difference. The certificate was edited, or another version of the compiler measured it.\n\nRemedy: \
 rely on the measurement, and compile the job again.";
+    HEAD_DIFFERS = "IMP0832", "the head of an NC text states what the job does not have",
+        "The comments at the head of a text state tools with their lengths, the zero, what the proof assumes, and figures. \
+The machinist sets up the machine by them. `impellerc verify` compares each line with the job, the machine file, the library \
+and the measured figures. A tool or a zero that differs is an error. A figure that differs is an error in a text that nobody \
+changed; where text or job were changed after the head was written, it is a warning.\n\nExample: the head says `length 95 mm \
+from the tip to the gauge line`, and the tool of the job is 105 mm long.\n\nRemedy: compile the job again, so that text and \
+head are written together.";
     SOURCE_MAP = "IMP0831", "a file that is no source map",
         "`impellerc job.imp -o part.nc --source-map part.map.json` writes the source map of an NC text. `impellerc verify` \
 takes it to say for which pass and line of the job a block was written. The given file is no source map of this \

@@ -193,7 +193,7 @@ pub(super) fn paths(
         let declared = &program.operations[operation.operation];
         let first = data.kept;
         let engagement = stock.and_then(|s| s.operations.get(index)).map_or(&[][..], |o| &o.moves);
-        let passes = data.add_moves(&operation.moves, keep, engagement);
+        let passes = data.add_moves(&operation.moves, keep, (engagement, runs.get(index)));
         data.add_limits(&operation.moves, keep, runs.get(index));
         data.operations.push(OperationData {
             name: declared.name.clone(),
@@ -213,12 +213,18 @@ pub(super) fn paths(
 impl PathData {
     /// Adds the moves of an operation that stay. Returns its passes: the index of the first move of each on the page,
     /// and the index of its label.
-    fn add_moves(&mut self, moves: &[JointMove], keep: &[bool], engagement: &[Engagement]) -> Vec<[usize; 2]> {
+    fn add_moves(
+        &mut self,
+        moves: &[JointMove],
+        keep: &[bool],
+        (engagement, run): (&[Engagement], Option<&Run>),
+    ) -> Vec<[usize; 2]> {
         let mut passes: Vec<[usize; 2]> = Vec::new();
-        let (mut time, mut volume, mut arc) = (0.0, 0.0, 0.0_f64);
+        let (mut time, mut programmed, mut volume, mut arc) = (0.0, 0.0, 0.0, 0.0_f64);
         for (i, m) in moves.iter().enumerate() {
-            // Moves between two kept moves count for the time too.
-            time += m.time;
+            // Moves between two kept moves count for the time too. It is that of the run, as everywhere in the report.
+            time += run.and_then(|run| run.move_times.get(i)).copied().unwrap_or(m.time);
+            programmed += m.time;
             let e = engagement.get(i).copied().unwrap_or_default();
             volume += e.rate * 60.0 * m.time;
             arc = arc.max(e.arc);
@@ -234,11 +240,11 @@ impl PathData {
                 self.indices.u32(u32::try_from(i).unwrap_or(u32::MAX));
             }
             if self.simulated {
-                self.removal.f32(if time > 0.0 { volume / time } else { 0.0 });
+                self.removal.f32(if programmed > 0.0 { volume / programmed } else { 0.0 });
                 self.arcs.f32(arc);
             }
             self.kinds.u8(kind_number(m.kind));
-            (time, volume, arc) = (0.0, 0.0, 0.0);
+            (time, programmed, volume, arc) = (0.0, 0.0, 0.0, 0.0);
             self.kept += 1;
         }
         passes

@@ -42,12 +42,19 @@ pub(super) fn verdict(input: &Input<'_>) -> (&'static str, String) {
     let errors = input.findings.iter().filter(|d| d.severity == Severity::Error).count();
     let contracts = &input.certificate.contracts;
     let failed = contracts.iter().filter(|c| !c.holds).count();
+    let (class, text) = judged(contracts.len(), failed, errors);
+    // How much of the part was judged.
+    let [made, sectors] = input.certificate.sectors();
+    (class, format!("{text}; {made} of {sectors} sectors"))
+}
+
+fn judged(contracts: usize, failed: usize, errors: usize) -> (&'static str, String) {
     match (failed, errors) {
-        (0, 0) if contracts.is_empty() => ("good", "no fault found, no contract given".to_owned()),
-        (0, 0) if contracts.len() == 1 => ("good", "the contract holds".to_owned()),
-        (0, 0) => ("good", format!("all {} contracts hold", contracts.len())),
+        (0, 0) if contracts == 0 => ("good", "no fault found, no contract given".to_owned()),
+        (0, 0) if contracts == 1 => ("good", "the contract holds".to_owned()),
+        (0, 0) => ("good", format!("all {contracts} contracts hold")),
         (0, n) => ("bad", format!("{n} faults, no NC program")),
-        (n, _) => ("bad", format!("{n} of {} contracts fail", contracts.len())),
+        (n, _) => ("bad", format!("{n} of {contracts} contracts fail")),
     }
 }
 

@@ -32,6 +32,9 @@ pub(super) fn replace(
     for (m, (ran, index)) in moves.iter().skip(1).zip(ran.iter().zip(1_u32..)) {
         let at = At { operation, index };
         report.time[number(m.kind)] += ran.time;
+        if let Some(time) = report.move_times.get_mut(index as usize) {
+            *time = ran.time;
+        }
         let first = cells.partition_point(|c| c.block < index);
         let count = cells[first..].partition_point(|c| c.block == index);
         add(limits, (cells, first..first + count), (index, number(m.kind), ran), &mut times);

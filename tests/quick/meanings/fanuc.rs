@@ -266,7 +266,7 @@ fn perimeter() -> Vec<Kind> {
         (C, Text("no A and C before G43.4", |t| without(t, "G53 G0 A")), Refused, "the frame of an unknown table"),
         (C, Text("no X and Y before G43.4", |t| without(t, "G53 G0 X")), Refused, "an unknown place on the way down"),
         (C, Text("X and Y before A and C", swap_stations), Harmless, "both at the retract height"),
-        (C, First("G49\nG05.1 Q0\nG53 G0 Z650.0000\n", "G49\nG05.1 Q0\n"), Harmless, "the next operation retracts"),
+        (C, First("G49\nG05.1 Q0\nG53 G0 Z650.0000\n", "G49\nG05.1 Q0\n"), Refused, "the spindle stops in the part"),
         (C, Last("G53 G0 Z650.0000\n", ""), Refused, "the program ends in the part"),
         (C, Last("G53 G0 Z650.0000", "G53 G0 Z0."), Refused, "lower than proved"),
         (C, Last("G53 G0 Z650.0000", "G0 Z650."), Refused, "in the work frame"),

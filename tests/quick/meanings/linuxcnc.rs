@@ -214,8 +214,8 @@ fn perimeter() -> Vec<Kind> {
         (
             C,
             First("M429\nG49\nG53 G0 Z650.0000\n", "M429\nG49\n"),
-            Harmless,
-            "the next operation begins with the retract",
+            Refused,
+            "the spindle stops in the part, and the next operation retracts with it at rest",
         ),
         (C, Last("G53 G0 Z650.0000\n", ""), Refused, "the program ends in the part"),
         (C, Last("G53 G0 Z650.0000", "G53 G0 Z0"), Refused, "lower than proved"),

@@ -1,0 +1,275 @@
+//! The head of an NC text: the comments that state tools, zero, conditions and figures, and their comparison with the job.
+
+use super::certificate_text;
+use crate::diag::{Diag, Severity, Sink, codes::post as codes, printable};
+use crate::export::certificate_file::{self, BLANK, HEAD, InputFile, Inputs};
+use crate::ir::Program;
+use crate::post::{self, Post, words};
+use crate::source::{SourceId, SourceMap, Span};
+use crate::units::trim;
+use crate::verify::certificate::Certificate;
+
+/// Beginning of the first line of a head of this compiler.
+const MAKER: &str = "impellerc ";
+
+/// Characters of a name in a line of the head; controls show about 100 characters of a line.
+const NAME_IN_LINE: usize = 80;
+
+/// The lines of the head for an input file.
+fn file_lines(file: &InputFile) -> Vec<String> {
+    let InputFile { name, origin, sha256, .. } = file;
+    let name: Vec<char> = name.chars().collect();
+    let names = name.chunks(NAME_IN_LINE).map(|part| format!("named {}", part.iter().collect::<String>()));
+    std::iter::once(format!("file sha256 {sha256}, {origin}:")).chain(names).collect()
+}
+
+/// Lines of the comment block at the head of the NC text; placeholders stand for the hashes of body and certificate.
+/// `library` has a line for each file of the library that is not the shipped one.
+pub(super) fn lines(
+    program: &Program,
+    certificate: &Certificate,
+    post: &dyn Post,
+    (inputs, library): (&Inputs, &[String]),
+) -> Vec<String> {
+    let mut head = certificate.head();
+    let mut lines = vec![format!("{MAKER}{}, {}", env!("CARGO_PKG_VERSION"), head.remove(0))];
+    lines.extend(head);
+    if program.machine.chain.has_head() {
+        lines.push("not checked: head and spindle above the gauge line, against part and table".to_owned());
+    }
+    lines.extend(HEAD.iter().zip([&inputs.sha256, BLANK, BLANK]).map(|(word, hash)| format!("{word}{hash}")));
+    lines.extend(inputs.files.iter().flat_map(file_lines));
+    lines.push(format!(
+        "part {}, machine {}, zero at the origin of the part frame, mm",
+        program.name, program.machine.name
+    ));
+    lines.extend(post::assumptions(post, &program.machine).iter().map(|what| format!("assumed: {what}")));
+    for c in &certificate.contracts {
+        lines.push(format!("{} {}, required {} {}", c.name(), c.figures[1], c.relation, c.figures[0]));
+    }
+    for a in &certificate.allowed {
+        lines.push(format!("allowed: {} {}, {}: {}", a.kind, a.scope, a.figure, a.reason));
+    }
+    for (_, tool) in program.tools.iter() {
+        lines.push(format!(
+            "tool {} number {}: {} radius {} mm, length {} mm from the tip to the gauge line",
+            tool.name,
+            tool.number,
+            tool.solid.cutter.keyword(),
+            tool.solid.radius(),
+            trim(tool.length(), 4)
+        ));
+    }
+    lines.extend_from_slice(library);
+    lines
+}
+
+/// Most lines of a head that are reported.
+const MOST_REPORTED: usize = 8;
+
+/// Difference of two figures of a head that the digits of words and figures explain: absolute, and as a share.
+const FIGURES: (f64, f64) = (0.011, 1e-2);
+
+/// Beginnings of lines that the machinist sets the machine by: tools, and the zero.
+const SET_BY: [&str; 2] = ["tool ", "part "];
+
+/// Beginnings of further lines of this compiler.
+const OWN: [&str; 7] = ["tool ", "part ", "assumed: ", "allowed: ", "NOT VERIFIED", "machined: ", "library file "];
+
+/// Compares what the head of a text states with job, machine and measured figures. Returns a text that says what was
+/// compared. What a machinist would set differently is an error; so is a figure that the measurement does not confirm, unless
+/// text or inputs were changed after the head was written: then it is a warning.
+pub(super) fn compare(
+    (program, certificate, post): (&Program, &Certificate, &dyn Post),
+    inputs: &Inputs,
+    sources: &SourceMap,
+    source: SourceId,
+    sink: &mut Sink,
+) -> String {
+    let Some(text) = sources.get(source).map(|file| file.text.as_str()) else { return String::new() };
+    let stated = certificate_file::head_lines(text);
+    let Some(first) = stated.iter().position(|(_, line)| line.starts_with(MAKER)) else {
+        return "the text has no head of impellerc: tool lengths, zero, conditions and figures are stated nowhere and not \
+                compared\n"
+            .to_owned();
+    };
+    let stated = &stated[first..];
+    let library = certificate_text::library_lines(sources);
+    let due: Vec<String> = lines(program, certificate, post, (inputs, &library))
+        .iter()
+        .map(|line| words::comment(line).trim().to_owned())
+        .collect();
+    let body = certificate_file::sha256(certificate_file::body(text).1.as_bytes());
+    let [of_inputs, of_body, _] = HEAD;
+    let same = |word: &str, hash: &str| certificate_file::named(text, word) == Some(hash);
+    let comparison = Comparison { stated, due: &due, current: same(of_inputs, &inputs.sha256) && same(of_body, &body) };
+    let differences = comparison.differences();
+    let more = differences.len().saturating_sub(MOST_REPORTED);
+    for difference in differences.into_iter().take(MOST_REPORTED) {
+        let span = sources.line_span(source, difference.line).unwrap_or(Span::new(source, 0..0));
+        let diag = match difference.severity {
+            Severity::Error => Diag::error(codes::HEAD_DIFFERS, difference.text),
+            _ => Diag::warning(codes::HEAD_DIFFERS, difference.text),
+        };
+        sink.push(diag.label(span, "in the head").help(
+            "compile the job again to write a text with its own head, or correct the line and the tools at the machine",
+        ));
+    }
+    let mut said = "the head of the text was compared with job, machine and measured figures".to_owned();
+    if !same(of_inputs, &inputs.sha256) {
+        said.push_str("; it was written from another state of job or library");
+    }
+    if !same(of_body, &body) {
+        said.push_str("; the text was changed after its head was written");
+    }
+    if more > 0 {
+        said.push_str(&format!("; {more} further lines differ"));
+    }
+    said + "; not compared: the hash of a certificate that is not given\n"
+}
+
+/// A line of the head that is not what it should be.
+struct HeadDifference {
+    line: usize,
+    severity: Severity,
+    text: String,
+}
+
+struct Comparison<'a> {
+    /// Lines of the head with their numbers, from the first one of this compiler on.
+    stated: &'a [(usize, &'a str)],
+    /// Lines that the compiler would write now.
+    due: &'a [String],
+    /// Neither text nor inputs were changed after the head was written.
+    current: bool,
+}
+
+impl Comparison<'_> {
+    fn differences(&self) -> Vec<HeadDifference> {
+        let mut open: Vec<(usize, &str)> = self.stated.iter().copied().filter(|(_, line)| !is_hash(line)).collect();
+        let mut missing: Vec<&str> = Vec::new();
+        for due in self.due.iter().map(String::as_str).filter(|line| !is_hash(line)) {
+            match open.iter().position(|(_, line)| agree(line, due)) {
+                Some(at) => drop(open.remove(at)),
+                None => missing.push(due),
+            }
+        }
+        let last = self.stated.last().map_or(1, |(number, _)| *number);
+        let mut found = Vec::new();
+        for due in missing {
+            let alike = open.iter().position(|(_, line)| names_the_same(line, due));
+            let (line, text) = match alike.map(|at| open.remove(at)) {
+                Some((number, stated)) => {
+                    (number, format!("the head states `{}`; job and measurement give `{due}`", printable(stated)))
+                }
+                None => (last, format!("the head does not state `{due}`")),
+            };
+            found.push(HeadDifference { line, severity: self.severity(due), text });
+        }
+        // Other comments come from the post file.
+        let own = |line: &str| OWN.iter().any(|start| line.starts_with(start)) || line.contains(", required ");
+        for (number, stated) in open.into_iter().filter(|(_, line)| own(line)) {
+            let text = format!("the head states `{}`, which neither job nor measurement gives", printable(stated));
+            found.push(HeadDifference { line: number, severity: self.severity(stated), text });
+        }
+        found.sort_by_key(|difference| difference.line);
+        found
+    }
+
+    fn severity(&self, line: &str) -> Severity {
+        let sets = SET_BY.iter().any(|start| line.starts_with(start));
+        if sets || self.current { Severity::Error } else { Severity::Warning }
+    }
+}
+
+/// Whether a line holds hashes, or names a file: the hashes are compared as a whole.
+fn is_hash(line: &str) -> bool {
+    HEAD.iter().any(|word| line.starts_with(word)) || line.starts_with("file sha256 ") || line.starts_with("named ")
+}
+
+/// The words of a line without its numbers, and the numbers.
+fn words_and_numbers(line: &str) -> (String, Vec<f64>) {
+    let mut numbers = Vec::new();
+    let words: Vec<&str> = line
+        .split([' ', ','])
+        .map(|word| match word.parse::<f64>() {
+            Ok(number) => {
+                numbers.push(number);
+                "#"
+            }
+            Err(_) => word,
+        })
+        .collect();
+    (words.join(" "), numbers)
+}
+
+/// Whether two lines state the same. What the machinist sets by is the same to the last digit.
+fn agree(stated: &str, due: &str) -> bool {
+    if SET_BY.iter().any(|start| due.starts_with(start)) {
+        return stated == due;
+    }
+    let ((words, numbers), (due, own)) = (words_and_numbers(stated), words_and_numbers(due));
+    let close = |(a, b): (&f64, &f64)| (a - b).abs() <= FIGURES.0 + FIGURES.1 * b.abs();
+    words == due && numbers.len() == own.len() && numbers.iter().zip(&own).all(close)
+}
+
+/// Whether two lines state the same quantity: the words before the first number or colon are the same.
+fn names_the_same(stated: &str, due: &str) -> bool {
+    let name = |line: &str| {
+        let end = line.find(|c: char| c.is_ascii_digit() || c == ':').unwrap_or(line.len());
+        line[..end].to_owned()
+    };
+    let name_of = name(due);
+    // A tool keeps its name in which a digit may stand.
+    match (stated.split_once(':'), due.split_once(':')) {
+        (Some((a, _)), Some((b, _))) if due.starts_with(SET_BY[0]) => a == b,
+        _ => !name_of.is_empty() && name(stated) == name_of,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn differences(stated: &[&str], due: &[&str], current: bool) -> Vec<(usize, bool)> {
+        let stated: Vec<(usize, &str)> = (1..).zip(stated.iter().copied()).collect();
+        let due: Vec<String> = due.iter().map(|line| (*line).to_owned()).collect();
+        let found = Comparison { stated: &stated, due: &due, current }.differences();
+        found.into_iter().map(|d| (d.line, d.severity == Severity::Error)).collect()
+    }
+
+    #[test]
+    fn what_the_head_states_is_compared() {
+        let due = [
+            "impellerc 0.1.0, verified from the first block to the last",
+            "part p, machine m, zero at the origin of the part frame, mm",
+            "assumed: G54 is the part origin",
+            "gouge 1.85 um, required <= 2.00 um",
+            "tool t1 number 1: ball radius 1 mm, length 105 mm from the tip to the gauge line",
+        ];
+        assert_eq!(differences(&due, &due, true), []);
+        let with = |k: usize, line: &'static str, current: bool| {
+            let mut stated = due;
+            stated[k] = line;
+            differences(&stated, &due, current)
+        };
+        // The last digit of a figure; another figure, of an unchanged text and of a changed one.
+        assert_eq!(with(3, "gouge 1.86 um, required <= 2.00 um", true), []);
+        assert_eq!(with(3, "gouge 0.85 um, required <= 2.00 um", true), [(4, true)]);
+        assert_eq!(with(3, "gouge 0.85 um, required <= 2.00 um", false), [(4, false)]);
+        // What the machine is set by.
+        for current in [true, false] {
+            let line = "tool t1 number 1: ball radius 1 mm, length 105.001 mm from the tip to the gauge line";
+            assert_eq!(with(4, line, current), [(5, true)]);
+            let line = "tool t1 number 2: ball radius 1 mm, length 105 mm from the tip to the gauge line";
+            assert_eq!(with(4, line, current).len(), 2);
+            assert_eq!(with(1, "part p, machine m, zero 10 mm above the part, mm", current), [(2, true)]);
+        }
+        // A line too few, and a line too many.
+        assert_eq!(differences(&[due[0], due[1], due[3], due[4]], &due, true), [(4, true)]);
+        let more = [due[0], due[1], due[2], "assumed: nothing else", due[3], due[4]];
+        assert_eq!(differences(&more, &due, true), [(4, true)]);
+        // Hashes are compared as a whole.
+        assert_eq!(differences(&[due.as_slice(), &["inputs sha256 12"]].concat(), &due, true), []);
+    }
+}
