@@ -12,6 +12,7 @@ mod library_list;
 mod nc_check;
 mod nc_diff;
 mod new_job;
+mod output_names;
 mod part_file;
 mod reading;
 mod report;
@@ -33,6 +34,7 @@ use crate::job::{Fault, Files, Job, MissingFile};
 use crate::output::Outputs;
 use crate::passes::pipeline::{self, Plan};
 use crate::post::{self, NcProgram, Post};
+use crate::progress::Progress;
 use crate::source::{Origin, SourceFile, SourceMap, Span};
 use crate::syntax::ast::{File, ItemKind};
 use crate::verify::Verified;
@@ -102,7 +104,7 @@ pub struct Options {
     pub picture: Option<PathBuf>,
     /// File to write the source map of the NC text to.
     pub source_map: Option<PathBuf>,
-    /// File to write the setup sheet to: HTML where its name ends so, otherwise Markdown.
+    /// File to write the setup sheet to: HTML where its name ends so, otherwise Markdown; other endings are refused.
     pub setup_sheet: Option<PathBuf>,
     /// File to write the certificate to.
     pub certificate: Option<PathBuf>,
@@ -166,7 +168,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         return Ok(());
     }
 
-    let (post, mut outputs) = check_before_planning(options, &program, analysis::check, sources, stages, sink)?;
+    let (post, mut outputs) = check_before_planning(options, &program, analysis::check_with, sources, stages, sink)?;
     let plan = stages.watched("plan", |progress| pipeline::run_with(&program, progress, sink))?;
     if let Some(text) = print_plan(options.emit, &program, &plan) {
         *emitted = Some(text);
@@ -195,7 +197,8 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     post.check(&program, shown.motion, sink);
     let Some(motion) = judged.as_ref().ok().filter(|_| !sink.has_errors()) else {
         let files = save_refused(&options.run, &shown, outputs, stages, sink)?;
-        *emitted = Some(certificate_text::text(&options.run, &shown, None, sources, sink) + "\n" + &files);
+        let unwritten = output_names::not_written(&output_names::own(options));
+        *emitted = Some(certificate_text::text(&options.run, &shown, None, sources, sink) + "\n" + &files + &unwritten);
         return Err(Aborted);
     };
 
@@ -250,7 +253,7 @@ fn or_reported<T>(made: Result<T, Diag>, sink: &mut Sink) -> Result<T, Aborted> 
 fn check_before_planning(
     options: &Options,
     program: &Program,
-    facts: fn(&Program, &mut Sink),
+    facts: fn(&Program, &Progress, &mut Sink),
     sources: &SourceMap,
     stages: &mut Stages,
     sink: &mut Sink,
@@ -262,18 +265,15 @@ fn check_before_planning(
     } else {
         find_post(program, sink)?
     };
-    let own = [
-        ("-o", &options.output),
-        ("--certificate", &options.certificate),
-        ("--picture", &options.picture),
-        ("--source-map", &options.source_map),
-        ("--setup-sheet", &options.setup_sheet),
-    ];
+    let named = output_names::own(options);
+    let own = named.map(|(flag, path, _)| (flag, path));
     let outputs = or_reported(before_work(Outputs::default(), &options.run, &own, sources, program), sink)?;
+    or_reported(output_names::check_all(&named), sink)?;
     analysis::cost::check(program, sink)?;
     // Tools that cannot do their work are reported here, where the reason is known; planning would only report that it
     // finds no collision-free path.
-    stages.run("facts", || facts(program, sink));
+    stages.watched("facts", |progress| facts(program, progress, sink));
+    stages.go_on()?;
     if sink.has_errors() { Err(Aborted) } else { Ok((post, outputs)) }
 }
 
@@ -366,6 +366,7 @@ fn before_work(
             outputs.announce(flag, path)?;
         }
     }
+    run.report.iter().try_for_each(|path| output_names::check("--report", path, output_names::Form::Page))?;
     Ok(outputs)
 }
 

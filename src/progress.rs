@@ -3,7 +3,8 @@
 //! The stages count their steps here. The counters use neither terminals nor clocks, and no result depends on the
 //! counts. Each work has its own counter, so that a share is the share of counted steps and not of estimated weights.
 //!
-//! Planning checks between its steps whether it was cancelled. A cancelled run ends with an error and makes no value.
+//! Planning and verification look before each step whether they were cancelled. A cancelled run ends with an error and makes no
+//! value. Steps take some hundredths of a second: an editor waits for the end of a cancelled run before it judges the next text.
 
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -13,7 +14,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 #[derive(Debug, Default)]
 pub struct Progress {
     works: Mutex<Vec<Arc<Counter>>>,
-    cancelled: AtomicBool,
+    cancelled: Arc<AtomicBool>,
 }
 
 /// State of a work.
@@ -76,7 +77,7 @@ impl Progress {
             open: AtomicBool::new(true),
         });
         self.works.lock().unwrap_or_else(PoisonError::into_inner).push(Arc::clone(&counter));
-        Work { counter }
+        Work { counter, cancelled: Arc::clone(&self.cancelled) }
     }
 
     /// The work that began last among those that still last.
@@ -94,12 +95,23 @@ impl Progress {
 #[derive(Debug)]
 pub struct Work {
     counter: Arc<Counter>,
+    cancelled: Arc<AtomicBool>,
 }
 
 impl Work {
     /// Counts steps done.
     pub fn advance(&self, steps: usize) {
         self.counter.done.fetch_add(u64::try_from(steps).unwrap_or(u64::MAX), Ordering::Relaxed);
+    }
+
+    /// True after the run was cancelled: what remains of the work makes no value that anybody sees.
+    pub fn is_cancelled(&self) -> bool {
+        self.cancelled.load(Ordering::Relaxed)
+    }
+
+    /// Does a step and counts it; `None` after the run was cancelled, so that collected steps end there.
+    pub fn do_step<T>(&self, step: impl FnOnce() -> T) -> Option<T> {
+        (!self.is_cancelled()).then(|| self.step(step()))
     }
 
     /// Counts a step within a chain of calls and returns the value.
@@ -110,7 +122,7 @@ impl Work {
 
     /// Passes a stream to `work` in pieces of at most `size` items (at least one), and counts each piece when the work
     /// on it has ended; work on a whole stream at once could not report its progress. `done` is the number of steps
-    /// that are done before an item. At the end all steps are done.
+    /// that are done before an item. At the end all steps are done. A cancelled run ends between two pieces.
     pub fn in_pieces<T>(
         &self,
         items: impl IntoIterator<Item = T>,
@@ -121,7 +133,7 @@ impl Work {
         let mut items = items.into_iter();
         loop {
             let piece: Vec<T> = items.by_ref().take(size.max(1)).collect();
-            let Some(reached) = piece.last().map(&done) else { break };
+            let Some(reached) = piece.last().map(&done).filter(|_| !self.is_cancelled()) else { break };
             work(piece);
             self.counter.done.fetch_max(u64::try_from(reached).unwrap_or(u64::MAX), Ordering::Relaxed);
         }
@@ -169,6 +181,14 @@ mod tests {
         assert_eq!(seen.iter().map(|(_, done)| *done).collect::<Vec<_>>(), [0, 2, 5, 8]);
         assert_eq!(seen.into_iter().flat_map(|(piece, _)| piece).collect::<Vec<_>>(), (0..20).collect::<Vec<_>>());
         drop(pieces);
+        // A cancelled run does no further step.
+        let late = progress.begin("late", 3);
+        assert_eq!(late.do_step(|| 7), Some(7));
+        progress.cancel();
+        assert_eq!(late.do_step(|| 7), None);
+        assert_eq!((0..3).map(|i| late.do_step(|| i)).collect::<Option<Vec<_>>>(), None);
+        late.in_pieces(0..3, 1, |i| *i, |_| panic!("a piece after the end"));
+        drop(late);
         assert!(progress.all().iter().all(|s| s.share() == 1.0 && !s.open));
     }
 }

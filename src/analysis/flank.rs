@@ -14,6 +14,7 @@ use crate::part::{
     chart::{self, Chart, Shape},
     hub_normal,
 };
+use crate::progress::Progress;
 use crate::units::{Mm, length};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
@@ -52,12 +53,23 @@ const AIMED_AS_WELL: [f64; 2] = [0.6, 1.0];
 pub struct Surroundings<'a> {
     part: &'a Part,
     charts: Vec<Chart<'a>>,
+    /// Ends fits, each of which takes some tenths of a second.
+    progress: Option<&'a Progress>,
 }
 
 impl<'a> Surroundings<'a> {
     /// The charts around the vane of sector 0.
     pub fn new(part: &'a Part) -> Self {
-        Self { part, charts: chart::charts(part) }
+        Self { part, charts: chart::charts(part), progress: None }
+    }
+
+    /// The same; fits find nothing after the run was cancelled.
+    pub fn watched(part: &'a Part, progress: &'a Progress) -> Self {
+        Self { progress: Some(progress), ..Self::new(part) }
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.progress.is_some_and(Progress::is_cancelled)
     }
 }
 
@@ -346,6 +358,9 @@ impl<'a> Strip<'a> {
         /// More points are not needed for errors to a few per cent.
         const FINENESS: f64 = 0.6;
         const GAIN: f64 = 0.02;
+        if self.around.is_cancelled() {
+            return None;
+        }
         let (fit, placed) = self.fitted(FINENESS)?;
         let targets: Vec<Target> = placed.iter().map(|p| p.target).collect();
         let best = minimax(&fit, &self.tool(), &targets, GAIN);
@@ -555,11 +570,13 @@ fn asked(program: &Program) -> Vec<Fit> {
 }
 
 /// Reports how well the sides of cutters fit the faces that they finish, or could finish in the place of point milling.
-pub fn report(program: &Program, sink: &mut Sink) {
+pub fn report(program: &Program, progress: &Progress, sink: &mut Sink) {
     let part = &program.part;
-    let around = Surroundings::new(part);
+    let around = Surroundings::watched(part, progress);
     let asked = asked(program);
-    let errors = |fit: &Fit| [1, 2, 3].map(|strips| least_error(&around, fit.side, strips, fit.cutter, 1));
+    let work = progress.begin("fits of cutters to faces", 3 * asked.len());
+    let fitted = |fit: &Fit, strips| work.do_step(|| least_error(&around, fit.side, strips, fit.cutter, 1)).flatten();
+    let errors = |fit: &Fit| [1, 2, 3].map(|strips| fitted(fit, strips));
     let found: Vec<_> = asked.par_iter().map(errors).collect();
     for (fit, errors) in asked.iter().zip(found) {
         let [Some(one), Some(two), Some(three)] = errors.map(|w| w.map(|w| w.error)) else { continue };

@@ -10,6 +10,7 @@ pub mod flat_edges;
 pub mod machine_kind;
 pub mod outliers;
 pub mod reach;
+mod requirements;
 mod retract;
 mod stock_height;
 pub mod throat;
@@ -19,6 +20,7 @@ pub mod twist;
 use crate::diag::codes::geometry as codes;
 use crate::diag::{Diag, Sink};
 use crate::ir::Program;
+use crate::progress::Progress;
 use crate::units::length;
 
 /// Bulge below which lines count as straight, mm: rounding of fitted data.
@@ -26,15 +28,20 @@ const STRAIGHT: f64 = 1e-4;
 
 /// Reports the facts that matter to a programmer; facts that no plan can overcome are errors.
 pub fn check(program: &Program, sink: &mut Sink) {
-    report(program, true, sink);
+    check_with(program, &Progress::default(), sink);
+}
+
+/// [`check`] with reports of progress; a run that is cancelled ends soon, and leaves out facts.
+pub fn check_with(program: &Program, progress: &Progress, sink: &mut Sink) {
+    report(program, Some(progress), sink);
 }
 
 /// The facts of [`check`] but for what flank milling would leave: fits of the tool to all faces take most of the time.
-pub fn check_without_fits(program: &Program, sink: &mut Sink) {
-    report(program, false, sink);
+pub fn check_without_fits(program: &Program, _: &Progress, sink: &mut Sink) {
+    report(program, None, sink);
 }
 
-fn report(program: &Program, fits: bool, sink: &mut Sink) {
+fn report(program: &Program, fits: Option<&Progress>, sink: &mut Sink) {
     let part = &program.part;
     let throats = throat::all(part, &program.data);
     let twists = part.faces().map(|side| (side, twist::measure(part, side)));
@@ -101,9 +108,10 @@ fn report(program: &Program, fits: bool, sink: &mut Sink) {
             .place(format!("{name} at u = {u:.3}, v = {v:.3}"), concave.point),
         );
     }
-    if fits {
-        flank::report(program, sink);
+    if let Some(progress) = fits {
+        flank::report(program, progress, sink);
     }
+    requirements::check(program, sink);
     retract::check(program, sink);
     stock_height::check(program, sink);
     reach::check(program, &throats, sink);

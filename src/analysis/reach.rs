@@ -6,7 +6,7 @@ use super::throat::Throat;
 use crate::collide::Cutter;
 use crate::diag::codes::planning as codes;
 use crate::diag::{Diag, Sink};
-use crate::ir::{Contract, ContractKind, Operation, OperationId, OperationKind, Program};
+use crate::ir::{Contract, ContractKind, Operation, OperationId, OperationKind, Program, ToolId};
 use crate::operation::VaneAllowance;
 use crate::part::{FaceId, FaceSurface, Part, Passage, Surface};
 use crate::units::trim;
@@ -210,16 +210,55 @@ pub fn check(program: &Program, throats: &[(Passage, Throat)], sink: &mut Sink) 
     let Some(throat) = narrowest.min_by(|a, b| a.narrowest.distance.total_cmp(&b.narrowest.distance)) else {
         return reaches;
     };
+    if let Some(fault) = no_room(program, throat, &reaches) {
+        sink.push(fault);
+        return reaches;
+    }
     roughing(program, (&finders, throat), &reaches, sink);
     // A larger ball of the floor leaves to the next one what it does not reach.
     let must_fit = |r: &&Reach| {
         let kind = &program.operations[r.operation].kind;
         kind.finishes() && kind.of_larger_tool().is_none()
     };
+    // One message a tool, whatever number of operations it finishes.
+    let mut told: Vec<ToolId> = Vec::new();
     for reach in reaches.iter().filter(must_fit).filter(|r| !r.fits) {
-        sink.push(too_large(program, throat, &[reach], "finish the channel"));
+        let tool = program.operations[reach.operation].tool;
+        if !told.contains(&tool) {
+            told.push(tool);
+            let of_tool = |r: &&Reach| !r.fits && program.operations[r.operation].tool == tool;
+            let all: Vec<&Reach> = reaches.iter().filter(must_fit).filter(of_tool).collect();
+            sink.push(too_large(program, throat, &all, "finish the channel"));
+        }
     }
     reaches
+}
+
+/// The error for a part whose fillets leave no room between two vanes: no tool fits, so it is no fault of a tool.
+fn no_room(program: &Program, throat: &Throat, reaches: &[Reach]) -> Option<Diag> {
+    let fillet = program.part.main().fillet.as_ref()?;
+    let needed = 2.0 * fillet.most().get();
+    let (narrow, vanes) = (&throat.narrowest, program.part.vane_count);
+    if needed <= narrow.distance || reaches.iter().all(|r| r.fits) {
+        return None;
+    }
+    let message = format!(
+        "the fillets do not fit between the vanes: two of {fillet} need {} mm, and the channel is {:.2} mm wide",
+        trim(needed, 3),
+        narrow.distance
+    );
+    let diag = Diag::error(codes::TOOL_TOO_LARGE, message)
+        .label(program.name_span, format!("{vanes} vanes with fillets of {fillet}"))
+        .place(narrow.place(), narrow.point)
+        .note(format!(
+            "{vanes} vanes stand {} deg apart: the throat follows from their number",
+            trim(360.0 / f64::from(vanes), 2)
+        ))
+        .help(format!(
+            "compare `vanes {vanes}` and `fillet {fillet}` with the drawing; a fillet of at most {:.2} mm fits",
+            (50.0 * narrow.distance).floor() / 100.0
+        ));
+    Some(diag)
 }
 
 /// Roughing may leave the lower layers to a later, thinner tool. At least one tool has to reach the floor, or the rest

@@ -8,6 +8,7 @@ mod import_arguments;
 mod watch;
 
 use arguments::{Arguments, Command, ErrorFormat, LibraryArguments, ReadingArguments};
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser};
 use impellerc::diag::junit::junit;
 use impellerc::diag::sarif::sarif;
@@ -22,11 +23,18 @@ use std::process::ExitCode;
 use watch::Watch;
 
 fn main() -> ExitCode {
-    if let Some(text) = misspelt_command(std::env::args_os().nth(1)) {
+    if let Some(text) = no_command(&std::env::args_os().skip(1).take(2).collect::<Vec<_>>()) {
         say(&text);
         return ended(Exit::Text);
     }
-    let mut arguments = Arguments::parse();
+    let mut arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(fault) => {
+            let Some(word) = behind_a_job(&fault) else { fault.exit() };
+            say(&format!("one run takes one job or one command, and `{word}` stands behind the job\n"));
+            return ended(Exit::Text);
+        }
+    };
     match arguments.command.take() {
         Some(command) => commanded(command),
         None => {
@@ -140,18 +148,94 @@ fn printed(text: &[u8]) -> ExitCode {
 /// Most letters by which a word differs from the command that was meant.
 const MISSPELT: usize = 2;
 
-/// What to say of a first word that is no file and nearly a command.
-fn misspelt_command(word: Option<OsString>) -> Option<String> {
-    let word = word?.into_string().ok().filter(|word| !word.starts_with('-') && !Path::new(word).exists())?;
+/// Words of other compilers for what `impellerc` does with a job without a command.
+const COMPILES: &[&str] = &["compile", "build", "run", "make", "plan", "post", "generate", "emit", "nc", "mill", "cam"];
+
+/// Words of other programs, and the command that does this here.
+const OTHER_COMMANDS: &[(&str, &str)] = &[
+    ("validate", "check"),
+    ("lint", "check"),
+    ("test", "check"),
+    ("analyse", "check"),
+    ("analyze", "check"),
+    ("prove", "verify"),
+    ("simulate", "verify"),
+    ("judge", "verify"),
+    ("compare", "diff"),
+    ("init", "new"),
+    ("create", "new"),
+    ("start", "new"),
+    ("template", "new"),
+    ("format", "fmt"),
+    ("show", "report"),
+    ("view", "report"),
+    ("convert", "import"),
+    ("read", "import"),
+    ("load", "import"),
+    ("docs", "explain"),
+    ("doc", "explain"),
+    ("serve", "lsp"),
+    ("server", "lsp"),
+    ("list", "machines"),
+    ("ls", "machines"),
+    ("library", "machines"),
+    ("manual", "man"),
+    ("holders", "tools"),
+    ("controls", "posts"),
+    ("dialects", "posts"),
+];
+
+/// What to say of a first word that is neither a file nor a command, or of a second word behind a job.
+fn no_command(words: &[OsString]) -> Option<String> {
+    let (first, second) = (words.first()?.to_str()?, words.get(1).and_then(|word| word.to_str()));
     let names: Vec<String> = Arguments::command().get_subcommands().map(|c| c.get_name().to_owned()).collect();
-    if names.contains(&word) || word == "help" {
+    if first.starts_with('-') || first == "help" || names.iter().any(|name| name == first) {
         return None;
     }
-    let near = names.iter().map(|name| (strsim::osa_distance(name, &word.to_lowercase()), name));
-    let (_, name) = near.filter(|(letters, _)| *letters <= MISSPELT).min()?;
-    Some(format!(
-        "there is no file `{word}`; did you mean the command `{name}`? `impellerc --help` lists all commands\n"
-    ))
+    let second = second.filter(|word| !word.starts_with('-') && !word.is_empty());
+    if Path::new(first).exists() {
+        let second = second?;
+        return Some(if names.iter().any(|name| name == second) {
+            format!("the command stands before the job: `impellerc {second} {first}`\n")
+        } else {
+            format!(
+                "one run takes one job, and `{second}` stands behind `{first}`: compile each job by itself; `-o {second}` \
+                 names the NC file\n"
+            )
+        });
+    }
+    if first.contains(['.', '/', '\\']) && second.is_none() {
+        // A job that does not exist.
+        return None;
+    }
+    let word = first.to_lowercase();
+    let job = second.unwrap_or("JOB.imp");
+    let close = format!("there is no command `{first}`, and no file of this name");
+    // `complie`, but not `new` for `nc`.
+    let slip = |known: &&str| known.len() > MISSPELT + 2 && strsim::osa_distance(known, &word) <= MISSPELT;
+    if COMPILES.contains(&word.as_str()) || COMPILES.iter().any(|known| slip(&known)) {
+        return Some(format!(
+            "{close}: a job is compiled without a command. Write `impellerc {job} -o PART.nc`; `impellerc check {job}` only \
+             judges it\n"
+        ));
+    }
+    let other = OTHER_COMMANDS.iter().find(|(other, _)| *other == word).map(|(_, command)| (*command).to_owned());
+    let near = names.iter().map(|name| (strsim::osa_distance(name, &word), name));
+    let near = near.filter(|(letters, _)| *letters <= MISSPELT).min().map(|(_, name)| name.clone());
+    match other.or(near) {
+        Some(name) => {
+            Some(format!("{close}; did you mean the command `{name}`? `impellerc --help` lists all commands\n"))
+        }
+        None => second.map(|_| format!("{close}; the commands are {}\n", names.join(", "))),
+    }
+}
+
+/// The word behind a job that can be neither an option nor a command.
+fn behind_a_job(fault: &clap::Error) -> Option<String> {
+    match (fault.kind(), fault.get(ContextKind::InvalidSubcommand)?) {
+        (ErrorKind::ArgumentConflict, ContextValue::String(word)) => Some(word.clone()),
+        _ => None,
+    }
 }
 
 /// How a run is shown.

@@ -2,9 +2,10 @@
 
 use super::report::Shown;
 use super::{RunOptions, shown_path};
-use crate::diag::Sink;
+use crate::diag::{Diag, Severity, Sink};
 use crate::job::files::shipped;
 use crate::source::{Origin, SourceMap};
+use crate::verify::contracts;
 use crate::verify::summary::Verdict;
 use std::path::Path;
 
@@ -44,6 +45,21 @@ pub(super) fn library_lines(sources: &SourceMap) -> Vec<String> {
     own.map(|(kind, name, origin)| format!("library file {kind}/{name}.toml: {origin}, not a shipped file")).collect()
 }
 
+/// Most faults that the verdict names; all of them are among the diagnostics.
+const MOST_NAMED: usize = 3;
+
+/// Errors of a run that are no failed contracts, as the verdict names them.
+fn faults(sink: &Sink) -> Vec<String> {
+    let others: Vec<&Diag> = sink
+        .diags()
+        .iter()
+        .filter(|diag| diag.severity == Severity::Error && !contracts::FAILURES.contains(&diag.code))
+        .collect();
+    let named = others.iter().take(MOST_NAMED).map(|diag| format!("{} ({})", diag.message, diag.code.id()));
+    let more = others.len().saturating_sub(MOST_NAMED);
+    named.chain((more > 0).then(|| format!("and {more} more"))).collect()
+}
+
 /// The text on the proof. `judged` is the NC text that was judged; without it the part names what was judged.
 pub(super) fn text(
     run: &RunOptions,
@@ -57,7 +73,8 @@ pub(super) fn text(
     let file = judged.map(shown_path);
     let name = file.as_deref().unwrap_or(&program.name);
     let post = post(shown.post, sources);
-    let verdict = Verdict { errors: sink.errors(), name, machine: &machine, post: &post };
+    let faults = faults(sink);
+    let verdict = Verdict { errors: sink.errors(), faults: &faults, name, machine: &machine, post: &post };
     if !run.details {
         return certificate.summary(verdict) + "  all figures: `--details`\n";
     }

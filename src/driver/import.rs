@@ -1,7 +1,7 @@
 //! `impellerc import`: blade files to a part in the language.
 
 use super::reading;
-use super::{Outcome, Stages, or_reported, shown_path};
+use super::{Outcome, Stages, or_reported, output_names, shown_path};
 use crate::diag::codes::import as codes;
 use crate::diag::{Aborted, Diag, printable};
 use crate::import::faced_part;
@@ -54,7 +54,8 @@ fn run(options: &Import, stages: &mut Stages, outcome: &mut Outcome) -> Result<(
         return Ok(());
     }
     let row = or_reported(row(&imported, options.row.as_deref()), sink)?;
-    if options.output.is_some() {
+    if let Some(path) = &options.output {
+        or_reported(output_names::check("-o", path, output_names::Form::Job), sink)?;
         or_reported(placed(row).and_then(|()| fits(&imported, row)), sink)?;
     }
     let divided = stages.run("divide", || outlines(row, imported.hub.as_deref(), &options.options));

@@ -1,6 +1,6 @@
 //! The part as a file for other programs.
 
-use super::{Options, PartForm, Stages, or_reported, section_files, shown_path};
+use super::{Options, PartForm, Stages, or_reported, output_names, section_files, shown_path};
 use crate::diag::codes::{files, geometry};
 use crate::diag::{Aborted, Diag, Sink};
 use crate::export::step::StepFile;
@@ -39,6 +39,7 @@ pub(super) fn write(
         }
     }
     or_reported(outputs.announce("-o", path), sink)?;
+    or_reported(output_names::check("-o", path, output_names::Form::Part(form)), sink)?;
     let (files, said) = match form {
         PartForm::Step => one_file(path, step(options, program, stages, sink)?),
         PartForm::Stl | PartForm::ThreeMf => one_file(path, triangles(options, form, program, stages, sink)?),

@@ -141,23 +141,17 @@ fn curves(
             found.len() - 1
         });
         let curve = &mut found[at];
-        let number: Option<usize> = fields.get(1).and_then(|f| f.parse().ok());
-        if number != Some(curve.points.len() + 1) {
+        if let Some(what) = wrong_number(fields.get(1).and_then(|f| f.parse().ok()), curve) {
             // One row that is missing shifts the numbers of all behind it.
-            sink.push_first(fault(span, file, format!("number {} is expected here", curve.points.len() + 1)));
+            sink.push_first(fault(span, file, what));
             good = false;
         }
-        let coordinate =
-            |at: usize| -> Option<f64> { fields.get(at).and_then(|f| f.parse::<f64>().ok()).filter(|v| v.is_finite()) };
-        let (Some(x), Some(y), Some(z)) = (coordinate(2), coordinate(3), coordinate(4)) else {
-            let minus = line.contains(['\u{2212}', '\u{2013}']);
-            let what = if minus {
-                "another sign stands for minus: write `-`"
-            } else {
-                "the coordinates are not three finite numbers"
-            };
-            sink.push_first(fault(span, file, what.to_owned()));
-            return None;
+        let [x, y, z] = match coordinates(&fields) {
+            Ok(point) => point,
+            Err(what) => {
+                sink.push_first(fault(span, file, what));
+                return None;
+            }
         };
         curve.points.push([x, y, z]);
         curve.spans.push(span);
@@ -167,6 +161,41 @@ fn curves(
         }
     }
     good.then_some(found)
+}
+
+/// What is wrong with the number of the next point of a curve.
+fn wrong_number(given: Option<usize>, curve: &FileCurve) -> Option<String> {
+    let (name, due) = (&curve.name, curve.points.len() + 1);
+    match given {
+        Some(given) if given == due => None,
+        Some(given) if given < due => {
+            Some(format!("point {given} of {name} is given twice; number {due} is expected here"))
+        }
+        _ => Some(format!("number {due} of {name} is expected here: a line may be missing, or have another name")),
+    }
+}
+
+/// The coordinates of a line; or what is wrong with the first that is no number.
+fn coordinates(fields: &[&str]) -> Result<[f64; 3], String> {
+    let mut point = [0.0; 3];
+    for (k, name) in ["x", "y", "z"].into_iter().enumerate() {
+        let field = fields.get(k + 2).copied().unwrap_or_default();
+        let first = field.split_whitespace().next().unwrap_or_default();
+        point[k] = match field.parse::<f64>() {
+            Ok(value) if value.is_finite() => value,
+            _ if field.contains(['\u{2212}', '\u{2013}']) => {
+                return Err("another sign stands for minus: write `-`".to_owned());
+            }
+            _ if field.is_empty() => return Err(format!("{name} is missing")),
+            _ if first != field && first.parse::<f64>().is_ok() => {
+                return Err(format!(
+                    "{name} has a unit: the unit of all points stands in the job, behind the name of the curve"
+                ));
+            }
+            _ => return Err(format!("{name} is no finite number")),
+        };
+    }
+    Ok(point)
 }
 
 /// The edge that the sixth field of a line names, if any; what is wrong with fields of another number or form.
@@ -181,6 +210,8 @@ fn edge_of(fields: &[&str]) -> Result<Option<usize>, String> {
         [_, _, _, _, _, _, ..] => {
             Err(format!("the line has {} fields, not 5: the decimal sign is a point", fields.len()))
         }
+        [line] if line.contains(';') => Err("`;` separates the fields; here commas do".to_owned()),
+        [line] if line.contains('\t') => Err("tabs separate the fields; here commas do".to_owned()),
         _ => Err(format!("the line has {} fields, not 5", fields.len())),
     }
 }

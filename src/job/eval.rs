@@ -3,6 +3,7 @@
 use super::other_names;
 use super::quantity::{Dimension, Quantity, unit_names};
 use crate::diag::codes::job as codes;
+use crate::diag::codes::syntax::MISWRITTEN;
 use crate::diag::{Diag, Sink};
 use crate::source::Span;
 use crate::syntax::ast::{Expr, ExprKind, Name, Operator, Path};
@@ -79,6 +80,16 @@ impl LetScope {
             );
             return None;
         }
+        if let Some(diag) = nc_word(&text, path.span) {
+            sink.push(diag);
+            return None;
+        }
+        if let Some(digits) = other_names::digits(&text) {
+            let diag = Diag::error(codes::UNKNOWN_NAME, format!("`{text}` is a word, not a number"));
+            let diag = diag.label(path.span, "a number is expected").help(format!("write `{digits}`"));
+            sink.push(diag.fix(path.span, digits.to_string()));
+            return None;
+        }
         self.unknown += 1;
         sink.push(if self.unknown > MOST_COMPARED {
             Diag::error(codes::UNKNOWN_NAME, format!("the name `{text}` is not declared"))
@@ -140,6 +151,56 @@ impl LetScope {
     }
 }
 
+/// The diagnostic for a word as in NC text, such as `S12000`, where a value is expected.
+pub(super) fn nc_word(text: &str, span: Span) -> Option<Diag> {
+    let (letter, number) = text.split_at_checked(1)?;
+    let plain = !number.is_empty() && number.strip_prefix('-').unwrap_or(number).bytes().all(|b| b.is_ascii_digit());
+    if !plain {
+        return None;
+    }
+    let diag = Diag::error(MISWRITTEN, format!("`{text}` is a word of NC text, not a value of a job"))
+        .label(span, "not of this language");
+    let value = match letter {
+        "S" => format!("{number} rpm"),
+        "F" => format!("{number} mm/min"),
+        _ if letter.bytes().all(|b| b.is_ascii_uppercase()) => {
+            return Some(
+                diag.help(format!("write the number with its unit and without the letter, such as `{number} mm`")),
+            );
+        }
+        _ => return None,
+    };
+    Some(diag.help(format!("write `{value}`")).fix(span, value))
+}
+
+/// The same, where a property is expected: `M8`, or `S12000` without `speed`.
+pub(super) fn nc_entry(text: &str, span: Span) -> Option<Diag> {
+    let (letter, number) = text.split_at_checked(1)?;
+    if number.is_empty()
+        || !number.bytes().all(|b| b.is_ascii_digit())
+        || !letter.bytes().all(|b| b.is_ascii_uppercase())
+    {
+        return None;
+    }
+    let diag = Diag::error(MISWRITTEN, format!("`{text}` is a word of NC text, not a property of a job"))
+        .label(span, "not of this language");
+    let written = match letter {
+        "S" => format!("speed {number} rpm"),
+        "F" => format!("feed {number} mm/min"),
+        "T" => {
+            return Some(diag.help(format!(
+                "name a tool of the job: `tool t1`; `number {number}` in `tool t1 = ball {{ ... }}` gives its place in the magazine"
+            )));
+        }
+        _ => {
+            let help = "remove it: the post writes coolant, offsets, modes and ends of programs; its frames can be changed, \
+                        `impellerc posts siemens-840d` shows them";
+            return Some(diag.help(help));
+        }
+    };
+    Some(diag.help(format!("write `{written}`")).fix(span, written))
+}
+
 /// The diagnostic for a value of the wrong dimension, with a fix where only the unit is missing.
 pub(super) fn mismatch(expr: &Expr, value: Quantity, due: &[Dimension], what: &str) -> Diag {
     let wanted = due.iter().map(|d| d.name()).collect::<Vec<_>>().join(" or ");
@@ -150,7 +211,12 @@ pub(super) fn mismatch(expr: &Expr, value: Quantity, due: &[Dimension], what: &s
         let diag = Diag::error(codes::NO_UNIT, format!("{what} needs a unit"))
             .label(expr.span, format!("a number without a unit; {wanted} is expected"));
         // A bare name or a sum cannot take a unit. Zero is zero in every unit, but needs a unit all the same.
-        return match expr.kind {
+        return match &expr.kind {
+            ExprKind::Number(_, Some(percent)) if percent.text == "%" => {
+                Diag::error(codes::WRONG_DIMENSION, format!("{what} must be {wanted}, not a share"))
+                    .label(expr.span, "this is a share")
+                    .help(format!("write the value itself, with one of the units {units}"))
+            }
             ExprKind::Number(number, None) => {
                 let at = Span { start: expr.span.end, ..expr.span };
                 diag.help(format!("write `{number} {usual}`, or another unit of {units}")).fix(at, format!(" {usual}"))
@@ -221,6 +287,11 @@ fn apply(
 pub(super) fn unknown_unit(unit: &Name) -> Diag {
     let units = unit_names();
     let diag = Diag::error(codes::UNKNOWN_UNIT, format!("`{}` is not a unit", unit.text)).known(units.iter().copied());
+    if let Some((_, due)) = OTHER_SIZES.iter().find(|(other, _)| *other == unit.text) {
+        return diag
+            .label(unit.span, "not known")
+            .help(format!("write the value in another unit: 1 {} is {due}", unit.text));
+    }
     match nearest(&unit.text, units.iter().copied()) {
         Some(near) => diag
             .label(unit.span, format!("did you mean `{near}`?"))
@@ -229,6 +300,19 @@ pub(super) fn unknown_unit(unit: &Name) -> Diag {
         None => diag.label(unit.span, "not known").help(format!("units are {}", units.join(", "))),
     }
 }
+
+/// Units of other sizes, with one of them in a unit of the language.
+const OTHER_SIZES: &[(&str, &str)] = &[
+    ("cm", "10 mm"),
+    ("dm", "100 mm"),
+    ("m", "1000 mm"),
+    ("nm", "0.001 um"),
+    ("mil", "0.001 in"),
+    ("thou", "0.001 in"),
+    ("ft", "12 in"),
+    ("ms", "0.001 s"),
+    ("gon", "0.9 deg"),
+];
 
 /// Most unknown names of a job for which a similar name is searched.
 const MOST_COMPARED: usize = 1000;
@@ -262,6 +346,10 @@ pub(super) fn suggest(diag: Diag, text: &str, span: Span, kind: &str, known: &[&
             let form = form.map_or_else(String::new, |form| format!(", with its values as in `{form}`"));
             diag.label(span, format!("did you mean `{near}`?")).help(format!("write `{near}`{form}")).fix(span, near)
         }
+        None if known.is_empty() && kind == "name" => diag.label(span, "not declared").help(format!(
+            "write a value, such as `3` or `3 mm`; a name is declared before its use, as in `let {} = 3 mm`",
+            text.split('.').next().unwrap_or(text)
+        )),
         None if known.is_empty() => diag.label(span, "not declared").help(format!("the job declares no {kind}")),
         None if diag.code == codes::NOT_IN_LANGUAGE => {
             diag.label(span, "not available").help(format!("available: {}", listed(known)))
@@ -275,6 +363,9 @@ pub(super) fn nearest<'a>(text: &str, known: impl Iterator<Item = &'a str>) -> O
     let known: Vec<&str> = known.take(MOST_KNOWN).collect();
     if let Some(meant) = other_names::meant(text, &known) {
         return Some(meant);
+    }
+    if let Some(same) = known.iter().copied().find(|k| k.eq_ignore_ascii_case(text)) {
+        return Some(same);
     }
     // `t9` is no slip for `t1`.
     let letters = text.chars().count();

@@ -1,8 +1,10 @@
 //! Machine files: TOML through serde, with the reader of quantities that all library files share. Unknown keys are errors, and every quantity has its unit.
 
+use super::library_form;
+use super::library_schema::LibraryFile;
 use super::limits;
 use super::model::{CarriedSpec, LinearSpec, MachineKind, MachineSpec, RotarySpec};
-use super::quantity::{Dimension, KILOWATT, Quantity};
+use super::quantity::{Dimension, KILOWATT, Quantity, library_units};
 use crate::diag::codes::job as codes;
 use crate::diag::{Diag, Sink};
 use crate::method::{LengthTo, Planning};
@@ -163,10 +165,8 @@ impl LibraryReader<'_> {
 
     /// A quantity in base units.
     pub(super) fn quantity(&mut self, text: &SpannedText, due: Dimension, min: f64, max: f64) -> f64 {
-        let example = match due.usual_unit() {
-            "" => "3".to_owned(),
-            unit => format!("3 {unit}"),
-        };
+        let units = library_units(due).join(", ");
+        let help = format!("write the number and its unit in quotes; units are {units}");
         match Quantity::read(text.get_ref()) {
             Some(q) if q.dimension == due && (min..=max).contains(&q.value) => return q.value,
             Some(q) if q.dimension == due => self.fault(
@@ -179,13 +179,13 @@ impl LibraryReader<'_> {
                 self.span(text),
                 format!("`{}` is {}, not {due}", text.get_ref(), q.dimension),
                 format!("{due} is expected"),
-                &format!("write the number and its unit, such as \"{example}\""),
+                &help,
             ),
             None => self.fault(
                 self.span(text),
                 format!("`{}` is not a number with a unit", text.get_ref()),
                 format!("{due} is expected"),
-                &format!("write the number and its unit, such as \"{example}\""),
+                &help,
             ),
         }
         max.min(1.0)
@@ -415,14 +415,6 @@ fn base(due: Dimension) -> &'static str {
     }
 }
 
-pub(super) fn toml_fault(error: &toml::de::Error, source: SourceId, name: &str) -> Diag {
-    let span = Span::new(source, error.span().unwrap_or(0..0));
-    let message = error.message().lines().next().unwrap_or("unreadable").to_owned();
-    Diag::error(codes::LIBRARY, format!("the library file {name} has a fault"))
-        .label(span, message)
-        .help("compare the file with those in jobs/_lib; `impellerc explain IMP0217` lists the keys")
-}
-
 /// The diagnostic for a machine without exactly two rotary axes.
 fn no_rotary_pair(name: &str, axes: &AxesTable, file: &str) -> Diag {
     let has = |axis: &Option<RotaryTable>, name| axis.as_ref().map(|_| name);
@@ -458,13 +450,7 @@ pub(super) fn machine(
     sink: &mut Sink,
 ) -> Option<MachineSpec> {
     let file = sources.get(source)?;
-    let table: MachineFile = match toml::from_str(&file.text) {
-        Ok(table) => table,
-        Err(error) => {
-            sink.push(toml_fault(&error, source, &file.name).label(asked, "used here"));
-            return None;
-        }
-    };
+    let table: MachineFile = library_form::read(LibraryFile::Machine, source, sources, Some(asked), sink)?;
     let mut reader = LibraryReader { source, sink, faults: false };
     let Some((kind, axes)) = reader.rotary_axes(&table) else {
         if !reader.faults {

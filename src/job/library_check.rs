@@ -1,28 +1,10 @@
 //! A library file read for itself, as an editor shows it.
 
+use super::library_schema::LibraryFile;
 use super::tool_file::ToolLibrary;
 use super::{library, post_file, tool_file};
 use crate::diag::Sink;
 use crate::source::{SourceMap, Span};
-
-/// Kind of a library file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LibraryFile {
-    /// A machine.
-    Machine,
-    /// Tools and holders.
-    Tools,
-    /// A dialect with its frames.
-    Post,
-}
-
-impl LibraryFile {
-    /// The kind of the files in a folder of the library.
-    pub fn of_folder(name: &str) -> Option<Self> {
-        let folders = [("machines", Self::Machine), ("tools", Self::Tools), ("posts", Self::Post)];
-        folders.into_iter().find(|(folder, _)| *folder == name).map(|(_, kind)| kind)
-    }
-}
 
 /// Reads a library file; the faults that a job would have by it go to the sink. Returns the text with its places.
 pub fn read_library_file(kind: LibraryFile, name: &str, text: &str, sink: &mut Sink) -> SourceMap {

@@ -1,15 +1,42 @@
 //! Keys of the files of the library as JSON schemas, for editors that complete and check TOML. A test compares the keys with
 //! those that the readers of the files know.
 
-use super::library_check::LibraryFile;
 use super::quantity::{Dimension, library_units};
 use crate::method::{LengthTo, ModuloWay};
 use crate::post_file::{LineEnd, Orientation, SplineForm};
 use serde_json::{Map, Value, json};
 
+/// Kind of a library file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LibraryFile {
+    /// A machine.
+    Machine,
+    /// Tools and holders.
+    Tools,
+    /// A dialect with its frames.
+    Post,
+}
+
+impl LibraryFile {
+    /// The kind of the files in a folder of the library.
+    pub fn of_folder(name: &str) -> Option<Self> {
+        let folders = [("machines", Self::Machine), ("tools", Self::Tools), ("posts", Self::Post)];
+        folders.into_iter().find(|(folder, _)| *folder == name).map(|(_, kind)| kind)
+    }
+
+    /// The keys at the top of the file.
+    pub(super) fn keys(self) -> &'static [FileKey] {
+        match self {
+            Self::Machine => MACHINE,
+            Self::Tools => TOOLS,
+            Self::Post => POST,
+        }
+    }
+}
+
 /// What stands behind a key.
 #[derive(Clone, Copy)]
-enum KeyForm {
+pub(super) enum KeyForm {
     /// A text.
     Text,
     /// A list of texts.
@@ -38,11 +65,11 @@ enum KeyForm {
 
 /// A key of a table.
 #[derive(Clone, Copy)]
-struct FileKey {
-    name: &'static str,
-    form: KeyForm,
-    required: bool,
-    meaning: &'static str,
+pub(super) struct FileKey {
+    pub(super) name: &'static str,
+    pub(super) form: KeyForm,
+    pub(super) required: bool,
+    pub(super) meaning: &'static str,
 }
 
 /// A key that a table must have.
@@ -266,18 +293,9 @@ const POST: &[FileKey] = &[
     ),
 ];
 
-/// The keys of a kind of file.
-fn keys(kind: LibraryFile) -> &'static [FileKey] {
-    match kind {
-        LibraryFile::Machine => MACHINE,
-        LibraryFile::Tools => TOOLS,
-        LibraryFile::Post => POST,
-    }
-}
-
 /// The JSON schema of a kind of file (draft 7, which editors know).
 pub fn library_schema(kind: LibraryFile) -> Value {
-    let mut schema = table(keys(kind));
+    let mut schema = table(kind.keys());
     schema["$schema"] = json!("http://json-schema.org/draft-07/schema#");
     schema["title"] = json!(match kind {
         LibraryFile::Machine => "machine file of impellerc",

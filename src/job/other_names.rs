@@ -20,6 +20,44 @@ const OTHER_NAMES: &[(&str, &[&str])] = &[
     ("adaptive", &["rough"]),
     ("plunging", &["plunge"]),
     ("slot", &["groove"]),
+    ("vc", &["speed"]),
+    ("cutting-speed", &["speed"]),
+    ("n", &["speed"]),
+    ("s", &["speed"]),
+    ("fz", &["feed"]),
+    ("vf", &["feed"]),
+    ("f", &["feed"]),
+    ("z", &["flutes"]),
+    ("d", &["diameter"]),
+    ("dc", &["diameter"]),
+    ("re", &["corner"]),
+    ("r", &["corner"]),
+    ("lcf", &["flute"]),
+    ("apmx", &["flute"]),
+    ("lf", &["reach"]),
+    ("oal", &["reach"]),
+    ("tolerance", &["gouge"]),
+    ("accuracy", &["gouge"]),
+    ("deviation", &["gouge"]),
+    ("profile", &["gouge"]),
+    ("ra", &["excess"]),
+    ("rz", &["excess"]),
+    ("roughness", &["excess"]),
+    ("cusps", &["excess"]),
+    ("runtime", &["time"]),
+    ("duration", &["time"]),
+    ("velocity", &["speed"]),
+    ("max-speed", &["speed"]),
+    ("vmax", &["speed"]),
+    ("amax", &["acceleration"]),
+    ("accel", &["acceleration"]),
+    ("range", &["travel"]),
+    ("limits", &["travel"]),
+    ("limit", &["travel"]),
+    ("min", &["travel"]),
+    ("max", &["travel"]),
+    ("digits", &["decimals"]),
+    ("precision", &["decimals"]),
     ("cutter", &["tool"]),
     ("mill", &["tool"]),
     ("ballnose", &["ball"]),
@@ -104,12 +142,23 @@ const OTHER_NAMES: &[(&str, &[&str])] = &[
 /// Words whose values have another form than those of other systems.
 const FORMS: &[(&str, &str)] = &[
     ("allowance", "allowance vane 0.3 mm, hub 0.3 mm"),
+    ("speed", "speed 12000 rpm` or `speed 75 m/min"),
+    ("feed", "feed 150 mm/min` or `feed 0.02 mm/tooth"),
     ("turned", "stock turned { over shroud 0 mm  bore 10 mm  back -40 mm }"),
 ];
 
 /// How a word is written with its values, where other systems write them in another form.
 pub(super) fn form(word: &str) -> Option<&'static str> {
     FORMS.iter().find(|(of, _)| *of == word).map(|(_, form)| *form)
+}
+
+/// Numbers in words, with their digits.
+const NUMBERS: &[&str] =
+    &["zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve"];
+
+/// The digits of a number that is written as a word.
+pub(super) fn digits(word: &str) -> Option<usize> {
+    NUMBERS.iter().position(|number| number.eq_ignore_ascii_case(word))
 }
 
 /// The known word that a word of another system means.

@@ -1,6 +1,8 @@
 //! Post files: TOML through serde, with the properties of the `post` item of a job over them.
 
-use super::library::{LibraryReader, SpannedText, toml_fault};
+use super::library::{LibraryReader, SpannedText};
+use super::library_form;
+use super::library_schema::LibraryFile;
 use super::properties::{Properties, Range, name_of};
 use super::quantity::Dimension;
 use super::vocabulary::{self, TopicKind};
@@ -206,18 +208,7 @@ pub(super) fn read(
     asked: Option<Span>,
     sink: &mut Sink,
 ) -> Option<PostFile> {
-    let file = sources.get(source)?;
-    let table: PostTable = match toml::from_str(&file.text) {
-        Ok(table) => table,
-        Err(error) => {
-            let mut diag = toml_fault(&error, source, &file.name);
-            if let Some(asked) = asked {
-                diag = diag.label(asked, "used here");
-            }
-            sink.push(diag);
-            return None;
-        }
-    };
+    let table: PostTable = library_form::read(LibraryFile::Post, source, sources, asked, sink)?;
     let mut reader = LibraryReader { source, sink, faults: false };
     let fields = inner_fields();
     let frames = &table.frames;

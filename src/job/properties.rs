@@ -1,7 +1,7 @@
 //! Reads the entries of a block as properties. Each property is known, is given once, and has the right form and
 //! dimension.
 
-use super::eval::{LetScope, mismatch, nearest, suggest, unknown, unknown_unit};
+use super::eval::{LetScope, mismatch, nc_entry, nearest, suggest, unknown, unknown_unit};
 use super::quantity::Dimension;
 use super::vocabulary;
 use crate::diag::codes::job as codes;
@@ -130,6 +130,16 @@ impl<'a, 'c> Properties<'a, 'c> {
             self.damaged = true;
             // The number before has a unit, but an unknown one.
             self.entries.retain(|(n, _)| before.is_none_or(|b| n.span != b.name.span));
+            return;
+        }
+        // `N10 tool t1` and `M8 allowance vane 0.2 mm`: the word took the next property for its value.
+        let took = before.filter(|b| nc_entry(&b.name.text, b.name.span).is_some()).and_then(|b| b.values.first());
+        if took.is_some_and(|value| matches!(value, Value::Expr(Expr { kind: ExprKind::Path(path), .. }) if known.contains(&path.text().as_str()))) {
+            return;
+        }
+        if let Some(diag) = nc_entry(&name.text, name.span) {
+            self.sink.push(diag);
+            self.damaged = true;
             return;
         }
         let diag = Diag::error(codes::UNKNOWN_PROPERTY, format!("{} has no property `{}`", self.owner, name.text));

@@ -1,10 +1,14 @@
 //! Tool files: TOML through serde.
 
-use super::library::{LibraryReader, SectionTable, SpannedText, toml_fault};
+use super::eval::nearest;
+use super::library::{LibraryReader, SectionTable, SpannedText};
+use super::library_form;
+use super::library_schema::LibraryFile;
 use super::limits;
 use super::model::{CutterKind, LoadLimits, ToolSpec};
 use super::quantity::Dimension;
-use crate::diag::Sink;
+use crate::diag::codes::job as codes;
+use crate::diag::{Diag, Sink};
 use crate::source::{SourceId, SourceMap, Span};
 use crate::units::{Mm, Mm3PerMin, Rad, trim};
 use serde::Deserialize;
@@ -65,6 +69,8 @@ struct ToolTable {
 pub(super) struct ToolLibrary {
     /// True for a file that is read by itself: its holders may stand in another file.
     pub(super) alone: bool,
+    /// True when a file has a fault, which was reported: holders and tools may be missing by it.
+    pub(super) faulty: bool,
     /// Sections by holder name: length, lower and upper diameter.
     pub(super) holders: BTreeMap<String, Vec<[Mm; 3]>>,
     /// Tools by name; number and span come from the job.
@@ -73,13 +79,10 @@ pub(super) struct ToolLibrary {
 
 /// Adds a tool file that is already in the source map to the library.
 pub(super) fn tools(source: SourceId, sources: &SourceMap, asked: Span, into: &mut ToolLibrary, sink: &mut Sink) {
-    let Some(file) = sources.get(source) else { return };
-    let table: ToolsFile = match toml::from_str(&file.text) {
-        Ok(table) => table,
-        Err(error) => {
-            sink.push(toml_fault(&error, source, &file.name).label(asked, "used here"));
-            return;
-        }
+    let read = library_form::read(LibraryFile::Tools, source, sources, Some(asked), sink);
+    let Some(table): Option<ToolsFile> = read else {
+        into.faulty = true;
+        return;
     };
     let mut reader = LibraryReader { source, sink, faults: false };
     for (name, holder) in table.holder {
@@ -90,6 +93,15 @@ pub(super) fn tools(source: SourceId, sources: &SourceMap, asked: Span, into: &m
                     .map(|t| Mm(reader.quantity(t, Dimension::LENGTH, 0.001, 1000.0))),
             );
         }
+        if let [first, .., last] = &sections[..]
+            && !reader.faults
+            && is_upside_down(&sections)
+        {
+            let span = reader.span(&holder.section[0].length);
+            reader.sink.push(
+                upside_down(&name, first[1], last[2]).label(span, "this section is at the nose, beside the cutter"),
+            );
+        }
         into.holders.insert(name, sections);
     }
     for (name, tool) in table.tool {
@@ -97,6 +109,21 @@ pub(super) fn tools(source: SourceId, sources: &SourceMap, asked: Span, into: &m
             into.tools.insert(name, spec);
         }
     }
+    into.faulty |= reader.faults;
+}
+
+/// True for sections that never grow from the nose upwards and are thinnest at the spindle, as in a list from the spindle down.
+fn is_upside_down(sections: &[[Mm; 3]]) -> bool {
+    let ends: Vec<f64> = sections.iter().flat_map(|[_, lower, upper]| [lower.get(), upper.get()]).collect();
+    sections.len() > 1 && ends.windows(2).all(|pair| pair[1] <= pair[0]) && ends.first() > ends.last()
+}
+
+fn upside_down(name: &str, nose: Mm, top: Mm) -> Diag {
+    Diag::warning(
+        codes::DOUBTFUL,
+        format!("the holder {name} is {nose} wide at its nose and {top} at the spindle: it seems to be listed from the spindle down"),
+    )
+    .help("list the sections from the nose upwards: the one beside the cutter first; `lower` is the end of a section nearer to the cutter")
 }
 
 fn library_tool(
@@ -135,14 +162,7 @@ fn library_tool(
             CutterKind::Lollipop { neck, neck_end: neck_end.unwrap_or(reach) }
         }
         (kind, ..) => {
-            reader.fault(
-                span,
-                format!("tool `{name}` of kind `{kind}` has the wrong properties"),
-                "flat, ball, bull with `corner`, tapered-ball with `angle`, barrel with `barrel` and `tip`, all with \
-                 `flute`, and lollipop with `neck` exist"
-                    .to_owned(),
-                "correct the kind, or the properties that do not belong to it",
-            );
+            wrong_kind(name, (kind, tool), reader);
             return None;
         }
     };
@@ -176,6 +196,63 @@ fn library_tool(
         return None;
     }
     Some(spec)
+}
+
+/// Kinds of cutters with the properties that each must have, and those that it may have, besides those of every tool.
+const KINDS: [(&str, &[&str], &[&str]); 6] = [
+    ("flat", &["flute"], &[]),
+    ("ball", &["flute"], &[]),
+    ("bull", &["corner", "flute"], &[]),
+    ("tapered-ball", &["angle", "flute"], &[]),
+    ("barrel", &["barrel", "tip", "flute"], &[]),
+    ("lollipop", &["neck"], &["neck-end"]),
+];
+
+/// Reports a kind of cutter that does not exist, or its first property that is missing or not its own.
+fn wrong_kind(name: &str, (kind, tool): (&str, &ToolTable), reader: &mut LibraryReader<'_>) {
+    let span = reader.span(&tool.kind);
+    let names = KINDS.map(|known| known.0);
+    let Some((_, must, may)) = KINDS.into_iter().find(|known| known.0 == kind) else {
+        let (label, help) = match nearest(kind, names.into_iter()) {
+            Some(near) => (format!("did you mean \"{near}\"?"), format!("write `kind = \"{near}\"`")),
+            None => ("not known".to_owned(), format!("kinds are {}", names.join(", "))),
+        };
+        reader.fault(span, format!("`{kind}` is not a kind of cutter"), label, &help);
+        return;
+    };
+    let given = [
+        ("corner", &tool.corner),
+        ("angle", &tool.angle),
+        ("barrel", &tool.barrel),
+        ("tip", &tool.tip),
+        ("neck", &tool.neck),
+        ("neck-end", &tool.neck_end),
+        ("flute", &tool.flute),
+    ];
+    let has = |key: &&&str| given.iter().any(|(name, value)| name == *key && value.is_some());
+    if let Some(missing) = must.iter().find(|key| !has(key)) {
+        let example = if *missing == "angle" { "3 deg" } else { "1 mm" };
+        let help = format!("add `{missing} = \"{example}\"` with its value");
+        reader.fault(
+            span,
+            format!("tool `{name}` of kind {kind} needs `{missing}`"),
+            format!("`{missing}` is missing"),
+            &help,
+        );
+        return;
+    }
+    let foreign = given.iter().find(|(key, value)| value.is_some() && !must.contains(key) && !may.contains(key));
+    if let Some((key, Some(value))) = foreign {
+        let of: Vec<&str> =
+            KINDS.iter().filter(|known| known.1.contains(key) || known.2.contains(key)).map(|k| k.0).collect();
+        let help = format!("remove `{key}`, or correct `kind`: {} has it", of.join(", "));
+        reader.fault(
+            reader.span(value),
+            format!("tool `{name}` of kind {kind} has `{key}`"),
+            format!("not of a {kind}"),
+            &help,
+        );
+    }
 }
 
 /// The first contradiction in the sizes of a tool.

@@ -42,7 +42,7 @@ pub(super) fn resolve(file: &File, library: &ToolLibrary, cx: &mut Context<'_>) 
         let spec = match source {
             ToolSource::Library(text) => {
                 let found = library.tools.get(&text.text).cloned();
-                if found.is_none() {
+                if found.is_none() && !library.faulty {
                     let inner = Span { start: text.span.start + 1, end: text.span.end.saturating_sub(1), ..text.span };
                     let known = library.tools.keys().map(String::as_str);
                     let mut diag = unknown(&text.text, inner, "library tool", known);
@@ -276,6 +276,9 @@ fn holder(library: &ToolLibrary, p: &mut Properties<'_, '_>) -> Option<Option<(S
     };
     if let Some(sections) = library.holders.get(&text.text) {
         return Some(Some((text.text.clone(), sections.clone())));
+    }
+    if library.faulty {
+        return None;
     }
     let inner = Span { start: text.span.start + 1, end: text.span.end.saturating_sub(1), ..text.span };
     let diag = unknown(&text.text, inner, "holder", library.holders.keys().map(String::as_str));

@@ -69,7 +69,10 @@ fn refused(program: &Program, nc: &NcProgram, fault: &TextFault) -> Diag {
     let diag = at_template(Diag::error(code, message), nc, (*line, "a trial program"));
     match help.as_ref().filter(|_| code != codes::FRAME) {
         Some(help) => diag.help(help),
-        None => diag.help("correct the frame; the file of the same dialect in jobs/_lib/posts is understood"),
+        None => diag.help(format!(
+            "correct the frame; `impellerc posts {}` prints a file whose frames are understood",
+            program.post.dialect
+        )),
     }
 }
 

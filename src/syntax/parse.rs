@@ -140,8 +140,37 @@ fn unknown_item(source: SourceId, piece: &ItemText, slice: &str, word: &str) -> 
         Some((distance, item)) if distance <= 2 && !word.is_empty() => {
             diag.label(span, format!("did you mean `{item}`?")).help(format!("write `{item}`")).fix(span, *item)
         }
-        _ => diag.label(span, "an item is expected here").help(format!("items are {}", ITEMS.join(", "))),
+        _ if is_of_nc(shown, slice) => Diag::error(codes::MISWRITTEN, format!("`{shown}` is of NC text, not of a job"))
+            .label(span, "not of this language")
+            .help("remove the line: the post writes head, modes and end of the program"),
+        _ => diag
+            .label(span, "an item is expected here")
+            .help(format!("items are {}; a comment begins with `//`", ITEMS.join(", "))),
     }
+}
+
+/// Whether an item begins as a line of NC text: `G54`, `N10 ...`, `O1001`, `%`.
+fn is_of_nc(shown: &str, slice: &str) -> bool {
+    let number = shown.strip_prefix(|c: char| c.is_ascii_uppercase()).unwrap_or_default();
+    shown == "%" && slice.trim() == "%" || !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit())
+}
+
+/// The form of the item that a text begins with, for the help of its faults.
+fn form_of_item(text: &str) -> Option<&'static str> {
+    Some(match scan::first_word(text) {
+        "edition" => "write `edition 2026`",
+        "use" => "write `use machine \"5mc850-c\"` or `use tools \"carbide\"`",
+        "let" => "write `let NAME = VALUE`, such as `let depth = 1.5 mm`",
+        "require" => {
+            "write `require QUANTITY <= VALUE`, such as `require gouge <= 2 um` or `require clearance >= 0.5 mm on pressure`"
+        }
+        "allow" => {
+            "write quantity, surfaces and a reason in quotes: `allow excess on fillet \"an end mill leaves it\"`"
+        }
+        "post" => "write `post siemens-840d`; `impellerc posts` lists all",
+        "tolerance" => "write `tolerance chord 1 um, rough 10 um`",
+        _ => return None,
+    })
 }
 
 /// Words for what pest expected.
@@ -238,7 +267,9 @@ impl Builder<'_> {
         } else if words.as_slice() == ["the end"] {
             "begin each item on its own line"
         } else {
-            "write an entry as a name and its values, such as `depth 1.5 mm`; a comma separates values of one entry"
+            let own = (base == 0 && !input[..at].contains('{')).then(|| form_of_item(input)).flatten();
+            let entry = "write an entry as a name and its values, such as `depth 1.5 mm`; a comma separates values of one entry";
+            own.unwrap_or(entry)
         });
         self.sink.push(diag);
     }

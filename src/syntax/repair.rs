@@ -31,6 +31,10 @@ enum Form {
     Quoted,
     NamedOperation,
     SeveralContracts,
+    NcWord,
+    Unit,
+    PerSecond,
+    FileName,
 }
 
 impl Form {
@@ -56,6 +60,10 @@ impl Form {
             Self::Quoted => "this word stands without quotes",
             Self::NamedOperation => "the name of an operation stands behind its kind",
             Self::SeveralContracts => "each contract is an item of its own",
+            Self::Unit => "the unit has another name here",
+            Self::PerSecond => "feeds are in `mm/min` or `m/min`, and speeds in `rpm`",
+            Self::FileName => "the name of a file stands in quotes",
+            Self::NcWord => "a number has no letter before it, as in NC text",
         }
     }
 }
@@ -184,6 +192,8 @@ impl FormFinder {
         self.signs(line, start, &tokens);
         self.heads(start, &tokens);
         for at in 0..tokens.len() {
+            self.nc_words(start, &tokens[at..]);
+            self.units(line, start, &tokens[at..]);
             self.values(line, start, &tokens[at..]);
             self.lists(line, start, &tokens[at..]);
             match tokens[at].0 {
@@ -270,6 +280,69 @@ impl FormFinder {
             }
             _ => {}
         }
+    }
+
+    /// Units with other names or of other systems, and names of files without quotes; `tokens` begins at the place.
+    fn units(&mut self, line: &str, start: usize, tokens: &[(LinePiece<'_>, Range<usize>)]) {
+        let at = |from: &Range<usize>, to: &Range<usize>| start + from.start..start + to.end;
+        match tokens {
+            [
+                (LinePiece::Number(number), from),
+                (LinePiece::Word(length @ ("mm" | "m" | "in")) | LinePiece::Number(length @ "1"), _),
+                (LinePiece::Sign('/'), _),
+                (LinePiece::Word(time @ ("s" | "sec" | "min")), to),
+                ..,
+            ] => {
+                let (factor, due) = match (*length, *time) {
+                    ("in", "min") => (25.4, "mm/min"),
+                    ("in", _) => (25.4 * 60.0, "mm/min"),
+                    ("1", "s" | "sec") => (60.0, "rpm"),
+                    ("mm", "s" | "sec") => (60.0, "mm/min"),
+                    ("m", "s" | "sec") => (60.0, "m/min"),
+                    _ => return,
+                };
+                let Ok(value) = number.parse::<f64>() else { return };
+                let written = format!("{} {due}", (value * factor * 1e6).round() / 1e6);
+                let range = at(from, to);
+                // What is read there has no room for all digits: a value of the right kind keeps other faults away.
+                let short = if due == "rpm" { "9999rpm" } else { "1mm/min" };
+                let read = padded(&written, &range).or_else(|| padded(short, &range)).unwrap_or_else(|| blank(&range));
+                self.push(Form::PerSecond, range, read, format!("write `{written}`"), Some(&written));
+            }
+            [(LinePiece::Number(_), _), (LinePiece::Word(word), unit), ..] => {
+                if let Some((_, due)) = OTHER_UNITS.iter().find(|(other, _)| other == word) {
+                    let range = start + unit.start..start + unit.end;
+                    let read = padded(due, &range).unwrap_or_else(|| blank(&range));
+                    self.push(Form::Unit, range, read, format!("write `{due}`"), Some(due));
+                }
+            }
+            [(LinePiece::Word("from"), _), (LinePiece::Word(word), name), ..] if is_file(word) => {
+                let free = |at: usize| line.as_bytes().get(at).is_none_or(|b| *b == b' ');
+                if name.start > 0 && free(name.start - 1) && free(name.end) && name.end < line.len() {
+                    let range = start + name.start - 1..start + name.end + 1;
+                    let fix = format!(" \"{word}\" ");
+                    self.push(Form::FileName, range, format!("\"{word}\""), format!("write `\"{word}\"`"), Some(&fix));
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// Words of NC text with a decimal point or a unit behind, such as `F0.05 mm/tooth`; `tokens` begins at the place.
+    fn nc_words(&mut self, start: usize, tokens: &[(LinePiece<'_>, Range<usize>)]) {
+        let [(LinePiece::Word(word), at), rest @ ..] = tokens else { return };
+        let (letter, number) = word.split_at(1);
+        let plain = number.split('.').all(|part| !part.is_empty() && part.bytes().all(|b| b.is_ascii_digit()));
+        let unit = matches!(rest, [(LinePiece::Word(unit), _), ..] if is_unit(unit));
+        if self.depth == 0
+            || !plain
+            || !letter.bytes().all(|b| b.is_ascii_uppercase())
+            || !(unit || number.contains('.'))
+        {
+            return;
+        }
+        let help = if unit { format!("write `{number}`") } else { format!("write `{number}` and its unit") };
+        self.push(Form::NcWord, start + at.start..start + at.end, format!(" {number}"), help, Some(number));
     }
 
     /// Numbers and units that are written in the manner of another language; `tokens` begins at the place.
@@ -427,9 +500,65 @@ impl FormFinder {
 /// Words that stand before a value inside of one entry.
 const LABELS: [&str; 5] = ["vane", "hub", "shroud", "chord", "rough"];
 
+/// Other names of units, and the unit of the language.
+const OTHER_UNITS: &[(&str, &str)] = &[
+    ("mu", "um"),
+    ("micron", "um"),
+    ("microns", "um"),
+    ("micrometer", "um"),
+    ("micrometers", "um"),
+    ("micrometre", "um"),
+    ("micrometres", "um"),
+    ("millimeter", "mm"),
+    ("millimeters", "mm"),
+    ("millimetre", "mm"),
+    ("millimetres", "mm"),
+    ("degree", "deg"),
+    ("degrees", "deg"),
+    ("radians", "rad"),
+    ("hour", "h"),
+    ("hours", "h"),
+    ("minute", "min"),
+    ("minutes", "min"),
+    ("sec", "s"),
+    ("secs", "s"),
+    ("second", "s"),
+    ("seconds", "s"),
+];
+
+/// Whether a word is the name of a file that jobs read.
+fn is_file(word: &str) -> bool {
+    [".csv", ".stl", ".txt"].iter().any(|ending| word.ends_with(ending))
+}
+
 /// The first word of a unit.
 fn is_unit(word: &str) -> bool {
     matches!(word, "mm" | "um" | "in" | "deg" | "rad" | "rpm" | "m" | "mm3" | "cm3" | "s" | "min" | "h")
+}
+
+/// Whether `--`, `;`, `%` or `!` begins a comment: at the beginning of a line, or with three words behind, of which no entry
+/// consists. `5 --3` is a number, and `depth 3 mm; speed 9000 rpm` two entries.
+fn begins_comment(before: &str, rest: &str) -> bool {
+    let dashes = rest.starts_with("--");
+    if !dashes && !rest.starts_with([';', '%', '!']) {
+        return false;
+    }
+    let behind = rest.trim_start_matches(['-', ';', '%', '!']);
+    let is_word = |word: &str| word.starts_with(|c: char| c.is_alphabetic());
+    if dashes {
+        return before.is_empty() || before.ends_with([' ', '\t']) && is_word(behind.trim_start());
+    }
+    if before.trim().is_empty() {
+        return !behind.trim().is_empty();
+    }
+    // `air <= 20 % on operation rough`
+    if rest.starts_with('%') {
+        return false;
+    }
+    let words: Vec<&str> = behind.split_whitespace().take(3).collect();
+    before.ends_with([' ', '\t', '}'])
+        && words.len() == 3
+        && words.iter().all(|word| is_word(word) && !word.ends_with(','))
 }
 
 /// The pieces of a line before its comment, and the place of a comment in the manner of another language.
@@ -441,7 +570,7 @@ fn tokens(line: &str) -> (Vec<(LinePiece<'_>, Range<usize>)>, Option<usize>) {
         if rest.starts_with("//") {
             break;
         }
-        if c == '#' || rest.starts_with("/*") {
+        if c == '#' || rest.starts_with("/*") || begins_comment(&line[..at], rest) {
             return (found, Some(at));
         }
         let length = |of: &dyn Fn(char) -> bool| rest.find(|c: char| !of(c)).unwrap_or(rest.len());

@@ -226,6 +226,22 @@ fn amount(kind: ContractKind, found: f64) -> String {
     if beyond_measure(kind, found) { "all of it".to_owned() } else { kind.bound(found).figure() }
 }
 
+/// Codes of contracts that fail.
+pub const FAILURES: [Code; 12] = [
+    verification::GOUGE,
+    verification::EXCESS,
+    verification::CLEARANCE,
+    verification::REST,
+    verification::TIME,
+    verification::AXIS_SHARE,
+    verification::CONTOUR_ERROR,
+    verification::ORIENTATION_ERROR,
+    verification::AIR,
+    verification::REMOVAL_RATE,
+    verification::REST_VOLUME,
+    verification::ENGAGEMENT,
+];
+
 /// Code, message and help of a contract that fails.
 fn words(contract: &Contract, found: &Figure) -> (Code, String, String) {
     let what = &found.what;

@@ -26,7 +26,7 @@ pub mod carried;
 pub mod certificate;
 pub mod clamping;
 pub mod clearance;
-mod contracts;
+pub mod contracts;
 pub mod dynamics;
 pub mod finite;
 pub mod kept;
@@ -146,25 +146,23 @@ pub fn certify_with(
     let mut surfaces = surface::certify(&program.part, program.milled_turned(), &sweeps, SPACING, &bounds, progress);
     splines::widen(&mut surfaces, chords);
     let kept = unless_cancelled(progress, || kept::check(program, &sweeps, chords, progress))?;
-    let allowance = allowance::check(program, motion, progress);
+    let allowance = unless_cancelled(progress, || allowance::check(program, motion, progress))?;
     let (design_cloud, blank) = rayon::join(
         || Cloud::new(sample::cloud_points(&samples)),
         || Cloud::new(revolved(&program.stock.profile, [0.0; 2], STOCK_SPACING, f64::INFINITY).0),
     );
     let search = search(program);
-    let operations: Vec<OperationReport> = (0..motion.operations.len())
-        .map(|o| operation_report(program, motion, (o, splines[o]), [&design_cloud, &blank], search, progress))
-        .collect();
+    let report = |o| operation_report(program, motion, (o, splines[o]), [&design_cloud, &blank], search, progress);
+    let operations = (0..motion.operations.len()).map(|o| unless_cancelled(progress, || report(o)));
+    let operations = operations.collect::<Result<Vec<OperationReport>, Aborted>>()?;
     let rapid = operations.iter().filter_map(|o| o.rapid.clone()).min_by(|a, b| a.distance.total_cmp(&b.distance));
-    let roughing: Vec<usize> = motion
-        .operations
-        .iter()
-        .enumerate()
-        .filter(|(_, o)| !program.operations[o.operation].kind.finishes())
-        .map(|(i, _)| i)
-        .collect();
+    let roughs = |o: &usize| !program.operations[motion.operations[*o].operation].kind.finishes();
+    let roughing: Vec<usize> = (0..motion.operations.len()).filter(roughs).collect();
     let left = program.stock.left.as_ref().map(|mesh| left::Left::new(mesh));
     let stock = unless_cancelled(progress, || stock::simulate(program, motion, settings, progress, sink))?;
+    let measured = (samples.as_slice(), &design_cloud, left.as_ref());
+    let rest = unless_cancelled(progress, || rest::reports(program, measured, &sweeps, &roughing, progress))?;
+    let carried = unless_cancelled(progress, || carried::check(program, motion, progress))?;
     let mut certificate = Certificate {
         name: program.name.clone(),
         machine_name: program.machine.name.clone(),
@@ -177,9 +175,9 @@ pub fn certify_with(
         rapid,
         perimeter: perimeter::check(program, motion),
         machine: machine::check(program, motion, stock.as_ref()),
-        rest: rest::reports(program, (&samples, &design_cloud, left.as_ref()), &sweeps, &roughing, progress),
+        rest,
         stock,
-        carried: carried::check(program, motion, progress),
+        carried,
         clamping: clamping::check(program, motion),
         contracts: Vec::new(),
         allowed: Vec::new(),
@@ -204,9 +202,10 @@ pub fn certify_with(
         stock::report(program, motion, report, sink);
     }
     let narrower = Narrower { program, motion, samples: &samples, splines: &splines, progress };
-    (certificate.contracts, certificate.allowed) = contracts::judge(program, motion, &certificate, &narrower, sink);
+    let judged = unless_cancelled(progress, || contracts::judge(program, motion, &certificate, &narrower, sink))?;
+    (certificate.contracts, certificate.allowed) = judged;
     finite::report(program, motion, &certificate, sink);
-    Ok(certificate)
+    unless_cancelled(progress, || certificate)
 }
 
 /// Takes the distance between curves and chords from the clearances to table, fixtures and clamping.
@@ -313,6 +312,9 @@ fn least_over(
     /// Pieces of a group: so many that the bound found early in the group excludes most of the others.
     const RUN: usize = 4096;
     let least = |run: &[piece::Piece]| {
+        if work.is_cancelled() {
+            return None;
+        }
         let found = clearance::least(run, solid, distance, cloud, half_spacing, search);
         work.advance(run.len());
         found

@@ -16,6 +16,8 @@ pub const COLUMNS: usize = 100;
 pub struct Verdict<'a> {
     /// Errors of the run.
     pub errors: usize,
+    /// What failed besides the contracts, each with its code.
+    pub faults: &'a [String],
     /// Part or NC text that is judged.
     pub name: &'a str,
     /// Machine with its origin: `5mc850-c (shipped)`.
@@ -70,19 +72,21 @@ impl Certificate {
 
     /// The first line: whether the program may run, and what was judged.
     pub fn verdict(&self, verdict: Verdict<'_>) -> String {
-        let Verdict { errors, name, machine, post } = verdict;
+        let Verdict { errors, name, machine, post, .. } = verdict;
         let held = self.contracts.iter().filter(|c| c.holds).count();
         let passed = errors == 0 && held == self.contracts.len();
         let word = if passed { "PASS" } else { "FAIL" };
-        let errors = match errors {
-            0 => String::new(),
-            1 => ", 1 error".to_owned(),
-            n => format!(", {n} errors"),
-        };
         let (all, [made, sectors]) = (self.contracts.len(), self.sectors());
+        let hold = if passed { "" } else { " hold" };
+        // A contract that fails is an error as well.
+        let others = match errors.saturating_sub(all - held) {
+            0 => String::new(),
+            1 => ", 1 other fault".to_owned(),
+            n => format!(", {n} other faults"),
+        };
+        let time = clock(self.time());
         format!(
-            "{word} {name}: {held} of {all} contracts{errors}, {made} of {sectors} sectors, {}, {machine}, {post}\n",
-            clock(self.time())
+            "{word} {name}: {held} of {all} contracts{hold}{others}, {made} of {sectors} sectors, {time}, {machine}, {post}\n"
         )
     }
 
@@ -112,6 +116,9 @@ impl Certificate {
     /// Verdict and contracts; the contracts that fail come first.
     pub fn judgement(&self, verdict: Verdict<'_>) -> String {
         let mut t = self.verdict(verdict);
+        for fault in verdict.faults {
+            t.push_str(&wrapped(&format!("! {fault}"), 4));
+        }
         for line in self.not_verified() {
             t.push_str(&wrapped(&line, 2));
         }

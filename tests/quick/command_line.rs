@@ -54,7 +54,8 @@ fn words_that_are_nearly_a_command_are_named() {
         let found = run(folder.path(), &[word, "part.nc"]);
         assert_eq!(found.status.code(), Some(2), "{word}");
         let said = text(&found.stderr);
-        assert!(said.starts_with(&format!("there is no file `{word}`; did you mean the command `{meant}`?")), "{said}");
+        assert!(said.contains(&format!("no command `{word}`")), "{said}");
+        assert!(said.contains(&format!("did you mean the command `{meant}`?")), "{said}");
     }
     // A file is a job, whatever its name is.
     std::fs::write(folder.path().join("chek"), "").unwrap();
@@ -63,6 +64,33 @@ fn words_that_are_nearly_a_command_are_named() {
     // Other words are jobs that do not exist.
     let found = run(folder.path(), &["blade"]);
     assert_eq!(found.status.code(), Some(3), "{}", text(&found.stderr));
+}
+
+/// Words of other compilers and programs lead to what does the same here.
+#[test]
+fn words_of_other_programs_lead_to_the_right_command() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("part.imp"), "").unwrap();
+    std::fs::write(folder.path().join("other.imp"), "").unwrap();
+    for (words, due) in [
+        (&["compile", "part.imp"][..], "`impellerc part.imp -o PART.nc`"),
+        (&["build", "part.imp"], "`impellerc part.imp -o PART.nc`"),
+        (&["complie", "part.imp"], "`impellerc part.imp -o PART.nc`"),
+        (&["run"], "`impellerc JOB.imp -o PART.nc`"),
+        (&["lint", "part.imp"], "the command `check`"),
+        (&["simulate", "part.nc"], "the command `verify`"),
+        (&["view", "part.imp"], "the command `report`"),
+        (&["part.imp", "check"], "`impellerc check part.imp`"),
+        (&["part.imp", "other.imp"], "one run takes one job"),
+        (&["part.imp", "part.nc"], "`-o part.nc`"),
+        (&["--details", "part.imp", "other.imp"], "one run takes one job"),
+        (&["mill-it", "part.imp"], "the commands are"),
+    ] {
+        let found = run(folder.path(), words);
+        let said = text(&found.stderr);
+        assert!(found.status.code() == Some(2) && said.contains(due), "{words:?}: {said}");
+        assert!(!said.contains("subcommand"), "{words:?}: {said}");
+    }
 }
 
 /// A job to begin with has the name of its file, is judged without an error, and replaces no file.

@@ -34,18 +34,18 @@ fn example(schema: &Value) -> Value {
     }
 }
 
-/// What the reader of TOML itself says of a value: `None` where the form is right.
-fn fault(kind: LibraryFile, value: &Value) -> Option<String> {
+/// Messages about the form of a file, with their help.
+fn faults(kind: LibraryFile, value: &Value) -> Vec<[String; 2]> {
     let text = toml::to_string(&toml::Value::try_from(value).unwrap()).unwrap();
     let mut sink = Sink::default();
     read_library_file(kind, "example", &text, &mut sink);
-    let of_form = sink.diags().iter().find(|diag| diag.message.starts_with("the library file"));
-    of_form.map(|diag| diag.labels[0].text.clone())
-}
-
-/// Names in backquotes.
-fn quoted(text: &str) -> BTreeSet<String> {
-    text.split('`').skip(1).step_by(2).map(str::to_owned).collect()
+    let said = sink.diags().iter().map(|diag| [diag.message.clone(), diag.help.clone().unwrap_or_default()]);
+    let said: Vec<[String; 2]> = said.collect();
+    // What the walk over the form lets through, the reader takes.
+    assert!(said.iter().all(|[message, _]| !message.contains("is not TOML")), "{said:?}");
+    let of_form =
+        |message: &str| message.contains(" no `") || message.contains(" no key `") || message.contains(" must be ");
+    said.into_iter().filter(|[message, _]| of_form(message)).collect()
 }
 
 /// Compares the table of a schema, at a place of the example, with the reader.
@@ -53,18 +53,20 @@ fn compare(kind: LibraryFile, whole: &Value, at: &str, schema: &Value, seen: &mu
     if let Some(properties) = schema["properties"].as_object() {
         *seen += 1;
         let mut more = whole.clone();
-        more.pointer_mut(at).unwrap()["zq"] = json!(1);
-        let said = fault(kind, &more).unwrap_or_else(|| panic!("{at}: a key too many is read"));
-        let mut known = quoted(&said);
-        assert!(known.remove("zq"), "{at}: {said}");
-        assert_eq!(known, properties.keys().cloned().collect(), "{at}: {said}");
+        more.pointer_mut(at).unwrap()["zqzqzq"] = json!(1);
+        let [[said, help]] = &faults(kind, &more)[..] else { panic!("{at}: {:?}", faults(kind, &more)) };
+        assert!(said.contains("no key `zqzqzq`"), "{at}: {said}");
+        let listed = help.split(';').next().unwrap_or_default().trim_start_matches("known: ");
+        let known: BTreeSet<&str> = listed.split(", ").collect();
+        assert_eq!(known, properties.keys().map(String::as_str).collect(), "{at}: {help}");
         let required: BTreeSet<&str> =
             schema["required"].as_array().unwrap().iter().map(|r| r.as_str().unwrap()).collect();
         for (name, of) in properties {
             let mut less = whole.clone();
             less.pointer_mut(at).unwrap().as_object_mut().unwrap().remove(name);
-            let missing = fault(kind, &less).is_some_and(|said| said.contains(&format!("missing field `{name}`")));
+            let missing = faults(kind, &less).iter().any(|[said, _]| said.contains(&format!("no `{name}`")));
             assert_eq!(missing, required.contains(name.as_str()), "{at}/{name}");
+            wrongly_typed(kind, whole, &format!("{at}/{name}"));
             compare(kind, whole, &format!("{at}/{name}"), of, seen);
         }
     } else if schema["type"] == "object" {
@@ -74,13 +76,51 @@ fn compare(kind: LibraryFile, whole: &Value, at: &str, schema: &Value, seen: &mu
     }
 }
 
+/// A value of another type gives one message, in the words of the file format, and a help that shows the right form.
+fn wrongly_typed(kind: LibraryFile, whole: &Value, at: &str) {
+    let name = at.rsplit('/').next().unwrap();
+    for wrong in
+        [json!(-7), json!(2.5), json!("x"), json!(true), json!([]), json!([1, "x"]), json!([[1]]), json!({ "x": 1 })]
+    {
+        let text = |value: &Value| toml::to_string(&toml::Value::try_from(value).unwrap()).unwrap();
+        let mut other = whole.clone();
+        *other.pointer_mut(at).unwrap() = wrong.clone();
+        let mut sink = Sink::default();
+        read_library_file(kind, "example", &text(&other), &mut sink);
+        for diag in sink.diags() {
+            let said = format!("{}; {:?}; {:?}; {:?}", diag.message, diag.labels, diag.help, diag.notes);
+            for word in [
+                "invalid type",
+                "expected struct",
+                "expected a ",
+                "missing field",
+                "unknown field",
+                "jobs/_lib",
+                "u32",
+                "usize",
+            ] {
+                assert!(!said.contains(word), "{at} = {wrong}: {said}");
+            }
+        }
+        let right = whole.pointer(at).unwrap();
+        if std::mem::discriminant(right) != std::mem::discriminant(&wrong) && !right.is_object() {
+            let [diag] = sink.diags() else { panic!("{at} = {wrong}: {:?}", sink.diags()) };
+            let help = diag.help.as_deref().unwrap_or_default();
+            assert!(
+                diag.message.contains(&format!("`{name}`")) && help.contains(&format!("{name} = ")),
+                "{at} = {wrong}: {diag:?}"
+            );
+        }
+    }
+}
+
 #[test]
 fn keys_are_those_of_the_readers() {
     let mut seen = 0;
     for (kind, _) in KINDS {
         let schema = library_schema(kind);
         let whole = example(&schema);
-        assert_eq!(fault(kind, &whole), None, "{kind:?}");
+        assert!(faults(kind, &whole).is_empty(), "{kind:?}");
         compare(kind, &whole, "", &schema, &mut seen);
     }
     // Axes, part, spindle and so on: the walk came to all tables.

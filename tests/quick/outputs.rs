@@ -204,6 +204,27 @@ fn no_output_is_another_one() {
 }
 
 #[test]
+fn no_output_is_named_like_a_file_of_another_form() {
+    let place = Place::new();
+    let before = place.state();
+    for (arguments, right) in [
+        (&["--setup-sheet", "sheet.pdf"][..], "--setup-sheet sheet.html"),
+        (&["--report", "report.pdf"], "--report report.html"),
+        (&["--certificate", "part.xml"], "--certificate part.json"),
+        (&["--source-map", "map.csv"], "--source-map map.json"),
+        (&["--picture", "part.jpg"], "--picture part.png"),
+        (&["--emit", "stl", "-o", "part.nc"], "-o part.stl"),
+        (&["--emit", "step", "-o", "part.stl"], "-o part.step"),
+        (&["-o", "part.STL"], "--emit stl"),
+        (&["-o", "part.json"], "--certificate PART.json"),
+        (&["-o", "part.pdf"], "the ending that the control reads"),
+    ] {
+        place.run(&[&["job.imp"], arguments].concat()).fails(3, &["IMP0903", right]);
+        assert_eq!(place.state(), before, "{arguments:?}");
+    }
+}
+
+#[test]
 fn what_is_verified_is_no_output() {
     let place = &*COMPILED;
     let before = place.state();

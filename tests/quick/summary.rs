@@ -5,7 +5,14 @@ use crate::support::jobs;
 use impellerc::verify::summary::{COLUMNS, Verdict};
 
 fn verdict(errors: usize) -> Verdict<'static> {
-    Verdict { errors, name: "reduced", machine: "5mc850-c (shipped)", post: "siemens-840d" }
+    let faults = Box::leak(Box::new(["a cutter goes 3 um deep into the rim (IMP0736)".to_owned()]));
+    Verdict {
+        errors,
+        faults: if errors > 1 { faults } else { &[] },
+        name: "reduced",
+        machine: "5mc850-c (shipped)",
+        post: "siemens-840d",
+    }
 }
 
 #[test]
@@ -33,11 +40,17 @@ fn a_failed_contract_comes_before_those_that_hold() {
     let name = last.name();
     let all = certificate.contracts.len();
     let text = certificate.judgement(verdict(1));
-    assert!(text.starts_with(&format!("FAIL reduced: {} of {all} contracts, 1 error, ", all - 1)), "{text}");
+    assert!(text.starts_with(&format!("FAIL reduced: {} of {all} contracts hold, ", all - 1)), "{text}");
     let contracts: Vec<&str> = text.lines().skip(2).filter(|line| !line.starts_with("      ")).collect();
     assert!(contracts[0].starts_with(&format!("! {name} ")) && contracts[0].contains("FAILS"), "{text}");
     assert_eq!(contracts.iter().filter(|line| line.contains("FAILS")).count(), 1);
     // An error without a contract is no success either.
     let held = jobs::reduced("siemens-840d").certificate.verdict(verdict(2));
-    assert!(held.starts_with("FAIL") && held.contains(", 2 errors, "), "{held}");
+    assert!(held.starts_with("FAIL") && held.contains(" contracts hold, 2 other faults, "), "{held}");
+    // What failed stands in the line below, with its code.
+    let text = jobs::reduced("siemens-840d").certificate.judgement(verdict(2));
+    assert!(
+        text.lines().nth(1).is_some_and(|line| line == "! a cutter goes 3 um deep into the rim (IMP0736)"),
+        "{text}"
+    );
 }

@@ -62,4 +62,5 @@ floor.\n\nExample: a ball of 12 mm diameter between vanes that are 11 mm apart.\
 reach or a slimmer holder, or leave the tool out of the list.";
     OVER_MEMORY = "IMP0420", "the plan needs too much memory", include_str!("pages/IMP0420.md");
     TOOL_TOO_LARGE = "IMP0450", "tool too large for the channel", include_str!("pages/IMP0450.md");
+    EXCLUDED = "IMP0451", "a requirement that other values of the job exclude", include_str!("pages/IMP0451.md");
 }

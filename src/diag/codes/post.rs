@@ -48,7 +48,7 @@ program. Before anything is planned, a small trial program is written with the f
 it as strictly as any text, beginning with an unknown state of the control. The trial failed.\n\nExample: a frame \
 `operation-start` without `G54` behind TRAORI, which cancels the work offset; a frame `operation-end` that does not \
 retract; a head that does not switch off what an aborted program can have left on.\n\nRemedy: compare the frame with \
-the file of the same dialect in jobs/_lib/posts, and write what the message says.";
+the shipped file of the same dialect, which `impellerc posts NAME` prints, and write what the message says.";
     LONG_TURN = "IMP0811", "half a turn or more in one block",
         "A control takes the shorter way to a word of an axis modulo 360 deg. On controls of HEIDENHAIN the word M126 makes \
 every rotary axis without end do so, and without M126 a setting of the machine decides. A block that turns such an axis by \

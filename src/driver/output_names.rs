@@ -1,0 +1,152 @@
+//! Endings of the names of outputs: a file is never named like a form that is not written into it.
+
+use super::{Emit, Options, PartForm, shown_path};
+use crate::diag::{Diag, codes::files};
+use std::path::{Path, PathBuf};
+
+/// What is written into a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Form {
+    /// NC text of any control.
+    Nc,
+    /// JSON: certificate, source map.
+    Json,
+    /// A page for a browser.
+    Page,
+    /// A page for a browser, or Markdown.
+    Sheet,
+    /// A PNG picture.
+    Picture,
+    /// A job.
+    Job,
+    /// The part.
+    Part(PartForm),
+}
+
+/// Endings of the forms that are no NC text.
+const NOT_NC: &[&str] = &[
+    "imp", "json", "html", "htm", "md", "pdf", "png", "jpg", "jpeg", "svg", "step", "stp", "stl", "3mf", "inf", "csv",
+    "toml", "iges", "igs", "doc", "docx", "xls", "xlsx", "zip",
+];
+
+impl Form {
+    /// The form of the file that `-o` names.
+    pub(super) fn of_output(emit: Option<Emit>) -> Self {
+        match emit {
+            Some(Emit::Part(form)) => Self::Part(form),
+            _ => Self::Nc,
+        }
+    }
+
+    /// Endings that the form has; none where many are usual.
+    fn endings(self) -> &'static [&'static str] {
+        match self {
+            Self::Nc => &[],
+            Self::Json => &["json"],
+            Self::Page => &["html", "htm"],
+            Self::Sheet => &["html", "htm", "md", "markdown", "txt"],
+            Self::Picture => &["png"],
+            Self::Job => &["imp"],
+            Self::Part(PartForm::Step) => &["step", "stp", "p21"],
+            Self::Part(PartForm::Stl) => &["stl"],
+            Self::Part(PartForm::ThreeMf) => &["3mf"],
+            Self::Part(PartForm::Sections) => &["inf"],
+        }
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Nc => "NC text",
+            Self::Json => "JSON",
+            Self::Page => "a page for a browser",
+            Self::Sheet => "a page for a browser or Markdown",
+            Self::Picture => "a PNG picture",
+            Self::Job => "a job",
+            Self::Part(PartForm::Step) => "a STEP file",
+            Self::Part(PartForm::Stl) => "an STL file",
+            Self::Part(PartForm::ThreeMf) => "a 3MF file",
+            Self::Part(PartForm::Sections) => "the `.inf` file of sections",
+        }
+    }
+}
+
+/// An output with its option, and what is written into it.
+type Named<'a> = (&'static str, &'a Option<PathBuf>, Form);
+
+/// The outputs of a compilation but for the report.
+pub(super) fn own(options: &Options) -> [Named<'_>; 5] {
+    [
+        ("-o", &options.output, Form::of_output(options.emit)),
+        ("--certificate", &options.certificate, Form::Json),
+        ("--picture", &options.picture, Form::Picture),
+        ("--source-map", &options.source_map, Form::Json),
+        ("--setup-sheet", &options.setup_sheet, Form::Sheet),
+    ]
+}
+
+/// What a refused program leaves unwritten, as a line of text; nothing where no file was asked for.
+pub(super) fn not_written(named: &[Named<'_>]) -> String {
+    let asked: Vec<String> = named.iter().filter_map(|(_, path, _)| Some(shown_path(path.as_ref()?))).collect();
+    if asked.is_empty() {
+        return String::new();
+    }
+    let older = named.iter().any(|(_, path, _)| path.as_ref().is_some_and(|path| path.is_file()));
+    let stays = if older { "; files of an earlier run stay as they were, and do not belong to this job" } else { "" };
+    format!("not written, since the program may not run: {}{stays}\n", asked.join(", "))
+}
+
+/// Refuses outputs that are named like files of another form.
+///
+/// # Errors
+/// The diagnostic for the first of them.
+pub(super) fn check_all(named: &[Named<'_>]) -> Result<(), Diag> {
+    named.iter().try_for_each(|(flag, path, form)| path.iter().try_for_each(|path| check(flag, path, *form)))
+}
+
+/// Refuses a name that ends like a file of another form. A name without an ending, and a device, may have any.
+///
+/// # Errors
+/// The diagnostic, with a name that is right.
+pub(super) fn check(flag: &str, path: &Path, form: Form) -> Result<(), Diag> {
+    let Some(ending) = path.extension().and_then(|ending| ending.to_str()) else { return Ok(()) };
+    let is = |known: &&str| ending.eq_ignore_ascii_case(known);
+    let right = match form {
+        Form::Nc => !NOT_NC.iter().any(|known| is(&known)),
+        _ => form.endings().iter().any(|known| is(&known)),
+    };
+    let device = std::fs::metadata(path).is_ok_and(|of| !of.is_file() && !of.is_dir());
+    if right || device {
+        return Ok(());
+    }
+    let shown = path.display();
+    let (due, help) = match form.endings() {
+        [] => ("it is not a name of NC text".to_owned(), own_flag(ending)),
+        endings => {
+            let endings: Vec<String> = endings.iter().map(|known| format!("`.{known}`")).collect();
+            let first = path.with_extension(form.endings()[0]);
+            let pdf = if ending.eq_ignore_ascii_case("pdf") { "; a browser prints it as PDF" } else { "" };
+            (
+                format!("the names of such a file end in {}", endings.join(", ")),
+                format!("write `{flag} {}`{pdf}", first.display()),
+            )
+        }
+    };
+    let message = format!("`{flag}` writes {}, and `{shown}` is named like another file", form.name());
+    Err(Diag::error(files::CANNOT_WRITE, message).note(due).help(help))
+}
+
+/// The option that writes files with an ending.
+fn own_flag(ending: &str) -> String {
+    let option = match ending.to_ascii_lowercase().as_str() {
+        "step" | "stp" => "`--emit step -o PART.step` writes the part as STEP",
+        "stl" => "`--emit stl -o PART.stl` writes the part as STL, `--stock DIR` the stock after each operation",
+        "3mf" => "`--emit 3mf -o PART.3mf` writes the part as 3MF",
+        "inf" => "`--emit sections -o PART.inf` writes the sections of the blades",
+        "json" => "`--certificate PART.json` writes the certificate",
+        "html" | "htm" => "`--report PART.html` writes the report, `--setup-sheet SHEET.html` the setup sheet",
+        "md" => "`--setup-sheet SHEET.md` writes the setup sheet",
+        "png" => "`--picture PART.png` writes the picture",
+        _ => "give the NC text the ending that the control reads: `.mpf`, `.h`, `.nc`, `.ngc`",
+    };
+    option.to_owned()
+}
