@@ -2,7 +2,7 @@
 
 use crate::plunge::{block, findings, of_one_operation};
 use impellerc::diag::Severity;
-use impellerc::ir::{JointMove, MoveKind};
+use impellerc::ir::{JointMove, Motion, MoveKind, Program};
 use nalgebra::Point3;
 
 /// Speed of links and of cuts, mm/s.
@@ -43,5 +43,64 @@ fn the_air_before_does_not_lower_it() {
         let (found, said) = run(air, 0.9 * CUT);
         assert!(found.link.expect("a link that cuts").value < 4.0 * CUT);
         assert!(!said.contains(&(Severity::Error, "IMP0735")), "{air}: {said:?}");
+    }
+}
+
+/// A full slot, 1 mm deep, from the middle of the block on. Each block of `slot` mm has the kind and speed that `of` gives it.
+fn slot(program: &Program, length: f64, of: &dyn Fn(usize) -> (MoveKind, f64), parts: usize) -> Motion {
+    let at = |x: f64, z: f64| program.machine.joints(&Point3::new(x, 0.0, z), [0.0; 2]);
+    let mut from = [-8.0, 10.0];
+    let mut moves = Vec::new();
+    let mut to = |kind, x: f64, z: f64, speed: f64| {
+        let way = (x - from[0]).hypot(z - from[1]);
+        for k in 1..=parts {
+            let share = k as f64 / parts as f64;
+            let joints = at(from[0] + (x - from[0]) * share, from[1] + (z - from[1]) * share);
+            let time = way / speed / parts as f64;
+            moves.push(JointMove { kind, joints, feed: Some(speed * 60.0), time, pass: 0, stop: false });
+        }
+        from = [x, z];
+    };
+    to(MoveKind::Rapid, -8.5, 10.0, LINK);
+    to(MoveKind::Link, -8.5, -1.0, LINK);
+    to(MoveKind::Cut, -5.0, -1.0, CUT);
+    for block in 0..(6.0 / length) as usize {
+        let (kind, speed) = of(block);
+        to(kind, -5.0 + length * (block + 1) as f64, -1.0, speed);
+    }
+    let last = from[0];
+    to(MoveKind::Rapid, last, 10.0, LINK);
+    of_one_operation(program, moves)
+}
+
+/// A slot at the feed of links is one however its blocks divide it, and whatever stands between them.
+#[test]
+fn short_blocks_are_judged_by_what_they_remove_together() {
+    use MoveKind::{Cut, Link};
+    let program = block(2.0, 1.4);
+    let harmed = |length: f64, of: &dyn Fn(usize) -> (MoveKind, f64), parts: usize| {
+        let (found, said) = findings(&program, &slot(&program, length, of, parts), 0.2);
+        println!("{length} mm in {parts}: {:?}, cuts {:.1} mm3/s", found.link.map(|l| l.value), found.cut_rate);
+        said.contains(&(Severity::Error, "IMP0735"))
+    };
+    type Feeds = fn(usize) -> (MoveKind, f64);
+    let fast: [(&str, Feeds); 6] = [
+        ("links alone", |_| (Link, LINK)),
+        ("one cut", |k| if k == 8 { (Cut, CUT) } else { (Link, LINK) }),
+        ("every other block", |k| if k % 2 == 0 { (Cut, CUT) } else { (Link, LINK) }),
+        ("every fifth block at link feed", |k| if k % 5 == 0 { (Link, LINK) } else { (Cut, CUT) }),
+        ("two link feeds", |k| (Link, if k % 2 == 0 { LINK } else { 0.5 * LINK })),
+        ("the end of the pass", |k| if k < 30 { (Cut, CUT) } else { (Link, LINK) }),
+    ];
+    for (name, of) in fast {
+        for length in [0.03, 0.12, 0.2] {
+            assert!(harmed(length, &of, 1), "{name}, blocks of {length} mm");
+        }
+    }
+    for parts in [1, 2, 7, 40] {
+        assert!(harmed(3.0, &|k| (if k == 0 { Link } else { Cut }, if k == 0 { LINK } else { CUT }), parts), "{parts}");
+        assert!(!harmed(3.0, &|_| (Cut, CUT), parts), "{parts}");
+        // A link as slow as the cuts harms nothing.
+        assert!(!harmed(3.0, &|k| (if k == 0 { Link } else { Cut }, 0.9 * CUT), parts), "{parts}");
     }
 }

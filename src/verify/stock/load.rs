@@ -135,8 +135,7 @@ fn report_link(program: &Program, motion: &Motion, o: &OperationStock, sink: &mu
     let Some((link, operation)) = o.link.zip(motion.operations.get(o.operation as usize)) else { return };
     let declared = &program.operations[operation.operation];
     let tool = &program.tools[declared.tool];
-    let cuts = operation.moves.iter().zip(&o.moves).filter(|(m, _)| m.kind == MoveKind::Cut);
-    let most = cuts.map(|(_, e)| e.rate).fold(0.0, f64::max);
+    let most = o.cut_rate;
     let feed = operation.moves.get(link.at.index as usize).and_then(|m| m.feed).unwrap_or_default();
     let chip = feed / declared.speed.get().max(0.0) / f64::from(tool.flutes);
     let rate = |r: f64| format!("{:.1} mm3/min", r * 60.0);

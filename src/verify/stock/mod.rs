@@ -36,9 +36,6 @@ const PIECE: usize = 1 << 11;
 /// Tip motion over which removal is averaged, in cells: the rays meet the chips of single steps by chance.
 const WINDOW_CELLS: f64 = 4.0;
 
-/// Volume from which a link counts as cutting, mm3: less comes from rubbing beside a wall that was cut before.
-const LINK_VOLUME: f64 = 1.0;
-
 /// Arc of engagement from which a cutter counts as in full material, degrees. In a slot the arc is 180, but rays at the
 /// distance of a cell seldom meet all of it.
 pub(super) const FULL_ARC: f64 = 150.0;
@@ -114,9 +111,12 @@ pub struct OperationStock {
     pub removed: f64,
     /// Volume removed by link moves, mm3.
     pub by_links: f64,
-    /// Largest removal rate of a link, mm3/s, among the links that remove more than the volume of a cell.
+    /// Largest removal rate of links, mm3/s, where they remove as much as a cut.
     #[serde(skip)]
     pub link: Option<Peak>,
+    /// Largest removal rate of the moves at process feed alone, mm3/s.
+    #[serde(skip)]
+    pub cut_rate: f64,
     /// Stock after the operation, mm3.
     pub rest: f64,
     /// Time of all moves, s.
@@ -498,7 +498,7 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
     };
     let toothless = program.tools[declared.tool].toothless_radius().unwrap_or(0.0);
     let into_middle = |c: &BlockCut| c.lune.as_ref().map_or(0.0, |lune| (toothless - lune.inner()).max(0.0));
-    let link = removal::fastest_link(places, &outcome.cuts, window, LINK_VOLUME);
+    let link = removal::fastest_link(places, &outcome.cuts, window);
     let at_feed = |p: &StepPlace| p.kind != MoveKind::Rapid;
     OperationStock {
         operation: milled.operation,
@@ -506,6 +506,7 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
         removed: 0.0,
         by_links: milled.by_links(),
         link: link.and_then(|(value, step)| milled.peak_at(value, step)),
+        cut_rate: removal::cut_rate(places, &outcome.cuts, window),
         rest: 0.0,
         time: milled.time(&|_, _| true),
         air: milled.time(&|i, _| !removal.cuts[i]),

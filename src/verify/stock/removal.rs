@@ -3,7 +3,6 @@
 use super::StepPlace;
 use crate::ir::{MoveKind, Operation, Program};
 use crate::stock::BlockCut;
-use std::collections::BTreeMap;
 
 /// Section of a chip from which the tool counts as cutting, mm2: a smaller section is rubbing or rounding.
 const CHIP_SECTION: f64 = 1e-3;
@@ -134,44 +133,111 @@ pub(super) fn power(program: &Program, operation: &Operation, removal: &StepRemo
     powers.filter(|p| p.0 > 0.0).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// Largest removal rate of a link, mm3/s, and the step that removes most of it, averaged over a tip motion `window`, mm, or
-/// over the link where the link is shorter. A long way through air does not lower it. Only moves that remove more than
-/// `least`, mm3, count.
-pub(super) fn fastest_link(places: &[StepPlace], cuts: &[BlockCut], window: f64, least: f64) -> Option<(f64, u32)> {
-    let mut volume = vec![0.0; places.len()];
-    let mut of_move: BTreeMap<u32, f64> = BTreeMap::new();
-    for c in cuts {
-        let step = c.block as usize;
-        if let Some(place) = places.get(step).filter(|p| p.kind == MoveKind::Link) {
-            volume[step] += c.volume;
-            *of_move.entry(place.index).or_default() += c.volume;
-        }
-    }
-    for (step, place) in places.iter().enumerate() {
-        if of_move.get(&place.index).is_none_or(|v| *v <= least) {
-            volume[step] = 0.0;
-        }
-    }
-    let mut fastest: Option<(f64, u32)> = None;
-    let mut next = 0;
-    for run in places.chunk_by(|a, b| a.kind == b.kind) {
-        let link = next..next + run.len();
-        next = link.end;
-        if run[0].kind != MoveKind::Link {
-            continue;
-        }
-        let mut last = LastWay::new(link.start);
-        for end in link.clone() {
-            last.take(end, places, &volume, window);
-            let LastWay { start, way, time, sum } = last;
-            let full = way >= window || end + 1 == link.end;
-            let rate = if full && time > 0.0 { sum / time } else { 0.0 };
-            if rate > fastest.map_or(0.0, |f| f.0) {
-                let most = (start..=end).max_by(|a, b| volume[*a].total_cmp(&volume[*b])).unwrap_or(end);
-                fastest = Some((rate, u32::try_from(most).unwrap_or(u32::MAX)));
+/// Volume that links remove over [`LINK_WAY`] from which they count as cutting, mm3: less comes from rubbing beside a wall
+/// that was cut before.
+const LINK_VOLUME: f64 = 1.0;
+
+/// Tip motion over which the removal of links adds up, mm: a path on a small wheel, so that a cut at link feed counts however
+/// many blocks divide it. Over this way the least volume is a section of ten times [`CHIP_SECTION`].
+const LINK_WAY: f64 = 100.0;
+
+/// Steps of one kind of move in their order, as if nothing stood between them.
+struct OfKind {
+    /// Index of each among all steps.
+    steps: Vec<usize>,
+    /// Tip motion, mm, time, s, and removed volume, mm3, of the steps before each, and of all.
+    way: Vec<f64>,
+    time: Vec<f64>,
+    sum: Vec<f64>,
+}
+
+impl OfKind {
+    fn new(places: &[StepPlace], cuts: &[BlockCut], kind: MoveKind) -> Self {
+        let mut volume = vec![0.0; places.len()];
+        for c in cuts {
+            if let Some(v) = volume.get_mut(c.block as usize) {
+                *v += c.volume;
             }
         }
+        let steps: Vec<usize> = (0..places.len()).filter(|i| places[*i].kind == kind).collect();
+        let before = |value: &dyn Fn(usize) -> f64| {
+            let mut sums = vec![0.0];
+            sums.extend(steps.iter().scan(0.0, |sum, i| {
+                *sum += value(*i);
+                Some(*sum)
+            }));
+            sums
+        };
+        let way = before(&|i| places[i].way);
+        let time = before(&|i| places[i].time);
+        let sum = before(&|i| volume[i]);
+        Self { steps, way, time, sum }
     }
-    // Differences of sums contain rounding errors.
-    fastest.filter(|f| volume.get(f.1 as usize).is_some_and(|v| *v > 0.0))
+
+    /// The first of the steps up to `end`, not included, that just cover a tip motion; `None` where all of them cover less.
+    fn start(&self, end: usize, way: f64) -> Option<usize> {
+        let first = self.way[..=end].partition_point(|w| self.way[end] - w >= way);
+        first.checked_sub(1)
+    }
+
+    /// Removal rate of steps, mm3/s.
+    fn rate(&self, [start, end]: [usize; 2]) -> f64 {
+        let time = self.time[end] - self.time[start];
+        if time > 0.0 { (self.sum[end] - self.sum[start]) / time } else { 0.0 }
+    }
+
+    /// Whether steps remove as much as a cut, alone or with those around them.
+    fn removes(&self, [start, end]: [usize; 2]) -> bool {
+        let [before, after] = [self.start(end, LINK_WAY).unwrap_or(0), self.within(start, LINK_WAY)];
+        self.sum[end] - self.sum[before.min(start)] > LINK_VOLUME
+            || self.sum[after.max(end)] - self.sum[start] > LINK_VOLUME
+    }
+
+    /// The end of the steps from `start` on that cover no more than a tip motion.
+    fn within(&self, start: usize, way: f64) -> usize {
+        self.way.partition_point(|w| w - self.way[start] <= way) - 1
+    }
+
+    /// The step with the largest removal.
+    fn largest(&self, [start, end]: [usize; 2]) -> usize {
+        let most = (start..end).max_by(|a, b| {
+            let volume = |i: usize| self.sum[i + 1] - self.sum[i];
+            volume(*a).total_cmp(&volume(*b))
+        });
+        self.steps[most.unwrap_or(start)]
+    }
+}
+
+/// Largest removal rate of the moves at process feed, mm3/s, averaged over a tip motion `window`, mm. Links between them do not
+/// count, and moves that are shorter together are no measure: zero.
+pub(super) fn cut_rate(places: &[StepPlace], cuts: &[BlockCut], window: f64) -> f64 {
+    let moves = OfKind::new(places, cuts, MoveKind::Cut);
+    let rates = (1..=moves.steps.len()).filter_map(|end| Some(moves.rate([moves.start(end, window)?, end])));
+    rates.fold(0.0, f64::max)
+}
+
+/// Largest removal rate of links, mm3/s, and the step that removes most of it, averaged over a tip motion `window`, mm, or
+/// over the link where the link is shorter and cuts alone. A long way through air does not lower it. Links that remove little
+/// do not count; their removal adds up over their way, whatever stands between them, so that the division of a motion into
+/// blocks does not matter.
+pub(super) fn fastest_link(places: &[StepPlace], cuts: &[BlockCut], window: f64) -> Option<(f64, u32)> {
+    let links = OfKind::new(places, cuts, MoveKind::Link);
+    let mut fastest: Option<(f64, u32)> = None;
+    let mut first = 0;
+    for end in 1..=links.steps.len() {
+        let ends = links.steps.get(end).is_none_or(|next| *next != links.steps[end - 1] + 1);
+        let short = links.way[end] - links.way[first] < window;
+        let alone = (ends && short && links.sum[end] - links.sum[first] > LINK_VOLUME).then_some([first, end]);
+        let window = links.start(end, window).map(|start| [start, end]).filter(|steps| links.removes(*steps));
+        for steps in [alone, window].into_iter().flatten() {
+            let rate = links.rate(steps);
+            if rate > fastest.map_or(0.0, |f| f.0) {
+                fastest = Some((rate, u32::try_from(links.largest(steps)).unwrap_or(u32::MAX)));
+            }
+        }
+        if ends {
+            first = end;
+        }
+    }
+    fastest
 }
