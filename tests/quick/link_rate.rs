@@ -64,12 +64,12 @@ fn slot(program: &Program, length: f64, of: &dyn Fn(usize) -> (MoveKind, f64), p
     to(MoveKind::Rapid, -8.5, 10.0, LINK);
     to(MoveKind::Link, -8.5, -1.0, LINK);
     to(MoveKind::Cut, -5.0, -1.0, CUT);
-    for block in 0..(6.0 / length) as usize {
+    let count = (6.0 / length) as usize;
+    for block in 0..count {
         let (kind, speed) = of(block);
         to(kind, -5.0 + length * (block + 1) as f64, -1.0, speed);
     }
-    let last = from[0];
-    to(MoveKind::Rapid, last, 10.0, LINK);
+    to(MoveKind::Rapid, -5.0 + length * count as f64, 10.0, LINK);
     of_one_operation(program, moves)
 }
 
@@ -77,13 +77,13 @@ fn slot(program: &Program, length: f64, of: &dyn Fn(usize) -> (MoveKind, f64), p
 #[test]
 fn short_blocks_are_judged_by_what_they_remove_together() {
     use MoveKind::{Cut, Link};
+    type Feeds = fn(usize) -> (MoveKind, f64);
     let program = block(2.0, 1.4);
     let harmed = |length: f64, of: &dyn Fn(usize) -> (MoveKind, f64), parts: usize| {
         let (found, said) = findings(&program, &slot(&program, length, of, parts), 0.2);
         println!("{length} mm in {parts}: {:?}, cuts {:.1} mm3/s", found.link.map(|l| l.value), found.cut_rate);
         said.contains(&(Severity::Error, "IMP0735"))
     };
-    type Feeds = fn(usize) -> (MoveKind, f64);
     let fast: [(&str, Feeds); 6] = [
         ("links alone", |_| (Link, LINK)),
         ("one cut", |k| if k == 8 { (Cut, CUT) } else { (Link, LINK) }),
