@@ -39,6 +39,11 @@ fn the_tutorial_gives_verified_nc() {
             .unwrap();
         let said = String::from_utf8_lossy(&run.stderr).into_owned() + &String::from_utf8_lossy(&run.stdout);
         assert!(run.status.success(), "{command}: {said}");
+        // No finishing tool cuts a slot deeper than its diameter: both channels beside the vane are open.
+        for (before, _) in said.match_indices(" % of the diameter").map(|(at, _)| said.split_at(at)) {
+            let share: f64 = before.rsplit(' ').next().unwrap().parse().unwrap();
+            assert!(share <= 100.0, "{command}: {share} %");
+        }
         if command.starts_with("import") {
             assert!(said.contains("9 main blades") && said.contains("11 sections"), "{said}");
             let job = folder.path().join("wheel.imp");
