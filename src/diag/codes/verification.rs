@@ -97,8 +97,9 @@ more for parts over 200 mm), because larger cells would hide a collision of the 
 0.001` or `--stock-cell 30` on a part of 120 mm.\n\nRemedy: use a `--stock-cell` between both limits; the help line \
 names the limit.";
     LINK_CUTS = "IMP0735", "a link removes material",
-        "A move above the process feed of its operation is a link. A link should run through air. This link removes \
-more than a cell of stock, but its feed was not chosen for cutting. It is an error if the link has a higher removal \
+        "A move above the process feed of its operation is a link. A link should run through air. Links that remove \
+more than 1 mm3 over 100 mm of their way count, however many blocks divide it and whatever stands between them: their \
+feed was not chosen for cutting. It is an error if a link has a higher removal \
 rate than all cuts of the operation, over four cells of its way, or if the feed per tooth is larger than `max-chip` of \
 the tool: at the machine the tool breaks. Otherwise it is a remark.\n\nExample: `F1000` in a block of a slot that is cut with 150 \
 mm/min.\n\nRemedy: use the process feed in this block, or leads that begin and end outside the stock.";
