@@ -521,7 +521,7 @@ fn setup_sheet(
         certificate,
         post: post.name(),
         library,
-        assumptions: &post::assumptions(post, &program.machine),
+        assumptions: &post::assumptions(post, program),
         nc: (&file, written.nc.lines.len(), &body[..SHOWN_HASH]),
         restarts: &restarts,
     };
@@ -564,7 +564,7 @@ impl Written {
         };
         let body = sha256(certificate_file::body(&nc.text()).1.as_bytes());
         fill(&mut nc, of_body, &body);
-        let assumed = post::assumptions(post, &program.machine);
+        let assumed = post::assumptions(post, program);
         let text = NcText::new(post.name(), &nc.text(), operation_lines(program, motion.get(), &nc));
         let text = NcText { assumed, ..text };
         let certificate = CertificateFile::new(certificate, inputs, text).and_then(|file| file.json());

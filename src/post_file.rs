@@ -29,6 +29,9 @@ pub struct PostFile {
     pub orientation_tolerance: Option<f64>,
     /// How the text says what several sectors repeat.
     pub sectors: Sectors,
+    /// The work offset that holds the part origin, as the control names it, with its place; `None` for the usual one of the
+    /// dialect.
+    pub offset: Option<(String, Span)>,
     /// Digits of words.
     pub decimals: Decimals,
     /// Whether finishing passes are written as lines or as splines.
@@ -151,6 +154,11 @@ impl SplineForm {
 }
 
 impl PostFile {
+    /// Name of the work offset that holds the part origin, where file or job state it.
+    pub fn work_offset(&self) -> Option<&str> {
+        self.offset.as_ref().map(|(name, _)| name.as_str())
+    }
+
     /// The spline blocks of finishing passes, where the job asks for them and the control has them.
     pub fn spline_form(&self) -> Option<SplineForm> {
         self.splines.filter(|_| self.path == PathForm::Splines).map(|(form, _)| form)
@@ -341,6 +349,10 @@ pub enum Field {
     ProgramFile,
     /// Number of the program, four digits.
     ProgramNumber,
+    /// The work offset of the part.
+    WorkOffset,
+    /// Its number in G10 L2 of LinuxCNC.
+    WorkOffsetNumber,
     /// Machine Z of the gauge line at the retract height.
     Retract,
     /// Words that end smoothing.
@@ -404,10 +416,12 @@ pub enum Field {
 
 impl Field {
     /// All.
-    pub const ALL: [Self; 32] = [
+    pub const ALL: [Self; 34] = [
         Self::ProgramName,
         Self::ProgramFile,
         Self::ProgramNumber,
+        Self::WorkOffset,
+        Self::WorkOffsetNumber,
         Self::Retract,
         Self::SmoothingOff,
         Self::OperationName,
@@ -445,6 +459,8 @@ impl Field {
             Self::ProgramName => "program.name",
             Self::ProgramFile => "program.file",
             Self::ProgramNumber => "program.number",
+            Self::WorkOffset => "work-offset",
+            Self::WorkOffsetNumber => "work-offset.number",
             Self::Retract => "retract",
             Self::SmoothingOff => "smoothing-off",
             Self::OperationName => "operation.name",
@@ -484,6 +500,8 @@ impl Field {
             Self::ProgramName
             | Self::ProgramFile
             | Self::ProgramNumber
+            | Self::WorkOffset
+            | Self::WorkOffsetNumber
             | Self::Retract
             | Self::RotaryZero
             | Self::Unclamp1

@@ -43,7 +43,7 @@ pub(super) fn lines(
         "part {}, machine {}, zero at the origin of the part frame, mm",
         program.name, program.machine.name
     ));
-    lines.extend(post::assumptions(post, &program.machine).iter().map(|what| format!("assumed: {what}")));
+    lines.extend(post::assumptions(post, program).iter().map(|what| format!("assumed: {what}")));
     for c in &certificate.contracts {
         lines.push(format!("{} {}, required {} {}", c.name(), c.figures[1], c.relation, c.figures[0]));
     }

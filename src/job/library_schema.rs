@@ -248,6 +248,7 @@ const POST: &[FileKey] = &[
         "How the tool direction is stated.",
     ),
     may("orientation-tolerance", ANGLE, "Largest error of the tool direction through smoothing."),
+    may("work-offset", KeyForm::Text, "Work offset that holds the part origin; without it that of the shipped files."),
     must(
         "decimals",
         KeyForm::Table(&[

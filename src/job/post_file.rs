@@ -12,7 +12,7 @@ use crate::post_file::{
     Decimals, Field, Frame, LineEnd, Orientation, PathForm, PostFile, Sectors, SplineForm, Template, TemplateFault,
 };
 use crate::source::{SourceId, SourceMap, Span};
-use crate::syntax::ast::Block;
+use crate::syntax::ast::{Block, Value};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -46,6 +46,7 @@ struct PostTable {
     program_number: Option<Spanned<u32>>,
     orientation: SpannedText,
     orientation_tolerance: Option<SpannedText>,
+    work_offset: Option<SpannedText>,
     decimals: DecimalsTable,
     splines: Option<SpannedText>,
     smoothing: SmoothingTable,
@@ -233,6 +234,7 @@ pub(super) fn read(
             .as_ref()
             .map(|text| reader.quantity(text, Dimension::ANGLE, least, most)),
         sectors: Sectors::Inline,
+        offset: table.work_offset.as_ref().map(|text| (text.get_ref().clone(), reader.span(text))),
         decimals: reader.decimals(&table.decimals),
         path: PathForm::Lines,
         splines: table.splines.as_ref().and_then(|text| {
@@ -282,6 +284,12 @@ pub(super) fn with_properties(
     }
     if let Some((number, _)) = properties.count("program-number", 1, LARGEST[1], "program-number 1001") {
         post.program_number = number;
+    }
+    if let Some((word, values)) = properties.take("work-offset") {
+        match values.as_slice() {
+            [Value::Text(text)] => post.offset = Some((text.text.clone(), text.span)),
+            _ => properties.wrong_form(word.span, "work-offset", "a quoted name", "work-offset \"G55\""),
+        }
     }
     if let Some(Some(end)) = name_of(&mut properties, "line-end", &LineEnd::ALL, LineEnd::name) {
         post.line_end = end;

@@ -80,6 +80,9 @@ fn post(out: &mut String, post: &PostFile) {
     let _ = writeln!(out, "  orientation {}, orientation tolerance {turn}", post.orientation.name());
     let _ =
         writeln!(out, "  {numbers}, program number {}, lines end with {}", post.program_number, post.line_end.name());
+    if let Some(offset) = post.work_offset() {
+        let _ = writeln!(out, "  work offset {offset}");
+    }
     if post.sectors != Sectors::Inline {
         let _ = writeln!(out, "  sectors {}", post.sectors.name());
     }

@@ -1,5 +1,6 @@
 //! The operations of a dialect: refuse, write, read, recognise.
 
+use super::control::WorkOffsets;
 use super::divided::Divided;
 use super::form::TextForm;
 use super::nc::{NcSection, ReadError};
@@ -25,7 +26,8 @@ pub trait Post: Sync {
     /// Refuses a motion that the dialect cannot express; also refuses what [`Self::check_machine`] refuses.
     fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink);
     /// What the proof assumes of those who take the text further and of the settings of the control, a line each; for the
-    /// head and the certificate.
+    /// head and the certificate. `{work-offset}` stands for the work offset of the program, `{transformation}` for the words
+    /// that switch tool centre point control on.
     fn assumptions(&self) -> &'static [&'static str] {
         &[]
     }
@@ -65,7 +67,27 @@ pub trait Post: Sync {
     /// # Errors
     /// The lines that are not understood or that make the program invalid, at least one, at most
     /// [`super::MOST_FAULTS`].
-    fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>>;
+    fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {
+        self.read_with_offset(text, machine, None)
+    }
+    /// As [`Self::read`], with the work offset that holds the part origin; `None` for the usual one of the dialect.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    fn read_with_offset(
+        &self,
+        text: &str,
+        machine: &Machine,
+        offset: Option<&str>,
+    ) -> Result<Vec<NcSection>, Vec<ReadError>>;
+    /// The work offsets of the control; `None` where a text has none.
+    fn offsets(&self) -> Option<&'static WorkOffsets> {
+        None
+    }
+    /// Number of a work offset in words that change it, where the dialect writes such words.
+    fn offset_number(&self, _name: &str) -> Option<u32> {
+        None
+    }
     /// Whether a block holds a word that only this dialect has. `code` ends at the first bracket or comment.
     fn recognises(&self, code: &str) -> bool;
 }

@@ -34,7 +34,7 @@ pub fn judge(
     if sink.count() > before {
         return None;
     }
-    let sections = match post.read(text, &program.machine) {
+    let sections = match post.read_with_offset(text, &program.machine, program.post.work_offset()) {
         Ok(sections) => sections,
         Err(faults) => {
             let meant = recognise(text);

@@ -26,7 +26,7 @@ pub mod trial;
 pub mod words;
 mod write;
 
-pub use control::MOST_FAULTS;
+pub use control::{MOST_FAULTS, WorkOffsets};
 pub use dialect::{Post, WriteBlock};
 pub use divided::Divided;
 pub use form::{NumberForm, TextForm};
@@ -38,7 +38,8 @@ pub use read_back::{ReadBack, read_back, refused};
 pub use tool_shape::{NcCutter, NcToolShape};
 pub use write::emit;
 
-use crate::kin::Machine;
+use crate::ir::Program;
+use crate::post_file::Orientation;
 
 /// The available dialects.
 pub const POSTS: &[&dyn Post] = &[
@@ -50,10 +51,13 @@ pub const POSTS: &[&dyn Post] = &[
     &apt_cl::AptCl,
 ];
 
-/// What the proof assumes of those who take a text for a machine further and of the settings of the control, a line each.
-pub fn assumptions(post: &dyn Post, machine: &Machine) -> Vec<String> {
-    let of_axes = modulo::assumptions(post.form(), machine);
-    post.assumptions().iter().map(|what| (*what).to_owned()).chain(of_axes).collect()
+/// What the proof assumes of those who take the text of a program further and of the settings of the control, a line each.
+pub fn assumptions(post: &dyn Post, program: &Program) -> Vec<String> {
+    let file = &program.post;
+    let offset = file.work_offset().or_else(|| Some(post.offsets()?.usual)).unwrap_or_default();
+    let transformation = file.transformation[usize::from(file.orientation == Orientation::Vectors)].text();
+    let filled = |what: &&str| what.replace("{work-offset}", offset).replace("{transformation}", &transformation);
+    post.assumptions().iter().map(filled).chain(modulo::assumptions(post.form(), &program.machine)).collect()
 }
 
 /// The dialect with a name.

@@ -28,6 +28,7 @@ pub fn check(post: &dyn Post, program: &Program, sink: &mut Sink) {
     let mut refusals = Sink::default();
     post.check(program, &motion, &mut refusals);
     check_splines(post, program, &mut refusals);
+    check_offset(post, program, &mut refusals);
     if refusals.has_errors() {
         refusals.diags().iter().cloned().for_each(|diag| sink.push(diag));
         return;
@@ -44,6 +45,21 @@ pub fn check(post: &dyn Post, program: &Program, sink: &mut Sink) {
         (None, Ok(_)) => return,
     };
     sink.push(refused(program, &nc, &fault));
+}
+
+/// Refuses a work offset that the control does not have.
+fn check_offset(post: &dyn Post, program: &Program, sink: &mut Sink) {
+    let Some((name, span)) = &program.post.offset else { return };
+    let help = match post.offsets() {
+        Some(offsets) if (offsets.has)(name) => return,
+        Some(offsets) => format!("the work offsets of the control are {}", offsets.all),
+        None => "remove the line: poses of this dialect count from the part origin".to_owned(),
+    };
+    sink.push(
+        Diag::error(codes::FRAME, format!("the dialect {} has no work offset `{name}`", post.name()))
+            .label(*span, "stated here")
+            .help(help),
+    );
 }
 
 /// Refuses spline blocks that the dialect does not have.

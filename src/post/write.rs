@@ -143,6 +143,16 @@ pub(super) fn pose(post: &dyn Post, program: &Program, joints: &Joints) -> [Stri
     [numbers(pose.tip.coords.into(), digits.length), numbers(pose.axis.into(), digits.vector)]
 }
 
+/// Name of the work offset of the part; no text in a dialect without work offsets.
+fn offset<'a>(post: &dyn Post, program: &'a Program) -> &'a str {
+    program.post.work_offset().or_else(|| Some(post.offsets()?.usual)).unwrap_or_default()
+}
+
+/// Its number in words that change it; no text in a dialect that writes none.
+pub(super) fn offset_number(post: &dyn Post, program: &Program) -> String {
+    post.offset_number(offset(post, program)).map_or_else(String::new, |number| number.to_string())
+}
+
 /// Text under construction.
 struct ProgramLines {
     form: &'static TextForm,
@@ -217,6 +227,8 @@ impl Values<'_> {
             Field::ProgramName => words::comment(&program.name),
             Field::ProgramFile => program.name.to_ascii_uppercase().replace('-', "_"),
             Field::ProgramNumber => format!("{:04}", file.program_number),
+            Field::WorkOffset => offset(self.post, program).to_owned(),
+            Field::WorkOffsetNumber => offset_number(self.post, program),
             Field::Retract => self.length(program.machine.retract),
             Field::HomeX => self.home(0),
             Field::HomeY => self.home(1),

@@ -8,13 +8,23 @@ same HOME share: HOME must be a folder of this process alone.
 """
 import ctypes, json, os, sys
 
-program, ini, table = sys.argv[1:4]
-os.environ["INI_FILE_NAME"] = ini
 tools = ctypes.CDLL("libtooldata.so.0", mode=ctypes.RTLD_GLOBAL)
-# Without its map a tool change crashes.
-tools._Z17tool_mmap_creatorPK13EMC_TOOL_STATi(None, 0)
-if tools._Z13tooldata_loadPKcPPc(table.encode(), None) != 0:
-    sys.exit("the tool table is not read")
+
+
+mapped = False
+
+
+def load_tools(table):
+    """Loads a tool table as the one of the interpreter."""
+    global mapped
+    if not mapped:
+        # Without its map a tool change crashes. A second map of a process ends it.
+        tools._Z17tool_mmap_creatorPK13EMC_TOOL_STATi(None, 0)
+        mapped = True
+    if tools._Z13tooldata_loadPKcPPc(table.encode(), None) != 0:
+        sys.exit("the tool table is not read")
+
+
 import gcode
 
 MM = 25.4  # The module calls back in inches, in G21 as well.
@@ -90,7 +100,7 @@ class Canon:
     comment = message = dwell = set_plane = set_traverse_rate = user_defined_function = ignore
 
 
-def lengths():
+def lengths(table):
     """Number and length of each tool by its pocket."""
     found = {}
     for line in open(table):
@@ -100,6 +110,10 @@ def lengths():
     return found
 
 
-result, line = gcode.parse(program, Canon(lengths()), ["G21"], "")
-if result > gcode.MIN_ERROR:
-    sys.exit(f"line {line}: {gcode.strerror(result)}")
+if __name__ == "__main__":
+    program, ini, table = sys.argv[1:4]
+    os.environ["INI_FILE_NAME"] = ini
+    load_tools(table)
+    result, line = gcode.parse(program, Canon(lengths(table)), ["G21"], "")
+    if result > gcode.MIN_ERROR:
+        sys.exit(f"line {line}: {gcode.strerror(result)}")

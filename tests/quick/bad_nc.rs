@@ -860,3 +860,64 @@ proptest! {
         }
     }
 }
+
+/// What switches tool centre point control and is not understood is one fault: moves behind it mean what it would have done.
+#[test]
+fn nothing_follows_from_a_switch_that_is_not_understood() {
+    let cases: [(&str, &str, &[&str]); 5] = [
+        (
+            "siemens-840d",
+            "TRAORI\n",
+            &["TRAORI(1,0,0,0)", "TRAORI(99)", "TRAORI(X)", "TRAORI G54", "TRACYL(40)", "L1234", "CYCLE800()"],
+        ),
+        ("siemens-840d", "TRAFOOF\nN170", &["TRAFOOF(1)\nN170", "TRAFOFF\nN170", "L1235\nN170"]),
+        ("linuxcnc", "M428", &["M428.5", "M499", "M128", "G43.4 H1", "M428 Q1", "M428 X1"]),
+        ("linuxcnc", "X28 Y-19 Z2 A-32 C-22\nM429", &["X28 Y-19 Z2 A-32 C-22\nM430", "X28 Y-19 Z2 A-32 C-22\nM429 P1"]),
+        (
+            "heidenhain",
+            "FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS",
+            &[
+                "FUNCTION TCPM F CONT AXIS POS PATHCTRL AXIS",
+                "FUNCTION TCPM F TCP AXIS SPAT PATHCTRL AXIS",
+                "FUNCTION TCPM",
+                "FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS REFPNT CNT-CNT",
+                "M144",
+                "CALL PGM TCPM",
+            ],
+        ),
+    ];
+    for (dialect, from, all) in cases {
+        let text = original(dialect);
+        assert!(text.contains(from), "{dialect}: {from}");
+        for to in all {
+            // The last one in the text: others stand before any move.
+            let at = text.rfind(from).unwrap();
+            let to = if from.ends_with('\n') && !to.ends_with('\n') { format!("{to}\n") } else { (*to).to_owned() };
+            let changed = format!("{}{to}{}", &text[..at], &text[at + from.len()..]);
+            let faults = sections(dialect, &changed).expect_err(&to);
+            assert_eq!(faults.len(), 1, "{dialect} {to}: {faults:#?}");
+        }
+    }
+}
+
+/// TRAORI(n) is the transformation of the machine file, one in a program.
+#[test]
+fn transformations_have_numbers() {
+    let numbered = |to: &str| SIEMENS.replace("TRAORI\n", &format!("{to}\n"));
+    let plain = read("siemens-840d", SIEMENS).unwrap();
+    for to in ["TRAORI()", "TRAORI(1)", "TRAORI(2)", "TRAORI( 2 )", "traori(4)"] {
+        assert_eq!(read("siemens-840d", &numbered(to)).unwrap(), plain, "{to}");
+    }
+    for (to, why) in [
+        ("TRAORI(0)", "1 to 10"),
+        ("TRAORI(11)", "1 to 10"),
+        ("TRAORI(1.5)", "TRAORI(1.5)"),
+        ("TRAORI(-1)", "TRAORI(-1)"),
+        ("TRAORI(1,0,0,1)", "another base orientation"),
+        ("TRAORI(,,,,0,0)", "another base orientation"),
+        ("TRAORI(1) G54", "alone"),
+    ] {
+        let faults = read("siemens-840d", &numbered(to)).unwrap_err();
+        assert!(faults.len() == 1 && faults[0].reason.contains(why), "{to}: {faults:?}");
+    }
+}

@@ -26,13 +26,13 @@ const MM_PER_INCH: f64 = 25.4;
 const TOOL_LENGTH: f64 = 40.0;
 
 /// The tools of LinuxCNC, and a folder of its own for each run: the interpreter keeps its tool table in HOME.
-struct LinuxCnc {
+pub(super) struct LinuxCnc {
     root: PathBuf,
     home: TempDir,
 }
 
 impl LinuxCnc {
-    fn find() -> Option<Self> {
+    pub(super) fn find() -> Option<Self> {
         let named = std::env::var_os("IMPELLERC_LINUXCNC");
         let root = named.clone().map_or_else(|| PathBuf::from("/"), PathBuf::from);
         let found = root.join("usr/bin/rs274").is_file();
@@ -101,6 +101,31 @@ impl LinuxCnc {
         }
         let text = String::from_utf8(run.stdout).unwrap();
         Ok(text.lines().map(|l| serde_json::from_str(l).unwrap()).collect())
+    }
+
+    /// What the interpreter does with each of many texts: `refused` with a reason, or `events`. `tools` are numbers and
+    /// lengths, mm, `part` is G54, mm.
+    pub(super) fn edits(&self, machine: &Machine, texts: &[&str], tools: &[(u32, f64)], part: [f64; 3]) -> Vec<Value> {
+        self.prepare(machine, "", &[]);
+        let line = |(n, length): &(u32, f64)| format!("T{n} P{n} Z{length} D2\n");
+        std::fs::write(self.path("mm.tbl"), tools.iter().map(line).collect::<String>()).unwrap();
+        let mut child = self
+            .command("/usr/bin/python3")
+            .arg(ours().join("edits.py"))
+            .args(["interpreter.ini", "mm.tbl"])
+            .args(part.map(|x| x.to_string()))
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let mut input = child.stdin.take().unwrap();
+        let lines: String = texts.iter().map(|t| serde_json::to_string(t).unwrap() + "\n").collect();
+        let writer = std::thread::spawn(move || input.write_all(lines.as_bytes()));
+        let run = child.wait_with_output().unwrap();
+        assert!(run.status.success());
+        writer.join().unwrap().unwrap();
+        String::from_utf8(run.stdout).unwrap().lines().map(|l| serde_json::from_str(l).unwrap()).collect()
     }
 
     /// Joints X Y Z (mm) and both tables (degrees), and tool axis in the part frame, of poses in the part frame (tip, mm,
@@ -431,7 +456,7 @@ fn the_main_job_is_what_the_interpreter_means() {
     }
 }
 
-fn machine(name: &str) -> Machine {
+pub(super) fn machine(name: &str) -> Machine {
     let options = options("jobs/small/small.imp", name);
     driver::front(&options, &mut Stages::default(), &mut Outcome::default()).unwrap().unwrap().machine
 }

@@ -44,6 +44,7 @@ mod left;
 mod levels;
 mod library_schema;
 mod link_rate;
+mod linuxcnc_edits;
 mod linuxcnc_impeller;
 mod linuxcnc_interpreter;
 mod machine_motion;

@@ -130,6 +130,95 @@ fn a_program_ends_at_home() {
     }
 }
 
+/// The work offset that a post states is written, read back, and named by what is assumed; another one is refused.
+#[test]
+fn the_work_offset_is_stated_once() {
+    let cases: [(&str, &[&str], &[&str]); 5] = [
+        ("siemens-840d", &["G55", "G57", "G505", "G599"], &["G500", "G58", "G504", "G600", "G54.1", "55", ""]),
+        ("linuxcnc", &["G55", "G59", "G59.3"], &["G53", "G59.4", "G505", "g55"]),
+        ("heidenhain", &["2", "17"], &["0", "G55", "-1", "+2", "70000"]),
+        ("fanuc", &["G55", "G59", "G54.1 P1", "G54.1 P48"], &["G54.1", "G54.1 P0", "G54.1 P301", "G54.1P1", "G505"]),
+        ("mitsubishi", &["G56", "G54.1 P96"], &["G60"]),
+    ];
+    for (dialect, offsets, others) in cases {
+        let post = post::find(dialect).unwrap();
+        let (mut program, motion) = program(post);
+        let usual = post.offsets().unwrap().usual;
+        let frames = |program: &Program| {
+            let mut sink = Sink::default();
+            post::trial::check(post, program, &mut sink);
+            sink.diags().iter().map(|d| d.message.clone()).collect::<Vec<_>>()
+        };
+        let usual_text = post::emit(post, &program, motion, &[]).text();
+        for name in offsets {
+            program.post.offset = Some(((*name).to_owned(), Span::default()));
+            assert!(frames(&program).is_empty(), "{dialect} {name}: {:?}", frames(&program));
+            let text = post::emit(post, &program, motion, &[]).text();
+            assert!(text.contains(name) && text != usual_text);
+            post::read_back(post, &program, motion, &text).unwrap_or_else(|d| panic!("{dialect} {name}: {d:?}"));
+            let assumed = post::assumptions(post, &program);
+            let due = format!("{}{name} is the part origin", if dialect == "heidenhain" { "preset " } else { "" });
+            assert!(assumed.iter().any(|line| line.starts_with(&due)), "{assumed:?}");
+            assert!(!assumed.iter().any(|line| line.contains('{')), "{assumed:?}");
+            // The text of another offset, both ways.
+            let faults = post.read(&text, &program.machine).unwrap_err();
+            let said = [format!("`work-offset \"{name}\"`"), "of G10 only G10 L2 P1 R0".to_owned()];
+            assert!(
+                dialect == "heidenhain" || said.iter().any(|said| faults[0].reason.contains(said)),
+                "{dialect} {name}: {faults:?}"
+            );
+            let other = post::read_back(post, &program, motion, &usual_text);
+            assert!(other.is_err(), "{dialect} {name}");
+        }
+        for name in others {
+            program.post.offset = Some(((*name).to_owned(), Span::default()));
+            let said = frames(&program);
+            assert!(said.len() == 1 && said[0].contains("has no work offset"), "{dialect} {name}: {said:?}");
+        }
+        program.post.offset = Some((usual.to_owned(), Span::default()));
+        assert_eq!(post::emit(post, &program, motion, &[]).text(), usual_text);
+    }
+    let post = post::find("apt-cl").unwrap();
+    let (mut program, _) = program(post);
+    program.post.offset = Some(("G54".to_owned(), Span::default()));
+    let mut sink = Sink::default();
+    post::trial::check(post, &program, &mut sink);
+    assert!(sink.diags()[0].message.contains("has no work offset"), "{:?}", sink.diags());
+}
+
+/// A post file that writes another offset than it states is refused, with the line to state it.
+#[test]
+fn a_frame_with_another_work_offset_is_refused() {
+    let post = post::find("fanuc").unwrap();
+    let (mut program, _) = program(post);
+    for line in &mut program.post.frames[2] {
+        *line = Template::new(&line.text().replace("{work-offset}", "G55"), Span::default()).unwrap();
+    }
+    let mut sink = Sink::default();
+    post::trial::check(post, &program, &mut sink);
+    let message = &sink.diags()[0].message;
+    assert!(message.contains("a move with G55") && message.contains("`work-offset \"G55\"`"), "{message}");
+    program.post.offset = Some(("G55".to_owned(), Span::default()));
+    let mut sink = Sink::default();
+    post::trial::check(post, &program, &mut sink);
+    assert!(!sink.has_errors(), "{:?}", sink.diags());
+}
+
+/// The transformation that a post file names is among what is assumed.
+#[test]
+fn the_number_of_the_transformation_is_assumed() {
+    let post = post::find("siemens-840d").unwrap();
+    let (mut program, motion) = program(post);
+    assert!(post::assumptions(post, &program)[0].starts_with("TRAORI is the transformation of the machine file"));
+    program.post.transformation = [0, 1].map(|_| Template::new("TRAORI(2)", Span::default()).unwrap());
+    let mut sink = Sink::default();
+    post::trial::check(post, &program, &mut sink);
+    assert!(!sink.has_errors(), "{:?}", sink.diags());
+    let text = post::emit(post, &program, motion, &[]).text();
+    assert!(post::read_back(post, &program, motion, &text).is_ok() && text.contains(" TRAORI(2)\n"));
+    assert!(post::assumptions(post, &program)[0].starts_with("TRAORI(2) is the transformation of the machine file"));
+}
+
 /// What must be noticed: a changed digit, a dropped line, a swapped pair of lines, a lost word.
 #[test]
 fn a_changed_text_is_noticed() {

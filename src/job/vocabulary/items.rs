@@ -135,6 +135,12 @@ pub(super) const TOPICS: &[Topic] = &[
                 Means("as the post file says"),
                 "Step of the block numbers; 0 writes none.",
             ),
+            property(
+                "work-offset",
+                "quoted name",
+                Means("as the post file says"),
+                "Work offset that holds the part origin, such as `\"G55\"`.",
+            ),
             property("program-number", "whole number from 1", Means("as the post file says"), "Number of the program."),
             property("line-end", "`lf` or `crlf`", Means("as the post file says"), "End of each line."),
             property(

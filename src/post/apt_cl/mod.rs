@@ -67,7 +67,12 @@ impl Post for AptCl {
         writer::moves(program, operation, write);
     }
 
-    fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {
+    fn read_with_offset(
+        &self,
+        text: &str,
+        machine: &Machine,
+        _offset: Option<&str>,
+    ) -> Result<Vec<NcSection>, Vec<ReadError>> {
         reader::read(text, machine)
     }
 

@@ -25,7 +25,7 @@ pub const MOST_FAULTS: usize = 50;
 const MOST_MOVES: usize = 4_000_000;
 
 /// Longest number, in characters.
-const LONGEST_NUMBER: usize = 24;
+pub(super) const LONGEST_NUMBER: usize = 24;
 
 /// Largest coordinate, mm: larger than any machine.
 const FARTHEST: f64 = 1e5;
@@ -96,6 +96,8 @@ pub(super) struct Control {
     pub(super) smoothing: &'static str,
     /// The word that ends a program.
     pub(super) end: &'static str,
+    /// The work offsets.
+    pub(super) offsets: &'static WorkOffsets,
     /// What takes a turn of the work frame back; empty where the reader knows no such turns.
     pub(super) unturned: &'static str,
     /// Words of [`ModalGroup::Turning`] with which the tool axis turns on a great circle. With every other word the rotary
@@ -137,6 +139,16 @@ impl Control {
             format!("{}, then `{}`,", self.change, self.length)
         }
     }
+}
+
+/// Work offsets of a dialect.
+pub struct WorkOffsets {
+    /// The offset of a post that states none.
+    pub usual: &'static str,
+    /// All of them, as a message names them.
+    pub all: &'static str,
+    /// Whether a name is one of them.
+    pub has: fn(&str) -> bool,
 }
 
 /// Actions of the words of a block, in the order of the control.
@@ -240,6 +252,8 @@ pub(super) struct NcBlock {
     pub(super) change: bool,
     /// Words of modal groups.
     pub(super) modal: [Option<&'static str>; GROUPS],
+    /// The work offset that the block selects, as the control names it.
+    pub(super) offset: Option<Arc<str>>,
     /// Tool centre point control on or off.
     pub(super) transformation: Option<bool>,
     /// Tool length.
@@ -337,11 +351,22 @@ impl NcBlock {
     /// Stores a word of a modal group; `None` when the text is no such word.
     pub(super) fn modal_word(&mut self, control: &Control, text: &str) -> Option<Result<(), String>> {
         let (modal, word) = control.modal.iter().find_map(|m| Some((m, m.word(text)?)))?;
+        if modal.group == ModalGroup::WorkOffset {
+            return Some(self.select_offset(word));
+        }
         let slot = &mut self.modal[modal.group as usize];
         Some(match slot.replace(word) {
             Some(before) => Err(format!("`{before}` and `{word}` in one block both set {}", modal.what)),
             None => Ok(()),
         })
+    }
+
+    /// Stores a work offset.
+    pub(super) fn select_offset(&mut self, name: &str) -> Result<(), String> {
+        match self.offset.replace(name.into()) {
+            Some(before) => Err(format!("`{before}` and `{name}` in one block both set the work offset")),
+            None => Ok(()),
+        }
     }
 
     pub(super) fn has_axis_words(&self) -> bool {

@@ -74,13 +74,13 @@ impl Modal {
     }
 }
 
-/// Setting of a group.
+/// Setting of a group by a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::post) enum Setting {
+pub(in crate::post) enum Setting<W = &'static str> {
     /// Set by an earlier program; no block sets the group.
     Unknown,
     /// Set by a word, in a line.
-    Said(&'static str, usize),
+    Said(W, usize),
     /// Reported as a fault; from there on the setting counts as correct.
     Reported,
 }

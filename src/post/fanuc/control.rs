@@ -1,7 +1,7 @@
 //! Modal groups and order of words of the family, and what differs between its members.
 
 use crate::post::control::modal::{Modal, ModalGroup, Needed};
-use crate::post::control::{Act, Control, MotionWord};
+use crate::post::control::{Act, Control, MotionWord, WorkOffsets};
 
 /// The word that takes back shifts of the work frame, as a message names it.
 pub(super) const PRESET: &str = "G92.1 X0. Y0. Z0. with both rotary axes at 0.";
@@ -53,7 +53,7 @@ pub(super) const FANUC: Member = Member {
         "a block turns the rotary axes linearly (19604#0 TPC = 0)",
         "a rotary axis that rolls over takes the shorter way (1008#1 RAB = 0)",
         "G05.1 Q1 leaves the path by no more than the chord tolerance of each operation",
-        "G54 is the part origin with the rotary axes at zero, and has no rotary offsets",
+        "{work-offset} is the part origin with the rotary axes at zero, and has no rotary offsets",
     ],
     point: "parameter 3401#0",
 };
@@ -76,10 +76,22 @@ pub(super) const MITSUBISHI: Member = Member {
         "a block turns the rotary axes linearly: joint interpolation, not rotation about a single axis",
         "a rotary axis that rolls over takes the shorter way",
         "G05.1 Q1 leaves the path by no more than the chord tolerance of each operation",
-        "G54 is the part origin with the rotary axes at zero, and has no rotary offsets",
+        "{work-offset} is the part origin with the rotary axes at zero, and has no rotary offsets",
     ],
     point: "parameter #1078",
 };
+
+/// The work offsets: six, and further ones as an option.
+pub(super) const OFFSETS: WorkOffsets =
+    WorkOffsets { usual: "G54", all: "G54 to G59 and G54.1 P1 to G54.1 P300", has: is_offset };
+
+/// Whether a name is that of a work offset.
+pub(super) fn is_offset(name: &str) -> bool {
+    match name.strip_prefix("G54.1 P") {
+        None => ["G54", "G55", "G56", "G57", "G58", "G59"].contains(&name),
+        Some(number) => !number.starts_with(['0', '+']) && number.parse().is_ok_and(|n: u32| (1..=300).contains(&n)),
+    }
+}
 
 /// The control.
 pub(super) const CONTROL: Control = Control {
@@ -204,6 +216,7 @@ pub(super) const CONTROL: Control = Control {
     length: "G43.4 H",
     smoothing: "G05.1 Q1",
     end: "M30",
+    offsets: &OFFSETS,
     unturned: "",
     great_circle: &[IN_PLANE],
     machine_frame_drops_length: false,

@@ -22,6 +22,7 @@ mod tests;
 use crate::diag::Sink;
 use crate::ir::{Motion, MotionOperation, Program};
 use crate::kin::{Angles, Machine};
+use crate::post::control::WorkOffsets;
 use crate::post::dialect::{Post, WriteBlock};
 use crate::post::form::TextForm;
 use crate::post::nc::{NcSection, ReadError};
@@ -87,8 +88,17 @@ impl Post for Family {
         writer::moves(self, program, operation, write);
     }
 
-    fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {
-        reader::read(text, machine, self.member)
+    fn read_with_offset(
+        &self,
+        text: &str,
+        machine: &Machine,
+        offset: Option<&str>,
+    ) -> Result<Vec<NcSection>, Vec<ReadError>> {
+        reader::read(text, (machine, offset.unwrap_or(control::OFFSETS.usual)), self.member)
+    }
+
+    fn offsets(&self) -> Option<&'static WorkOffsets> {
+        Some(&control::OFFSETS)
     }
 
     fn recognises(&self, code: &str) -> bool {

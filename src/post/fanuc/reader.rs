@@ -4,7 +4,7 @@
 //! point counts in a unit that a setting of the control gives, so that it is refused. The direction of G43.5 needs all three
 //! of I J K: the control takes a missing one as 0.
 
-use super::control::{CONTROL, HARMLESS, IN_PLANE, LINEAR, Member, PRESET};
+use super::control::{CONTROL, HARMLESS, IN_PLANE, LINEAR, Member, OFFSETS, PRESET, is_offset};
 use super::text::{code_name, count, decimal, first_word, program_name, without_comments};
 use crate::kin::Machine;
 use crate::post::control::modal::ModalGroup;
@@ -39,9 +39,13 @@ enum Directed {
 }
 
 /// Reads a program.
-pub(super) fn read(text: &str, machine: &Machine, member: &Member) -> Result<Vec<NcSection>, Vec<ReadError>> {
+pub(super) fn read(
+    text: &str,
+    (machine, offset): (&Machine, &str),
+    member: &Member,
+) -> Result<Vec<NcSection>, Vec<ReadError>> {
     let mut reader = Reader { machine, member, tape: Tape::Leader, directed: Directed::Angles };
-    let result = control::read(text, &CONTROL, machine, |line, _, faults| reader.line(line, faults));
+    let result = control::read(text, &CONTROL, (machine, offset), |line, _, faults| reader.line(line, faults));
     if reader.tape == Tape::Closed {
         return result;
     }
@@ -77,6 +81,8 @@ struct Words {
     switch: Option<&'static str>,
     /// G05.1 or G05.
     smoothing: Option<&'static str>,
+    /// G54.1, whose P is the number of the offset.
+    further_offset: bool,
     /// G92.1 or G50.1, whose axis words are no move.
     frame: Option<&'static str>,
     rapid: bool,
@@ -233,7 +239,17 @@ impl Reader<'_> {
                 _ => Err("G04 needs P in its block, the time in ms, and nothing else".to_owned()),
             };
         }
-        unused(words, "", "")?;
+        if words.further_offset {
+            let number = words.p.ok_or("G54.1 without P: write the number of the work offset")?;
+            let name = format!("G54.1 P{number}");
+            if !is_offset(&name) {
+                return Err(format!("{name}: the control has the offsets {}", OFFSETS.all));
+            }
+            block.select_offset(&name)?;
+            unused(words, "G54.1", "P")?;
+        } else {
+            unused(words, "", "")?;
+        }
         self.direction(block)?;
         let coolant = block.modal[ModalGroup::Coolant as usize].is_some();
         if words.m > 0 && block.has_axis_words() && !(coolant && words.rapid) {
@@ -395,8 +411,13 @@ fn preparatory(code: &str, block: &mut NcBlock, words: &mut Words) -> Result<(),
         "G43" | "G44" | "G43.1" => {
             refused("it activates the tool length without tool centre point control; write G43.4 H")
         }
-        "G10" | "G52" | "G54.1" | "G54.2" | "G54.4" | "G92" => {
-            refused("it changes the work offset; set offsets at the machine and write G54")
+        "G54.1" if words.further_offset => Err("`G54.1` occurs twice in one block".to_owned()),
+        "G54.1" => {
+            words.further_offset = true;
+            Ok(())
+        }
+        "G10" | "G52" | "G54.2" | "G54.4" | "G92" => {
+            refused("it changes the work offset; set offsets at the machine and select one")
         }
         "G16" | "G51" | "G51.1" | "G68" | "G68.1" | "G68.2" | "G68.3" | "G68.4" => {
             refused("it turns, mirrors or scales the work frame")

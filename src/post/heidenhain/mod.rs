@@ -19,6 +19,7 @@ mod writer;
 use crate::diag::Sink;
 use crate::ir::{Motion, MotionOperation, Program};
 use crate::kin::Machine;
+use crate::post::control::WorkOffsets;
 use crate::post::dialect::{Post, WriteBlock};
 use crate::post::form::TextForm;
 use crate::post::nc::{NcSection, ReadError};
@@ -28,7 +29,7 @@ use crate::source::Span;
 
 /// What must be set at the control.
 const ASSUMED: &[&str] = &[
-    "preset 1 is the part origin with the rotary axes at 0, and has no rotary offsets",
+    "preset {work-offset} is the part origin with the rotary axes at 0, and has no rotary offsets",
     "L of the tool table is the length to the tip, also of ball end mills; DL, DR and DR2 are 0",
     "positions with M91 count from the machine datum of the machine file, Z without the tool length",
     "the kinematics of the control are those of the machine file, and cycle 32 is enabled",
@@ -78,8 +79,17 @@ impl Post for Heidenhain {
         writer::moves(program, operation, write);
     }
 
-    fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {
-        reader::read(text, machine)
+    fn read_with_offset(
+        &self,
+        text: &str,
+        machine: &Machine,
+        offset: Option<&str>,
+    ) -> Result<Vec<NcSection>, Vec<ReadError>> {
+        reader::read(text, machine, offset.unwrap_or(reader::OFFSETS.usual))
+    }
+
+    fn offsets(&self) -> Option<&'static WorkOffsets> {
+        Some(&reader::OFFSETS)
     }
 
     fn recognises(&self, code: &str) -> bool {

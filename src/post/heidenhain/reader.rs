@@ -8,7 +8,9 @@ use super::spline;
 use super::straight::{self, PLACES, RATE_PLACES, count, decimal};
 use crate::kin::Machine;
 use crate::post::control::modal::{Modal, ModalGroup, Needed};
-use crate::post::control::{self, Act, Control, MotionWord, NcBlock, Smoothing, SmoothingTolerance, once, shown};
+use crate::post::control::{
+    self, Act, Control, MotionWord, NcBlock, Smoothing, SmoothingTolerance, WorkOffsets, once, shown,
+};
 use crate::post::nc::{NcSection, NcTool, ReadError};
 
 /// Longest block with its continued lines.
@@ -26,9 +28,18 @@ const LARGEST_TOOL: u32 = 32_767;
 /// Longest name in the tool table.
 const LONGEST_NAME: usize = 32;
 
-/// The block that activates the preset, as messages name it.
-const PRESET: &str = "CYCL DEF 247 Q339=+1";
-const OTHER_PRESET: &str = "CYCL DEF 247 with another preset";
+/// The presets, by the number of their row in the table of the control.
+pub(super) const OFFSETS: WorkOffsets =
+    WorkOffsets { usual: "1", all: "the numbers of presets, \"1\" to \"65535\"", has: is_preset };
+
+fn is_preset(name: &str) -> bool {
+    !name.starts_with(['0', '+']) && name.parse().is_ok_and(|number: u32| (1..=65_535).contains(&number))
+}
+
+/// The block that activates a preset, as messages name it.
+fn preset_block(number: impl std::fmt::Display) -> String {
+    format!("CYCL DEF 247 Q339=+{number}")
+}
 
 /// Modal groups.
 const MODAL: &[Modal] = &[
@@ -47,13 +58,7 @@ const MODAL: &[Modal] = &[
         needed: Needed::Always,
     },
     // Cycle 247 also takes back datum shift, mirror image, rotation and scaling.
-    Modal {
-        group: ModalGroup::WorkOffset,
-        what: "the preset",
-        right: &[PRESET],
-        wrong: &[OTHER_PRESET],
-        needed: Needed::InWorkFrame,
-    },
+    Modal { group: ModalGroup::WorkOffset, what: "the preset", right: &[], wrong: &[], needed: Needed::InWorkFrame },
     Modal {
         group: ModalGroup::Rotation,
         what: "no tilted working plane",
@@ -124,6 +129,7 @@ const fn klartext(transformation: [&'static str; 2]) -> Control {
         length: "TOOL CALL",
         smoothing: "CYCL DEF 32.1 T with a tolerance",
         end: "M30",
+        offsets: &OFFSETS,
         // M128 has no word for the interpolation: the rotary axes run linearly, as with PATHCTRL AXIS.
         unturned: "",
         great_circle: &["PATHCTRL VECTOR"],
@@ -146,10 +152,11 @@ static TCPM: Control = klartext(["FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS", "
 static M128: Control = klartext(["M128", "M129"]);
 
 /// Reads a program.
-pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {
+pub(super) fn read(text: &str, machine: &Machine, preset: &str) -> Result<Vec<NcSection>, Vec<ReadError>> {
     let control = if !text.contains("TCPM") && text.contains("M128") { &M128 } else { &TCPM };
     let mut reader = ProgramReader::new(control, machine);
-    let sections = control::read(text, control, machine, |line, _, faults| reader.line(line, faults))?;
+    let sections =
+        control::read(text, control, (machine, &preset_block(preset)), |line, _, faults| reader.line(line, faults))?;
     if reader.closed {
         return Ok(sections);
     }
@@ -446,8 +453,7 @@ impl<'a> ProgramReader<'a> {
                 let preset = preset.strip_prefix("Q339=").ok_or("cycle 247 needs Q339, the number of the preset")?;
                 let number = count(preset.strip_prefix('+').unwrap_or(preset), 5)?;
                 let mut block = NcBlock { outside: Some("CYCL DEF 247"), ..NcBlock::default() };
-                let word = if number == 1 { PRESET } else { OTHER_PRESET };
-                let _ = block.modal_word(self.control, word);
+                block.select_offset(&preset_block(number))?;
                 Ok(Some(block))
             }
             ("247", ..) => Err("cycle 247 needs Q339 alone: the number of the preset".to_owned()),

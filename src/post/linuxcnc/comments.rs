@@ -1,6 +1,10 @@
-//! Comments in LinuxCNC text, for the reader: they stand in brackets or behind a semicolon, and some are commands.
+//! Lines of LinuxCNC text before their words, for the reader: length, comments, block number. Comments stand in brackets or
+//! behind a semicolon, and some are commands.
 
-use crate::post::control::shown;
+use crate::post::control::{LONGEST_NUMBER, shown};
+
+/// Longest line of the interpreter, without its line feed; a carriage return counts.
+const LONGEST_LINE: usize = 252;
 
 /// Beginnings of comments that the control or its screen executes.
 const EXECUTED: [&str; 12] = [
@@ -18,8 +22,40 @@ const EXECUTED: [&str; 12] = [
     "preview,",
 ];
 
-/// A line without comments and blanks, in upper case.
-pub(super) fn without_comments(line: &str) -> Result<String, String> {
+/// What stands in the place of a comment: the control ends a word there.
+pub(super) const COMMENT: char = '(';
+
+/// A line without blanks, in upper case, with [`COMMENT`] in the place of each comment.
+///
+/// # Errors
+/// What the control refuses in a line that it reads without executing it as well.
+pub(super) fn code_of(line: &str) -> Result<String, String> {
+    if line.len() > LONGEST_LINE {
+        return Err(format!("longer than {LONGEST_LINE} characters: the control refuses the line"));
+    }
+    let code = without_comments(line)?;
+    behind_number(&code)?;
+    Ok(code)
+}
+
+/// The text behind the block number of a line, which is digits and may have a fraction.
+pub(super) fn behind_number(code: &str) -> Result<&str, String> {
+    let Some(text) = code.strip_prefix('N') else { return Ok(code) };
+    let digits = |text: &str| text.len() - text.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+    let bad = || format!("`N{}` is no block number: write digits", shown(text, 20));
+    let whole = digits(text);
+    let (_, rest) = text.split_at_checked(whole).filter(|_| whole > 0 && whole <= LONGEST_NUMBER).ok_or_else(bad)?;
+    match rest.strip_prefix('.') {
+        None => Ok(rest),
+        Some(fraction) => match digits(fraction) {
+            0 => Err(bad()),
+            count => Ok(&fraction[count..]),
+        },
+    }
+}
+
+/// A line without blanks, in upper case, with [`COMMENT`] in the place of each comment.
+fn without_comments(line: &str) -> Result<String, String> {
     let mut code = String::with_capacity(line.len());
     let mut inside: Option<usize> = None;
     let line = line.strip_suffix('\r').unwrap_or(line);
@@ -27,11 +63,13 @@ pub(super) fn without_comments(line: &str) -> Result<String, String> {
         match (inside, c) {
             (None, ';') => {
                 harmless(&line[i + 1..])?;
+                code.push(COMMENT);
                 break;
             }
             (None, '(') => inside = Some(i + 1),
             (Some(from), ')') => {
                 harmless(&line[from..i])?;
+                code.push(COMMENT);
                 inside = None;
             }
             (Some(_), '(') => return Err("a comment inside a comment".to_owned()),

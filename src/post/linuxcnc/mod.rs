@@ -21,6 +21,7 @@ mod writer;
 use crate::diag::Sink;
 use crate::ir::{Motion, MotionOperation, Program};
 use crate::kin::Machine;
+use crate::post::control::WorkOffsets;
 use crate::post::dialect::{Post, WriteBlock};
 use crate::post::divided::Divided;
 use crate::post::form::TextForm;
@@ -31,7 +32,7 @@ use crate::source::Span;
 const ASSUMED: &[&str] = &[
     "the kinematics are xyzac-trt or xyzbc-trt with the points of the machine file; M428 and M429 switch them and wait",
     "a positive rotary word turns its table right-handed",
-    "G54 is the part origin in the machine frame, without rotary offsets; all axes are homed",
+    "{work-offset} is the part origin in the machine frame, without rotary offsets; all axes are homed",
     "the tool table has the lengths of the head, and they drive the kinematics",
     "rapids are G1 in inverse time: G0 with M428 would keep no limit of a joint",
 ];
@@ -76,8 +77,21 @@ impl Post for LinuxCnc {
         writer::subprograms(program, divided, smoothing, write);
     }
 
-    fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {
-        reader::read(text, machine)
+    fn read_with_offset(
+        &self,
+        text: &str,
+        machine: &Machine,
+        offset: Option<&str>,
+    ) -> Result<Vec<NcSection>, Vec<ReadError>> {
+        reader::read(text, machine, offset.unwrap_or(reader::OFFSETS.usual))
+    }
+
+    fn offsets(&self) -> Option<&'static WorkOffsets> {
+        Some(&reader::OFFSETS)
+    }
+
+    fn offset_number(&self, name: &str) -> Option<u32> {
+        reader::offset_number(name)
     }
 
     fn recognises(&self, code: &str) -> bool {

@@ -4,20 +4,21 @@
 //! The reader accepts the words that the interpreter accepts, and they act in the same order (manual, "Order of
 //! Execution").
 
-use super::comments::without_comments;
+use super::comments::{COMMENT, behind_number, code_of};
 use super::subprograms;
 use crate::kin::Machine;
 use crate::post::control::modal::{Modal, ModalGroup, Needed};
 use crate::post::control::{
-    self, Act, Control, LengthWord, Line, MotionWord, NcBlock, Smoothing, SmoothingTolerance, number, once, shown,
+    self, Act, Control, LengthWord, Line, MotionWord, NcBlock, Smoothing, SmoothingTolerance, WorkOffsets, number,
+    once, shown,
 };
 use crate::post::nc::{NcSection, NcTool, ReadError};
 
 /// Rounding of ten times the number of a G word: G61.1 is one code, G61.11 is none.
 const DIGITS: f64 = 1e-6;
 
-/// Longest line of the interpreter, without its line feed; a carriage return counts.
-const LONGEST_LINE: usize = 252;
+/// Most M words of a block.
+const MOST_M_WORDS: usize = 4;
 
 /// Widest tolerance of G64, mm.
 const WIDEST: f64 = 10.0;
@@ -27,6 +28,18 @@ const MOST_TURN: f64 = 360.0;
 
 /// The word for a work offset without rotation, as a message names it.
 const NO_ROTATION: &str = "G10 L2 P1 R0";
+
+/// Names of the work offsets by their number in G10 L2, from 1.
+const OFFSET_NAMES: [&str; 9] = ["G54", "G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3"];
+
+/// The work offsets.
+pub(super) const OFFSETS: WorkOffsets =
+    WorkOffsets { usual: "G54", all: "G54 to G59 and G59.1 to G59.3", has: |name| OFFSET_NAMES.contains(&name) };
+
+/// Number of a work offset in G10 L2.
+pub(super) fn offset_number(name: &str) -> Option<u32> {
+    OFFSET_NAMES.iter().zip(1..).find(|(known, _)| **known == name).map(|(_, number)| number)
+}
 
 /// The control.
 const LINUXCNC: Control = Control {
@@ -152,6 +165,7 @@ const LINUXCNC: Control = Control {
     length: "G43",
     smoothing: "G64 P with a tolerance",
     end: "M2",
+    offsets: &OFFSETS,
     unturned: "write `G10 L2 P1 R0` before this block",
     great_circle: &[],
     machine_frame_drops_length: true,
@@ -179,19 +193,16 @@ enum Tape {
 }
 
 /// Reads a program.
-pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {
+pub(super) fn read(text: &str, machine: &Machine, offset: &str) -> Result<Vec<NcSection>, Vec<ReadError>> {
     let mut tape = Tape::Start;
-    control::read_in_order(
+    let number = offset_number(offset).unwrap_or(1);
+    let sections = control::read_in_order(
         text,
         &LINUXCNC,
-        machine,
+        (machine, offset),
         &subprograms::flow(text),
         |Line { text: line, arguments, .. }, faults| {
-            if line.len() > LONGEST_LINE {
-                faults.push(format!("longer than {LONGEST_LINE} characters: the control refuses the line"));
-                return None;
-            }
-            let code = match without_comments(line) {
+            let code = match code_of(line) {
                 Ok(code) => code,
                 Err(reason) => {
                     faults.push(reason);
@@ -216,9 +227,15 @@ pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<
             if tape == Tape::Start {
                 tape = Tape::None;
             }
-            block(&code, arguments, machine, faults)
+            block(&code, (arguments, number), machine, faults)
         },
-    )
+    );
+    // The words of the group name the first offset.
+    let named = format!("G10 L2 P{number} R0");
+    sections.map_err(|faults| {
+        let told = |fault: ReadError| ReadError { reason: fault.reason.replace(NO_ROTATION, &named), ..fault };
+        faults.into_iter().map(told).collect()
+    })
 }
 
 /// Number of a word.
@@ -261,16 +278,56 @@ struct Parameters {
     path: Option<&'static str>,
     length: Option<bool>,
     data: bool,
-    motions: usize,
+    /// Words of the groups that [`ModalGroup`] does not have.
+    others: Vec<(OtherGroup, &'static str)>,
+    m_words: usize,
 }
 
-fn block(code: &str, arguments: &[f64], machine: &Machine, faults: &mut Vec<String>) -> Option<NcBlock> {
+/// Groups of the interpreter of which a block has one word at most, and that are no group of [`ModalGroup`].
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum OtherGroup {
+    /// G4, G10, G53: group 0.
+    NonModal,
+    /// G91.1: group 4.
+    ArcDistance,
+    /// G98, G99: group 10.
+    Retract,
+    /// M0, M1, M2, M30: M group 4.
+    Stopping,
+    /// M48: M group 9.
+    Overrides,
+}
+
+impl Parameters {
+    /// Takes a word of a group of which a block has one word at most.
+    fn other(&mut self, group: OtherGroup, word: &'static str) -> Result<(), String> {
+        if let Some((_, before)) = self.others.iter().find(|(g, _)| *g == group) {
+            return Err(match *before == word {
+                true => format!("`{word}` occurs twice in one block"),
+                false => format!("`{before}` and `{word}` in one block: the control takes one of them"),
+            });
+        }
+        self.others.push((group, word));
+        Ok(())
+    }
+}
+
+/// The block of a line in a call with some values, where the part is in the work offset with a number.
+fn block(
+    code: &str,
+    (arguments, offset): (&[f64], u32),
+    machine: &Machine,
+    faults: &mut Vec<String>,
+) -> Option<NcBlock> {
     let mut block = NcBlock::default();
     let mut parameters = Parameters::default();
-    let mut rest = code;
-    let mut first = true;
+    let mut rest = behind_number(code).unwrap_or(code);
     let mut empty = true;
     while !rest.is_empty() {
+        if let Some(behind) = rest.strip_prefix(COMMENT) {
+            rest = behind;
+            continue;
+        }
         let (letter, found, next) = match first_word(rest) {
             Ok(word) => word,
             Err(reason) => {
@@ -280,24 +337,20 @@ fn block(code: &str, arguments: &[f64], machine: &Machine, faults: &mut Vec<Stri
         };
         rest = next;
         let done = match found {
-            Number::Plain(text) if first && letter == 'N' && number(text).is_ok_and(|n| n >= 0.0) => None,
-            Number::Plain(text) => Some(word(letter, text, machine, &mut block, &mut parameters)),
-            Number::Computed(text) => Some(turned_word(letter, text, arguments, machine, &mut block)),
+            Number::Plain(text) => word(letter, text, machine, &mut block, &mut parameters),
+            Number::Computed(text) => turned_word(letter, text, arguments, machine, &mut block),
         };
-        if let Some(done) = done {
-            empty = false;
-            faults.extend(done.err());
-        }
-        first = false;
+        empty = false;
+        faults.extend(done.err());
     }
-    if let Err(reason) = together(&mut block, &parameters) {
+    if let Err(reason) = together(&mut block, &parameters, offset) {
         faults.push(reason);
     }
     (!empty).then_some(block)
 }
 
 /// Checks the codes and parameters of one block together.
-fn together(block: &mut NcBlock, parameters: &Parameters) -> Result<(), String> {
+fn together(block: &mut NcBlock, parameters: &Parameters, offset: u32) -> Result<(), String> {
     let good = |tolerance: f64| tolerance > 0.0 && tolerance <= WIDEST;
     let Parameters { p, q, .. } = *parameters;
     let mut used = [false; 2];
@@ -325,7 +378,7 @@ fn together(block: &mut NcBlock, parameters: &Parameters) -> Result<(), String> 
     }
     if parameters.data {
         used[0] = true;
-        let (Some(2), true, Some(turn)) = (parameters.l, p == Some(1.0), parameters.r) else {
+        let (Some(2), true, Some(turn)) = (parameters.l, p == Some(f64::from(offset)), parameters.r) else {
             return Err(format!("of G10 only {NO_ROTATION} is understood; set offsets at the machine"));
         };
         if turn.abs() > MOST_TURN {
@@ -359,8 +412,11 @@ fn together(block: &mut NcBlock, parameters: &Parameters) -> Result<(), String> 
         (Some(false), None) => Some(LengthWord::Off),
         (_, Some(_)) => return Err("H without G43".to_owned()),
     };
-    if parameters.motions > 1 {
-        return Err("two words of motion in one block".to_owned());
+    if parameters.m_words > MOST_M_WORDS {
+        return Err(format!("more than {MOST_M_WORDS} M words in one block: the control refuses the line"));
+    }
+    if parameters.data && matches!(block.motion, Some(MotionWord::Rapid | MotionWord::Feed)) {
+        return Err("G10 in a block with G0 or G1: write it in a block of its own".to_owned());
     }
     Ok(())
 }
@@ -418,7 +474,10 @@ fn word(
         'L' => once(&mut parameters.l, "L", number_of()?),
         'R' => once(&mut parameters.r, "R", value()?),
         'G' => preparatory(&code_name('G', value()?), block, parameters),
-        'M' => miscellaneous(&code_name('M', value()?), block),
+        'M' => {
+            parameters.m_words += 1;
+            miscellaneous(&code_name('M', value()?), block, parameters)
+        }
         'N' => Err(format!("`N{}`: a block number must be at the start of its block", shown(text, 20))),
         'O' => Err("an O word must be at the start of its line".to_owned()),
         _ => Err(format!("`{letter}{}` is not understood", shown(text, 20))),
@@ -451,10 +510,9 @@ fn preparatory(code: &str, block: &mut NcBlock, parameters: &mut Parameters) -> 
         "G0" => motion(block, MotionWord::Rapid),
         "G1" => motion(block, MotionWord::Feed),
         "G80" => motion(block, MotionWord::Cancelled),
-        "G53" if block.machine_frame => Err("`G53` occurs twice in one block".to_owned()),
         "G53" => {
             block.machine_frame = true;
-            Ok(())
+            parameters.other(OtherGroup::NonModal, "G53")
         }
         "G43" => once(&mut parameters.length, "G43 or G49", true),
         "G49" => once(&mut parameters.length, "G43 or G49", false),
@@ -463,11 +521,16 @@ fn preparatory(code: &str, block: &mut NcBlock, parameters: &mut Parameters) -> 
         "G64" => path("G64"),
         "G10" => {
             parameters.data = true;
-            Ok(())
+            parameters.other(OtherGroup::NonModal, "G10")
         }
-        "G4" => once(&mut block.wait, "G4", "G4"),
+        "G4" => {
+            block.wait = Some("G4");
+            parameters.other(OtherGroup::NonModal, "G4")
+        }
         // These concern arcs and the retract of cycles; the reader accepts neither.
-        "G91.1" | "G98" | "G99" => Ok(()),
+        "G91.1" => parameters.other(OtherGroup::ArcDistance, "G91.1"),
+        "G98" => parameters.other(OtherGroup::Retract, "G98"),
+        "G99" => parameters.other(OtherGroup::Retract, "G99"),
         "G2" | "G3" | "G5" | "G5.1" | "G5.2" | "G5.3" => {
             Err(format!("`{code}` is not understood: of motions only G0 and G1 are read"))
         }
@@ -493,24 +556,30 @@ fn motion(block: &mut NcBlock, motion: MotionWord) -> Result<(), String> {
     }
 }
 
-fn miscellaneous(code: &str, block: &mut NcBlock) -> Result<(), String> {
+fn miscellaneous(code: &str, block: &mut NcBlock, parameters: &mut Parameters) -> Result<(), String> {
     if let Some(done) = block.modal_word(&LINUXCNC, code) {
         return done;
     }
     match code {
         "M428" => once(&mut block.transformation, "M428 or M429", true),
         "M429" => once(&mut block.transformation, "M428 or M429", false),
-        "M2" => once(&mut block.end, "M2 or M30", "M2"),
-        "M30" => once(&mut block.end, "M2 or M30", "M30"),
-        "M0" => once(&mut block.wait, "M0 or M1", "M0"),
-        "M1" => once(&mut block.wait, "M0 or M1", "M1"),
+        "M2" | "M30" => {
+            let word = if code == "M2" { "M2" } else { "M30" };
+            block.end = Some(word);
+            parameters.other(OtherGroup::Stopping, word)
+        }
+        "M0" | "M1" => {
+            let word = if code == "M0" { "M0" } else { "M1" };
+            block.wait = Some(word);
+            parameters.other(OtherGroup::Stopping, word)
+        }
         "M6" if block.change => Err("`M6` occurs twice in one block".to_owned()),
         "M6" => {
             block.change = true;
             Ok(())
         }
         // These permit overrides of feed and spindle by hand, as at the start of a program.
-        "M48" => Ok(()),
+        "M48" => parameters.other(OtherGroup::Overrides, "M48"),
         _ => Err(format!("`{code}` is not understood")),
     }
 }

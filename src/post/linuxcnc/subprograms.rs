@@ -3,7 +3,7 @@
 //! The interpreter knows a subprogram of the same file from its line `sub` on, and skips it there (manual, "O Codes"). Its
 //! words may count with the values of a call. Other O words, which branch and loop, are refused.
 
-use super::comments::without_comments;
+use super::comments::{COMMENT, behind_number, code_of};
 use crate::post::control::flow::{Flow, Step};
 use crate::post::control::{number, shown};
 use std::collections::BTreeMap;
@@ -23,6 +23,8 @@ enum OWord {
 struct OpenSubprogram {
     name: String,
     line: usize,
+    /// What the control refuses in one of its lines, before any call.
+    fault: Option<String>,
 }
 
 /// Finds the subprograms of a text and their calls.
@@ -32,17 +34,25 @@ pub(super) fn flow(text: &str) -> Flow {
     let mut open: Option<OpenSubprogram> = None;
     for (at, line) in text.split('\n').enumerate() {
         let start = line.trim_start_matches([' ', '\t']).as_bytes().first().copied().unwrap_or(b' ');
-        if !matches!(start, b'o' | b'O' | b'n' | b'N') {
+        let may_begin = matches!(start, b'o' | b'O' | b'n' | b'N');
+        if !may_begin && open.is_none() {
             continue;
         }
-        // The reader tells faults of comments.
-        let Ok(code) = without_comments(line) else { continue };
-        let numbered = code.strip_prefix('N').map(|c| c.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.'));
-        let Some(word) = numbered.unwrap_or(&code).strip_prefix('O') else { continue };
+        let code = match (code_of(line), &mut open) {
+            (Ok(code), _) => code,
+            // Nothing executes the lines of a subprogram that nobody calls, and the control reads them all the same.
+            (Err(reason), Some(begun)) => {
+                begun.fault.get_or_insert(format!("line {}: {reason}", at + 1));
+                continue;
+            }
+            // The reader tells it.
+            (Err(_), None) => continue,
+        };
+        let Some(word) = behind_number(&code).unwrap_or(&code).strip_prefix('O') else { continue };
         let step = match o_word(word) {
             Err(reason) => Step::Fault(reason),
             Ok((name, OWord::Sub)) => match &open {
-                Some(OpenSubprogram { name: outer, line }) => Step::Fault(format!(
+                Some(OpenSubprogram { name: outer, line, .. }) => Step::Fault(format!(
                     "`o{name} sub` inside of the subprogram o{outer}, which begins in line {}: write `o{outer} endsub` before",
                     line + 1
                 )),
@@ -50,14 +60,14 @@ pub(super) fn flow(text: &str) -> Flow {
                     Step::Fault(format!("`o{name} sub` twice in one text: give each subprogram a name of its own"))
                 }
                 None => {
-                    open = Some(OpenSubprogram { name, line: at });
+                    open = Some(OpenSubprogram { name, line: at, fault: None });
                     continue;
                 }
             },
             Ok((name, OWord::EndSub)) => match open.take() {
                 Some(begun) if begun.name == name => {
                     known.insert(name, begun.line + 1..at);
-                    flow.0.insert(begun.line, Step::SkipTo(at + 1));
+                    flow.0.insert(begun.line, begun.fault.map_or(Step::SkipTo(at + 1), Step::Fault));
                     Step::Label
                 }
                 begun => {
@@ -77,7 +87,7 @@ pub(super) fn flow(text: &str) -> Flow {
         };
         flow.0.insert(at, step);
     }
-    if let Some(OpenSubprogram { name, line }) = open {
+    if let Some(OpenSubprogram { name, line, .. }) = open {
         flow.0.insert(line, Step::Fault(format!("`o{name} sub` without `o{name} endsub` behind")));
     }
     flow
@@ -89,6 +99,8 @@ fn o_word(text: &str) -> Result<(String, OWord), String> {
         Some(inside) => inside.split_once('>').ok_or("the name of a subprogram has no `>`")?,
         None => text.split_at(text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len())),
     };
+    // Behind the word only comments stand.
+    let rest = rest.trim_end_matches(COMMENT);
     let plain = !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
     if !plain {
         return Err(format!("`O{}` is no name of a subprogram", shown(text, 20)));
@@ -106,6 +118,9 @@ fn o_word(text: &str) -> Result<(String, OWord), String> {
             shown(rest, 20)
         ));
     };
+    // The control compares numbers as numbers: o0101 is o101.
+    let number = if text.starts_with('<') { None } else { Some(name.trim_start_matches('0')) };
+    let name = number.map_or(name, |digits| if digits.is_empty() { "0" } else { digits });
     Ok((name.to_owned(), word))
 }
 

@@ -175,10 +175,11 @@ fn stretch(
 /// with the values of the call. So nothing but R remains after an abort, and each operation resets it at its start.
 pub(super) fn subprograms(program: &Program, divided: &Divided<'_>, smoothing: &str, write: &mut WriteBlock<'_>) {
     let operation = divided.operation;
+    let offset = write::offset_number(&LinuxCnc, program);
     let mut frame = 0;
     let mut turn_frame = |pitches: u32, write: &mut WriteBlock<'_>| {
         if pitches != frame {
-            write(format!("G10 L2 P1 R{}", frame_degrees(program, pitches)), None);
+            write(format!("G10 L2 P{offset} R{}", frame_degrees(program, pitches)), None);
             frame = pitches;
         }
     };

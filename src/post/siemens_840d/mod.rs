@@ -25,6 +25,7 @@ mod writer;
 use crate::diag::Sink;
 use crate::ir::{Motion, MotionOperation, Program};
 use crate::kin::Machine;
+use crate::post::control::WorkOffsets;
 use crate::post::dialect::{Post, WriteBlock};
 use crate::post::divided::Divided;
 use crate::post::form::TextForm;
@@ -37,9 +38,9 @@ use crate::source::Span;
 
 /// What must be set at the control.
 const ASSUMED: &[&str] = &[
-    "TRAORI is the transformation of the machine file: its points, its directions, its sense of the rotary axes",
+    "{transformation} is the transformation of the machine file: its points, its directions, its sense of the rotary axes",
     "TRAORI takes the tool length of D1, which is that of the head",
-    "G54 is the part origin with the rotary axes at 0, and has no turns and no rotary offsets",
+    "{work-offset} is the part origin with the rotary axes at 0, and has no turns and no rotary offsets",
     "with SUPA and D0, X Y Z count from the machine datum of the machine file, Z at the gauge line",
     "G0 moves all axes together (RTLION), with ORIAXES as at feed; CYCLE832 keeps its tolerances",
 ];
@@ -92,8 +93,17 @@ impl Post for Siemens840d {
         writer::subprograms(program, divided, write);
     }
 
-    fn read(&self, text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {
-        reader::read(text, machine)
+    fn read_with_offset(
+        &self,
+        text: &str,
+        machine: &Machine,
+        offset: Option<&str>,
+    ) -> Result<Vec<NcSection>, Vec<ReadError>> {
+        reader::read(text, machine, offset.unwrap_or(reader::OFFSETS.usual))
+    }
+
+    fn offsets(&self) -> Option<&'static WorkOffsets> {
+        Some(&reader::OFFSETS)
     }
 
     fn recognises(&self, code: &str) -> bool {

@@ -10,13 +10,17 @@ use crate::kin::Machine;
 use crate::post::control::modal::{Modal, ModalGroup, Needed};
 use crate::post::control::spline::SplineWords;
 use crate::post::control::{
-    self, Act, Control, LengthWord, Line, MotionWord, NcBlock, Smoothing, SmoothingTolerance, number, once, shown,
+    self, Act, Control, LengthWord, Line, MotionWord, NcBlock, Smoothing, SmoothingTolerance, WorkOffsets, number,
+    once, shown,
 };
 use crate::post::nc::{NcSection, NcTool, ReadError};
 use std::collections::BTreeMap;
 
 /// Largest turn of the work frame, degrees.
 const MOST_TURN: f64 = 360.0;
+
+/// Most orientation transformations of a channel.
+const MOST_TRANSFORMATIONS: u32 = 10;
 
 /// Longest block of the control.
 const LONGEST_BLOCK: usize = 512;
@@ -26,6 +30,15 @@ const WIDEST: f64 = 10.0;
 
 /// Widest tolerance of the direction, degrees, as in the writer.
 const WIDEST_TURN: f64 = 0.1;
+
+/// The settable work offsets: G54 to G57, and further ones where machine data provide them.
+pub(super) const OFFSETS: WorkOffsets =
+    WorkOffsets { usual: "G54", all: "G54 to G57 and G505 to G599", has: is_offset };
+
+fn is_offset(name: &str) -> bool {
+    let number = name.strip_prefix('G').filter(|digits| digits.len() <= 3 && !digits.starts_with('0'));
+    number.and_then(|digits| count(digits).ok()).is_some_and(|n| (54..=57).contains(&n) || (505..=599).contains(&n))
+}
 
 /// The control.
 const SINUMERIK: Control = Control {
@@ -143,6 +156,7 @@ const SINUMERIK: Control = Control {
     length: "D1",
     smoothing: "CYCLE832 with a tolerance",
     end: "M30",
+    offsets: &OFFSETS,
     unturned: "write ROT alone in a block before",
     great_circle: &["ORIVECT", "ORIPLANE"],
     machine_frame_drops_length: false,
@@ -180,13 +194,14 @@ const HARMLESS: [&str; 17] = [
 ];
 
 /// Reads a program.
-pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {
+pub(super) fn read(text: &str, machine: &Machine, offset: &str) -> Result<Vec<NcSection>, Vec<ReadError>> {
     // Values of the R parameters; at the start they are unknown.
     let mut parameters = BTreeMap::new();
+    let mut transformation = None;
     control::read_in_order(
         text,
         &SINUMERIK,
-        machine,
+        (machine, offset),
         &repetition::flow(text),
         |Line { text: line, number, .. }, faults| {
             let line = line.strip_suffix('\r').unwrap_or(line);
@@ -201,6 +216,7 @@ pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<
             let mut reader = BlockReader {
                 machine,
                 parameters: &mut parameters,
+                transformation: &mut transformation,
                 block: NcBlock::default(),
                 words: 0,
                 alone: None,
@@ -224,6 +240,8 @@ pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<
 struct BlockReader<'a> {
     machine: &'a Machine,
     parameters: &'a mut BTreeMap<u32, f64>,
+    /// Number of the transformation of the program.
+    transformation: &'a mut Option<u32>,
     block: NcBlock,
     words: usize,
     /// A word that must be the only one in its block.
@@ -284,9 +302,36 @@ impl BlockReader<'_> {
                 self.alone = Some("CYCLE832");
                 once(&mut self.block.smoothing, "CYCLE832", smoothing(arguments)?)
             }
+            WordValue::Arguments(arguments) if name == "TRAORI" => self.traori(arguments),
             WordValue::Arguments(_) => Err(format!("`{}(...)` is not understood", shown(name, 40))),
             WordValue::Polynomial(coefficients) => self.polynomial(name, coefficients),
             WordValue::None => self.keyword(name),
+        }
+    }
+
+    /// TRAORI, TRAORI() and TRAORI(1) switch the first orientation transformation on, TRAORI(n) the nth. The machine file
+    /// describes one of them.
+    fn traori(&mut self, arguments: &str) -> Result<(), String> {
+        self.alone = Some("TRAORI");
+        once(&mut self.block.transformation, "TRAORI or TRAFOOF", true)?;
+        let number = match arguments.trim_matches([' ', '\t']) {
+            "" => 1,
+            text if text.contains(',') => {
+                return Err(format!(
+                    "`TRAORI({})` gives the transformation another base orientation or offsets: write TRAORI or TRAORI(n)",
+                    shown(text, 40)
+                ));
+            }
+            text => count(text).map_err(|reason| format!("`TRAORI({})`: {reason}", shown(text, 20)))?,
+        };
+        if !(1..=MOST_TRANSFORMATIONS).contains(&number) {
+            return Err(format!("TRAORI({number}): the control has the transformations 1 to {MOST_TRANSFORMATIONS}"));
+        }
+        match *self.transformation.get_or_insert(number) {
+            first if first != number => {
+                Err(format!("TRAORI({number}) behind TRAORI({first}): the machine file describes one transformation"))
+            }
+            _ => Ok(()),
         }
     }
 
@@ -319,10 +364,7 @@ impl BlockReader<'_> {
             return done;
         }
         match name {
-            "TRAORI" => {
-                self.alone = Some("TRAORI");
-                once(&mut self.block.transformation, "TRAORI or TRAFOOF", true)
-            }
+            "TRAORI" => self.traori(""),
             "TRAFOOF" => {
                 self.alone = Some("TRAFOOF");
                 once(&mut self.block.transformation, "TRAORI or TRAFOOF", false)
@@ -451,6 +493,7 @@ impl BlockReader<'_> {
             "G74" | "G75" => {
                 Err(format!("`{code}` is not understood: its target is set at the control; write SUPA G0 Z"))
             }
+            _ if (OFFSETS.has)(code) => block.select_offset(code),
             _ if HARMLESS.contains(&code) || block.clamp_word(code, self.machine) => Ok(()),
             _ => Err(format!("`{code}` is not understood")),
         }

@@ -192,7 +192,7 @@ fn posts_say_what_they_do_not_take() {
     // What the proof assumes of the axis stands in the head.
     for dialect in ["siemens-840d", "heidenhain", "fanuc"] {
         let program = on_endless(dialect, Shortest);
-        let assumed = post::assumptions(post::find(dialect).unwrap(), &program.machine);
+        let assumed = post::assumptions(post::find(dialect).unwrap(), &program);
         assert!(assumed.iter().any(|what| what.starts_with("C is an axis modulo 360 deg")), "{assumed:?}");
     }
 }

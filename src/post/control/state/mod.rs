@@ -3,14 +3,15 @@
 mod moves;
 mod spindle;
 mod splines;
+mod switching;
 
 use super::{Act, Control, LengthWord, MOST_FAULTS, MotionWord, NcBlock, ROUNDING, Smoothing, figure};
-use crate::kin::{Angles, Carries, Machine, RotaryAxis};
+use crate::kin::{Angles, Machine};
 use crate::post::control::flow::{Flow, MOST_EXECUTED, Step};
 use crate::post::control::modal::{GROUPS, ModalGroup, Needed, Setting};
-use crate::post::nc::{Direction, NcPlace, NcSection, NcStation, NcTool, ReadError};
-use crate::post::tool_shape::NcToolShape;
+use crate::post::nc::{Direction, NcSection, NcTool, ReadError};
 use nalgebra::Vector3;
+use std::sync::Arc;
 
 /// Tool centre point control.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -51,6 +52,11 @@ struct ControlState<'a> {
     machine: &'a Machine,
     line: usize,
     modal: [Setting; GROUPS],
+    offset: Setting<Arc<str>>,
+    /// The work offset that holds the part origin.
+    part_offset: &'a str,
+    /// A block was not understood since the transformation was switched: it may be what switches it.
+    doubtful: bool,
     transformation: Transformation,
     axes: [AxisPosition; 5],
     /// Line that last moved an axis with the transformation off.
@@ -93,12 +99,15 @@ struct ControlState<'a> {
 }
 
 impl<'a> ControlState<'a> {
-    fn new(control: &'a Control, machine: &'a Machine) -> Self {
+    fn new(control: &'a Control, machine: &'a Machine, part_offset: &'a str) -> Self {
         Self {
             control,
             machine,
             line: 0,
             modal: [Setting::Unknown; GROUPS],
+            offset: Setting::Unknown,
+            part_offset,
+            doubtful: false,
             transformation: Transformation::Unknown,
             axes: [AxisPosition::Unknown; 5],
             placed: 0,
@@ -225,6 +234,7 @@ impl<'a> ControlState<'a> {
 
     /// Reports a word that the control takes only with the transformation off.
     fn judge_outside(&mut self, word: &str) {
+        self.may_be_off();
         let [_, off] = self.control.transformation;
         match self.transformation {
             Transformation::Off => {}
@@ -255,6 +265,7 @@ impl<'a> ControlState<'a> {
     }
 
     fn wait(&mut self, word: &str) {
+        self.may_be_off();
         if self.transformation == Transformation::On || self.open {
             return self.fault(format!(
                 "`{word}` makes the program wait with the tool in the part: wait with the tool retracted, before {}",
@@ -269,6 +280,12 @@ impl<'a> ControlState<'a> {
     }
 
     fn set(&mut self, group: ModalGroup, block: &NcBlock) {
+        if group == ModalGroup::WorkOffset {
+            if let Some(offset) = &block.offset {
+                self.offset = Setting::Said(offset.clone(), self.line);
+            }
+            return;
+        }
         let Some(word) = block.modal[group as usize] else { return };
         if !self.acts_behind(word) {
             self.set_to(group, word);
@@ -291,6 +308,7 @@ impl<'a> ControlState<'a> {
     }
 
     fn change(&mut self) {
+        self.may_be_off();
         if !self.is_retracted() || self.transformation == Transformation::On {
             self.fault(format!(
                 "a tool change before the tool is at the retract height: write {} before this block",
@@ -312,6 +330,7 @@ impl<'a> ControlState<'a> {
     }
 
     fn set_length(&mut self, word: &LengthWord) {
+        self.may_be_off();
         let [on, off] = self.control.transformation;
         match self.transformation {
             Transformation::On => {
@@ -343,131 +362,6 @@ impl<'a> ControlState<'a> {
             },
             LengthWord::Of(number) => Length::Of(NcTool::Number(*number), self.line),
         };
-    }
-
-    /// Switches the transformation on or off.
-    fn switch(&mut self, on: bool, block: &NcBlock) {
-        let [word, off] = self.control.transformation;
-        if block.has_axis_words() {
-            self.fault("the transformation is switched in a move: write the word alone in its block");
-        }
-        self.check_turn();
-        if self.control.switching_drops_frames {
-            // The control cancels the programmable frame and the work offset.
-            self.modal[ModalGroup::WorkOffset as usize] = Setting::Unknown;
-            if let Some(shift) = self.control.modal.iter().find(|m| m.group == ModalGroup::Shift) {
-                self.modal[ModalGroup::Shift as usize] = Setting::Said(shift.right[0], self.line);
-            }
-        }
-        if !on {
-            if self.transformation == Transformation::On {
-                self.axes = [AxisPosition::Left; 5];
-            }
-            self.transformation = Transformation::Off;
-            if self.control.switching_sets_length {
-                self.length = Length::Off;
-            }
-            return;
-        }
-        match self.transformation {
-            Transformation::On => self.fault(format!("the transformation is switched on twice: write {off} before")),
-            Transformation::Unknown => self.fault(format!(
-                "the transformation may still be on from another program: write {off} alone in a block at the start"
-            )),
-            Transformation::Off => {}
-        }
-        if self.transformation != Transformation::On && !self.is_retracted() {
-            let [.., first, second] = self.machine.names();
-            self.fault_apart(format!(
-                "the transformation is switched on at an unknown height: write {} before, then {first} and {second}, then X and Y",
-                self.retract_words()
-            ));
-        } else if let Some(k) = (0..5).find(|k| self.axes[*k].known().is_none()) {
-            let Control { machine_frame, behind, .. } = self.control;
-            let axis = self.machine.names()[k];
-            self.fault(format!(
-                "the path to the first target depends on an unknown {axis}: move {axis} at the retract height before this \
-                 block, `{machine_frame} {axis}...{behind}`"
-            ));
-        }
-        self.check_frame();
-        if self.control.switching_sets_length
-            && let Some(LengthWord::Of(number)) = block.length
-        {
-            self.length = Length::Of(NcTool::Number(number), self.line);
-        }
-        let Length::Of(of, _) = &self.length else {
-            let length = self.control.length;
-            let on_again = self.transformation == Transformation::On;
-            match &self.tool {
-                _ if on_again => {}
-                Some(_) => self
-                    .fault_apart(format!("{word} without the length of the tool: write `{length}` before this block")),
-                None => self.fault_apart(format!(
-                    "{word} before any tool change: the tool in the spindle and its length are unknown; write \
-                     {} before this block",
-                    self.control.change_words()
-                )),
-            }
-            return self.begin();
-        };
-        if self.tool.as_ref() != Some(of) {
-            let tool = self.tool.as_ref().map_or("an unknown tool".to_owned(), |t| format!("tool {t}"));
-            let reason = format!(
-                "{tool} is in the spindle with the length of another tool, {of}: write `{}`",
-                self.control.length
-            );
-            self.fault(reason);
-        }
-        self.begin();
-    }
-
-    /// Reports a work frame that is still turned where the transformation is switched.
-    fn check_turn(&mut self) {
-        if self.frame_turn != 0.0 {
-            let turn = figure(self.frame_turn.to_degrees());
-            self.fault(format!("the work frame is still turned by {turn} deg here: {}", self.control.unturned));
-            self.turn_frame(0.0);
-        }
-    }
-
-    /// Reports a table that does not stand at zero where the control fixes the work frame to it.
-    fn check_frame(&mut self) {
-        if !self.control.frame_of_switch {
-            return;
-        }
-        let machine = self.machine;
-        let turned = (0..2).find(|k| {
-            machine.chain.axes()[*k].carries == Carries::Part
-                && self.axes[3 + *k].known().is_some_and(|angle| angle.abs() > ROUNDING.1)
-        });
-        if let Some(k) = turned {
-            let Control { machine_frame, behind, .. } = self.control;
-            let RotaryAxis { name, word_sign, .. } = &machine.rotary[k];
-            let at = figure(self.axes[3 + k].known().unwrap_or(0.0).to_degrees() * word_sign);
-            self.fault_apart(format!(
-                "the transformation is switched on with {name} at {at} deg: the control fixes the work frame to the table as \
-                 the table stands here, so that X Y Z would count in a turned frame; write `{machine_frame} {name}0.{behind}` \
-                 before, and turn the table after this block"
-            ));
-        }
-    }
-
-    /// Begins a section at the present axis positions.
-    fn begin(&mut self) {
-        let [x, y, z, first, second] = self.axes.map(|p| p.known().unwrap_or(0.0));
-        let rotary = [first, second];
-        self.transformation = Transformation::On;
-        self.tip = [None; 3];
-        self.turn_to(Direction::Rotary(rotary));
-        self.second = None;
-        (self.at_start, self.turned) = (true, None);
-        if self.faults.is_empty() {
-            let place = NcPlace::Axes { xyz: Vector3::new(x, y, z), rotary, turned: None };
-            let start = NcStation { line: self.placed, place };
-            self.sections.push(NcSection { start, moves: Vec::new(), retract: None, shape: NcToolShape::default() });
-        }
-        self.open = true;
     }
 
     /// Clamps and unclamps rotary axes.
@@ -511,23 +405,51 @@ impl<'a> ControlState<'a> {
                 Needed::Transformed => transformed,
                 Needed::AtFeed => feed,
             };
-            let setting = self.modal[modal.group as usize];
-            if !needed || setting == Setting::Reported || !self.understood {
+            if !needed || !self.understood {
                 continue;
             }
+            if modal.group == ModalGroup::WorkOffset {
+                unsaid.extend(self.judge_offset(modal.what));
+                continue;
+            }
+            let setting = self.modal[modal.group as usize];
             let due = modal.right[0];
             match setting {
+                Setting::Reported => continue,
                 Setting::Said(word, _) if modal.right.contains(&word) => continue,
                 Setting::Said(word, line) => self.fault_apart(format!(
                     "a move with {word}, which line {line} sets: {}; write {due} before this block",
                     modal.what
                 )),
-                _ => unsaid.push(format!("{}: write {due}", modal.what)),
+                Setting::Unknown => unsaid.push(format!("{}: write {due}", modal.what)),
             }
             self.modal[modal.group as usize] = Setting::Reported;
         }
         if !unsaid.is_empty() {
             self.fault_apart(format!("no block before this move ensures {}", unsaid.join("; ")));
+        }
+    }
+
+    /// Reports another work offset than that of the part; gives what is to be written where no block selects any.
+    fn judge_offset(&mut self, what: &str) -> Option<String> {
+        let due = self.part_offset;
+        match std::mem::replace(&mut self.offset, Setting::Reported) {
+            Setting::Reported => None,
+            Setting::Said(word, line) if *word == *due => {
+                self.offset = Setting::Said(word, line);
+                None
+            }
+            Setting::Said(word, line) => {
+                let stated = match (self.control.offsets.has)(&word) {
+                    true => format!(", or state `work-offset \"{word}\"` in the post"),
+                    false => String::new(),
+                };
+                self.fault_apart(format!(
+                    "a move with {word}, which line {line} sets: {what}; write {due} before this block{stated}"
+                ));
+                None
+            }
+            Setting::Unknown => Some(format!("{what}: write {due}")),
         }
     }
 
@@ -538,6 +460,7 @@ impl<'a> ControlState<'a> {
             self.fault(format!("the program ends with the work frame turned: {}", self.control.unturned));
         }
         match self.transformation {
+            _ if self.doubtful => {}
             Transformation::On => self.fault(format!(
                 "the program ends with the transformation on: write {off}, then {}",
                 self.retract_words()
@@ -580,17 +503,19 @@ pub(in crate::post) struct Line<'a> {
 }
 
 /// Executes a text line by line. The `block` of a dialect makes a [`NcBlock`] of a line, or `None` of an empty line. It
-/// adds whatever it does not understand to the list that it receives.
+/// adds whatever it does not understand to the list that it receives. `part_offset` is the work offset of the part.
 ///
 /// # Errors
 /// The faults, in order, at most [`MOST_FAULTS`].
 pub(in crate::post) fn read(
     text: &str,
     control: &Control,
-    machine: &Machine,
+    (machine, part_offset): (&Machine, &str),
     mut block: impl FnMut(&str, usize, &mut Vec<String>) -> Option<NcBlock>,
 ) -> Result<Vec<NcSection>, Vec<ReadError>> {
-    read_in_order(text, control, machine, &Flow::default(), |line, reasons| block(line.text, line.number, reasons))
+    read_in_order(text, control, (machine, part_offset), &Flow::default(), |line, reasons| {
+        block(line.text, line.number, reasons)
+    })
 }
 
 /// As [`read`], in the order of the calls of the text.
@@ -600,12 +525,12 @@ pub(in crate::post) fn read(
 pub(in crate::post) fn read_in_order(
     text: &str,
     control: &Control,
-    machine: &Machine,
+    (machine, part_offset): (&Machine, &str),
     flow: &Flow,
     mut block: impl FnMut(Line<'_>, &mut Vec<String>) -> Option<NcBlock>,
 ) -> Result<Vec<NcSection>, Vec<ReadError>> {
     let lines: Vec<&str> = text.strip_suffix('\n').unwrap_or(text).split('\n').collect();
-    let mut state = ControlState::new(control, machine);
+    let mut state = ControlState::new(control, machine, part_offset);
     let mut executed = 0_usize;
     let mut at = 0;
     while at < lines.len() {
@@ -673,6 +598,7 @@ impl ControlState<'_> {
             (None, None) => block(Line { text: line, number: at + 1, arguments }, &mut reasons),
         };
         self.understood = reasons.is_empty();
+        self.doubtful |= !self.understood;
         if let Some(first) = reasons.into_iter().next() {
             self.fault(first);
         }

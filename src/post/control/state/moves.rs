@@ -23,6 +23,12 @@ impl ControlState<'_> {
             self.motion = block.motion.or(self.motion);
             return;
         }
+        // A target in the work frame, or one in the machine frame: the block before that was not understood switches.
+        let of_tip =
+            block.tip != [None; 3] || block.vector != [None; 3] || block.second != [None; 3] || block.spline.is_some();
+        if self.doubtful && of_tip && block.machine_frame == (self.transformation == Transformation::On) {
+            self.switch_unread(!block.machine_frame);
+        }
         match self.transformation {
             Transformation::On if block.spline.is_some() && !block.machine_frame => {
                 if let Some(words) = &block.spline {
