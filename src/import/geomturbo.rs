@@ -5,7 +5,7 @@
 
 use super::found::{Found, too_many, within};
 use super::frame::{Axis, Frame};
-use super::lines::{Line, Text, ends};
+use super::lines::{Line, Text, ends, malformed};
 use super::loader::Loader;
 use super::loops;
 use super::nested::Open;
@@ -40,13 +40,24 @@ struct ReadRow {
     begins: Span,
 }
 
+/// Hub or shroud by vertices: the curve of each, and its place on it, 0 or 1.
+#[derive(Debug)]
+struct Channel<'t> {
+    name: String,
+    vertices: Vec<(&'t str, bool, Span)>,
+}
+
 /// What was read so far.
 #[derive(Debug, Default)]
 struct Reading<'t> {
     open: Open<'t>,
     /// Name of the curve that is open, and all curves with points (z, r).
     curve: String,
-    curves: Vec<(String, Vec<[f64; 2]>, Span)>,
+    curves: Vec<ReadCurve>,
+    /// Hub and shroud as curves that follow one another.
+    channels: Vec<Channel<'t>>,
+    /// Metres of a unit, stated at the head.
+    metres: Option<Spanned<f64>>,
     rows: Vec<ReadRow>,
     /// Face whose sections come next.
     face: Option<usize>,
@@ -60,11 +71,12 @@ pub(super) fn read(
 ) -> Result<Imported, Diag> {
     let Some(id) = ids.first().copied() else { return Ok(Imported::default()) };
     let text = loader.text(id);
-    let Reading { curves, rows, .. } = parse(text, found)?;
+    let Reading { curves, channels, metres, rows, .. } = parse(text, found)?;
     if rows.iter().all(|row| row.blades.is_empty()) {
         return Err(ends(text, "the first blade"));
     }
-    let stated = rows.iter().flat_map(|row| &row.blades).find_map(|blade| blade.metres.clone());
+    let of_blades = rows.iter().flat_map(|row| &row.blades).find_map(|blade| blade.metres.clone());
+    let stated = metres.or(of_blades);
     let mut asked = Asked::of(options, found, text.end());
     let axis = asked.axis(Some(Spanned::new(Axis::Z, text.end())))?;
     let handedness = asked.handedness(None)?;
@@ -87,22 +99,88 @@ pub(super) fn read(
     }
     let frame = Frame { mm, axis, handedness };
     let mut imported = Imported::default();
-    for (name, points, at) in curves {
-        let place = match name.to_ascii_lowercase().as_str() {
-            "hub" => &mut imported.hub,
-            "shroud" => &mut imported.shroud,
-            _ => {
-                found.note(at, format!("the curve `{}` is not used", printable(&name)));
-                continue;
-            }
-        };
+    for (name, points, at) in flow_path(curves, &channels, &frame, found)? {
         let points = points.into_iter().map(|[z, r]| frame.meridian(r, z, at)).collect::<Result<_, _>>()?;
-        *place = Some(meridian::checked(&name.to_ascii_lowercase(), points, at, found)?);
+        let points = meridian::checked(&name, points, at, found)?;
+        if name == "hub" { imported.hub = Some(points) } else { imported.shroud = Some(points) }
     }
     for row in rows.into_iter().filter(|row| !row.blades.is_empty()) {
         imported.rows.push(self::row(row, &frame, options, found)?);
     }
     Ok(imported)
+}
+
+/// A curve of the file: its name, points (z, r) in the unit of the file, place.
+type ReadCurve = (String, Vec<[f64; 2]>, Span);
+
+/// Ends of curves that follow one another are nearer than this, mm.
+const MEET: f64 = 0.02;
+
+/// Hub and shroud: the curves that their vertices name, otherwise those with their names.
+fn flow_path(
+    curves: Vec<ReadCurve>,
+    channels: &[Channel<'_>],
+    frame: &Frame,
+    found: &mut Found,
+) -> Result<Vec<ReadCurve>, Diag> {
+    let mut path = Vec::new();
+    let mut used = vec![false; curves.len()];
+    for name in ["hub", "shroud"] {
+        let channel = channels.iter().find(|c| c.name == name && !c.vertices.is_empty());
+        match channel {
+            Some(channel) => path.push(chained(channel, &curves, &mut used, frame, found)?),
+            None => {
+                if let Some(k) = curves.iter().position(|(n, ..)| n.eq_ignore_ascii_case(name)) {
+                    used[k] = true;
+                    path.push((name.to_owned(), curves[k].1.clone(), curves[k].2));
+                }
+            }
+        }
+    }
+    for ((name, _, at), _) in curves.iter().zip(used).filter(|(_, used)| !used) {
+        found.note(*at, format!("the curve `{}` is not used", printable(name)));
+    }
+    Ok(path)
+}
+
+/// The curves of the vertices, each from its first vertex to its last one.
+fn chained(
+    channel: &Channel<'_>,
+    curves: &[ReadCurve],
+    used: &mut [bool],
+    frame: &Frame,
+    found: &mut Found,
+) -> Result<ReadCurve, Diag> {
+    let mut all: Vec<[f64; 2]> = Vec::new();
+    let mut place = None;
+    let mut names: Vec<String> = Vec::new();
+    for group in channel.vertices.chunk_by(|a, b| a.0 == b.0) {
+        let Some(&(name, at_end, span)) = group.first() else { continue };
+        let Some(k) = curves.iter().position(|(n, ..)| n == name) else {
+            return Err(malformed(format!("there is no curve `{}`", printable(name)), span, "named by this vertex"));
+        };
+        used[k] = true;
+        let mut points = curves[k].1.clone();
+        // A curve with one vertex alone is taken in its own direction.
+        if group.len() > 1 && at_end {
+            points.reverse();
+        }
+        if let Some((before, first)) = all.last().zip(points.first()) {
+            let gap = frame.length(libm::hypot(first[0] - before[0], first[1] - before[1]));
+            if gap > MEET {
+                let message = format!("the curves of the {} do not meet", channel.name);
+                return Err(Diag::error(codes::CONTRADICTS, message)
+                    .label(span, format!("this curve begins {gap:.3} mm from the end of the one before"))
+                    .help("give the vertices of the curves in their order from inlet to outlet"));
+            }
+        }
+        names.push(format!("`{}`", printable(name)));
+        place.get_or_insert(curves[k].2);
+        all.extend(points);
+    }
+    let at = place.unwrap_or_default();
+    found.note(at, format!("the {} is {}, by its vertices", channel.name, names.join(", then ")));
+    Ok((channel.name.clone(), all, at))
 }
 
 fn parse<'t>(text: Text<'t>, found: &mut Found) -> Result<Reading<'t>, Diag> {
@@ -166,15 +244,44 @@ impl<'t> Reading<'t> {
                 self.face = None;
                 within(row.blades.len(), limits::BLADES, "blades of a row", line.span)?;
             }
-            _ => {}
+            lower => {
+                if let Some(of) = lower.strip_prefix("channel_curve") {
+                    self.channels.push(Channel { name: of.trim().to_owned(), vertices: Vec::new() });
+                    within(self.channels.len(), limits::ROWS, "curves of the channel", line.span)?;
+                }
+            }
         }
         self.open.begin(name, line)
     }
 
+    /// A vertex of hub or shroud: `CURVE_P name 0` or `CURVE_P name 1`.
+    fn vertex(&mut self, rest: &'t str, line: Line<'_>) -> Result<(), Diag> {
+        let due = "`VERTEX CURVE_P name 0` or `1` is expected";
+        let parts = rest.split_once(char::is_whitespace).filter(|(kind, _)| kind.eq_ignore_ascii_case("CURVE_P"));
+        // A name may have blanks.
+        let parts = parts.and_then(|(_, of)| of.trim().rsplit_once(char::is_whitespace));
+        let Some((name, place)) = parts else {
+            return Err(line.fault("this vertex is not on a curve", due));
+        };
+        let place = line.number(place)?;
+        if place != 0.0 && place != 1.0 {
+            return Err(line.fault("a vertex inside of a curve is not read", due));
+        }
+        if let Some(channel) = self.channels.last_mut() {
+            channel.vertices.push((name.trim(), place == 1.0, line.span));
+            within(channel.vertices.len(), limits::ROWS, "vertices of a curve", line.span)?;
+        }
+        Ok(())
+    }
+
     /// A line that is neither begin nor end of a block, nor begins a list of points.
-    fn entry(&mut self, word: &str, rest: &str, line: Line<'_>) -> Result<(), Diag> {
+    fn entry(&mut self, word: &str, rest: &'t str, line: Line<'_>) -> Result<(), Diag> {
         let upper = word.to_ascii_uppercase();
-        if upper == "NAME" {
+        if upper == "UNITS-FACTOR" {
+            self.metres = Some(Spanned::new(metres(rest, line)?, line.span));
+        } else if upper == "VERTEX" && self.open.innermost_begins("channel_curve") {
+            self.vertex(rest, line)?;
+        } else if upper == "NAME" {
             if self.open.is_in("basic_curve") {
                 rest.clone_into(&mut self.curve);
             } else if self.open.is_in("niblade") {
@@ -203,10 +310,7 @@ impl<'t> Reading<'t> {
             match upper.as_str() {
                 "PRESSURE" | "SUCTION" if rest.is_empty() => self.face = Some(usize::from(upper == "SUCTION")),
                 "UNITS" => {
-                    let metres = line.number(rest)?;
-                    if metres <= 0.0 {
-                        return Err(line.fault("a unit of length is not positive", "metres of a unit are expected"));
-                    }
+                    let metres = metres(rest, line)?;
                     if let Some(blade) = self.blade() {
                         blade.metres = Some(Spanned::new(metres, line.span));
                     }
@@ -222,6 +326,15 @@ impl<'t> Reading<'t> {
         }
         Ok(())
     }
+}
+
+/// Metres of a unit of length.
+fn metres(text: &str, line: Line<'_>) -> Result<f64, Diag> {
+    let metres = line.number(text)?;
+    if metres <= 0.0 {
+        return Err(line.fault("a unit of length is not positive", "metres of a unit are expected"));
+    }
+    Ok(metres)
 }
 
 /// The next line, or the fault of a text that ends.
@@ -292,8 +405,8 @@ fn blade(k: usize, read: ReadBlade, frame: &Frame, found: &mut Found) -> Result<
     if let Some(metres) = metres
         && (1000.0 * metres.value - frame.mm).abs() > 1e-9 * frame.mm
     {
-        return Err(Diag::error(codes::CONTRADICTS, "the blades have different units")
-            .label(metres.span, "another one than that of the first blade")
+        return Err(Diag::error(codes::CONTRADICTS, "the file has different units")
+            .label(metres.span, "another one than that of the head or of the first blade")
             .help("export the file again with one unit"));
     }
     let [Some(pressure), Some(suction)] = faces else {

@@ -43,6 +43,11 @@ impl<'t> Open<'t> {
         self.blocks.last().is_some_and(|(open, _)| open.eq_ignore_ascii_case(name))
     }
 
+    /// Whether the name of the innermost block begins so.
+    pub(super) fn innermost_begins(&self, with: &str) -> bool {
+        self.blocks.last().and_then(|(open, _)| open.get(..with.len())).is_some_and(|o| o.eq_ignore_ascii_case(with))
+    }
+
     /// Whether some open block has this name.
     pub(super) fn is_within(&self, name: &str) -> bool {
         self.blocks.iter().any(|(open, _)| open.eq_ignore_ascii_case(name))

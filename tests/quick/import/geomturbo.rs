@@ -91,6 +91,68 @@ fn units_and_the_order_of_faces_change_nothing() {
     assert!((read.hub.unwrap()[0][0] - 49.0).abs() < 1e-9);
 }
 
+/// The file with curves of other names, the hub in two pieces of which the second runs from the outlet.
+fn by_vertices(gap: f64) -> String {
+    let text = file(0.001, false);
+    let from = text.find("  NI_BEGIN basic_curve").unwrap();
+    let to = text.find("NI_END CHANNEL").unwrap();
+    let curve = |name: &str, points: &[[f64; 2]]| {
+        let lines: String = points.iter().map(|[z, r]| format!("{z} {r}\n")).collect();
+        format!(
+            "NI_BEGIN basic_curve\nNAME {name}\nNI_BEGIN zrcurve\nZR\n{}\n{lines}NI_END zrcurve\nNI_END basic_curve\n",
+            points.len()
+        )
+    };
+    let curves = [
+        curve("c 1", &[[0.0, 49.0], [10.0, 49.0]]),
+        curve("c 2", &[[30.0, 49.0], [20.0, 49.0], [10.0 + gap, 49.0]]),
+        curve("c 3", &[[0.0, 71.0], [30.0, 71.0]]),
+        curve("hub", &[[0.0, 1.0], [30.0, 1.0]]),
+    ];
+    let channel = |of: &str, vertices: &[&str]| {
+        let lines: String = vertices.iter().map(|v| format!("VERTEX CURVE_P {v}\n")).collect();
+        format!("NI_BEGIN channel_curve {of}\nNAME {of}\n{lines}NI_END channel_curve {of}\n")
+    };
+    let channels =
+        [channel("hub", &["c 1 0", "c 1 1", "c 2 1", "c 2 0"]), channel("shroud", &["c 3 0", "c 3 1"])].concat();
+    format!("{}{}{channels}{}", &text[..from], curves.concat(), &text[to..])
+}
+
+/// Hub and shroud are the curves that the vertices name, whatever the names are.
+#[test]
+fn vertices_tell_hub_and_shroud() {
+    let read = good(&[("a.geomTurbo", &by_vertices(0.0))], 1, &Options::default());
+    let heights: Vec<[f64; 2]> = read.hub.clone().unwrap();
+    assert_eq!(heights.iter().map(|p| p[1].round()).collect::<Vec<_>>(), [0.0, 10.0, 20.0, 30.0], "{heights:?}");
+    assert!(heights.iter().all(|p| (p[0] - 49.0).abs() < 1e-9), "{heights:?}");
+    assert!(read.shroud.as_ref().unwrap().iter().all(|p| (p[0] - 71.0).abs() < 1e-9));
+    assert!(noted(&read, "the hub is `c 1`, then `c 2`, by its vertices"), "{:?}", read.notes);
+    assert!(noted(&read, "the curve `hub` is not used"), "{:?}", read.notes);
+    let at = |text: &str, words: &str| text.lines().position(|l| l.trim() == words).unwrap() + 1;
+    let apart = by_vertices(0.5);
+    let found = line(&[("a.geomTurbo", &apart)], 1, &Options::default());
+    assert_eq!((found.0, found.2), ("IMP1005", at(&apart, "VERTEX CURVE_P c 2 1")));
+    for bad in ["VERTEX CURVE_P c 4 1", "VERTEX CURVE_P c 3 0.5", "VERTEX SURFACE c 3 1"] {
+        let text = by_vertices(0.0).replace("VERTEX CURVE_P c 3 1", bad);
+        let found = line(&[("a.geomTurbo", &text)], 1, &Options::default());
+        assert_eq!((found.0, found.2), ("IMP1002", at(&text, bad)), "{bad}");
+    }
+}
+
+/// The head may state the unit; nothing may contradict it.
+#[test]
+fn the_head_may_state_the_unit() {
+    let head = |factor: &str, text: &str| text.replace("TOLERANCE", &format!("UNITS-FACTOR {factor}\nTOLERANCE"));
+    let without = file(0.001, false).replace("units 0.001", "");
+    let due = good(&[("a.geomTurbo", &file(0.001, false))], 1, &Options::default());
+    let read = good(&[("a.geomTurbo", &head("0.001", &without))], 1, &Options::default());
+    assert!(read.hub == due.hub && read.rows[0].blades[0].sections == due.rows[0].blades[0].sections);
+    let millimetres = Options { unit: Some(LengthUnit::Millimetre), ..Options::default() };
+    assert_eq!(line(&[("a.geomTurbo", &head("1", &without))], 1, &millimetres).0, "IMP1005");
+    assert_eq!(line(&[("a.geomTurbo", &head("1", &file(0.001, false)))], 1, &Options::default()).0, "IMP1005");
+    assert_eq!(line(&[("a.geomTurbo", &head("0", &without))], 1, &Options::default()).0, "IMP1002");
+}
+
 #[test]
 fn faults_are_told_with_their_line() {
     let text = file(1.0, false);
