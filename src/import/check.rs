@@ -9,6 +9,7 @@ use nalgebra::Point3;
 
 /// Sections run from hub to shroud: the first is nearer to the hub than the last.
 pub(super) fn order(imported: &Imported, at: Span) -> Result<(), Diag> {
+    imported.rows.iter().flat_map(|row| &row.blades).try_for_each(one_blade)?;
     let Some(hub) = &imported.hub else { return Ok(()) };
     for blade in imported.rows.iter().flat_map(|row| &row.blades) {
         let ends = blade.sections.first().zip(blade.sections.last());
@@ -27,6 +28,45 @@ fn from_shroud(blade: &ImportedBlade, [first, last]: [f64; 2], at: Span) -> Diag
         .label(at, "in this file")
         .note(format!("the first section is {first:.3} mm from the hub, the last one {last:.3} mm"))
         .help("order the sections from hub to shroud; check that hub and shroud are not exchanged")
+}
+
+/// A section this share of the way back to the first one begins another blade. Sections of one blade go on.
+const BACK: f64 = 0.5;
+
+/// The sections are those of one blade: none goes back to where the first ones are, by its middle in the meridian plane.
+fn one_blade(blade: &ImportedBlade) -> Result<(), Diag> {
+    let middles: Vec<[f64; 2]> = blade.sections.iter().map(middle).collect();
+    let Some(first) = middles.first() else { return Ok(()) };
+    for (k, pair) in middles.windows(2).enumerate() {
+        let [before, here] = pair else { continue };
+        let way = [before[0] - first[0], before[1] - first[1]];
+        let step = [here[0] - before[0], here[1] - before[1]];
+        let along = way[0] * step[0] + way[1] * step[1];
+        let length = libm::hypot(way[0], way[1]);
+        if length > 0.0 && along < -BACK * length * length {
+            let place = |k: usize| blade.places.get(k).copied().unwrap_or_default();
+            let message =
+                format!("section {} of the blade `{}` goes back to the first ones", k + 2, printable(&blade.name));
+            return Err(Diag::error(codes::CONTRADICTS, message)
+                .label(
+                    place(k + 1),
+                    format!(
+                        "by {:.3} of {length:.3} mm: another blade begins here, or the order is lost",
+                        -along / length
+                    ),
+                )
+                .label(place(k), "the section before")
+                .help("give each blade in a file of its own, with its sections in the order from hub to shroud"));
+        }
+    }
+    Ok(())
+}
+
+/// Mean (r, z) of the points of a section, mm.
+fn middle(section: &Section) -> [f64; 2] {
+    let sum = |[r, z, n]: [f64; 3], p: &Point3<f64>| [r + libm::hypot(p.x, p.y), z + p.z, n + 1.0];
+    let [r, z, n] = points(section).fold([0.0; 3], sum);
+    if n > 0.0 { [r / n, z / n] } else { [0.0; 2] }
 }
 
 /// Points of a section.

@@ -1,11 +1,12 @@
 //! Creo `.ibl`: sections of curves, without unit, axis or number of blades.
 //!
 //! `Begin section` begins a profile, `Begin curve` a piece of it. The pieces of a section follow one another from end to
-//! start, or are two sides that begin at one place. With `Index` in the head each point has its number first.
+//! start, or are two sides that begin at one place. A point has three numbers, or its own number before them; the first point
+//! tells which, for all points. The word `Index` in the head does not tell it: most writers put it above three numbers.
 
 use super::found::{Found, within};
 use super::frame::Frame;
-use super::lines::{Text, ends};
+use super::lines::{Line, Text, ends};
 use super::loader::Loader;
 use super::loops::{self, ReadLoop};
 use super::stated::Asked;
@@ -54,6 +55,7 @@ pub(super) fn read(
 fn sections(text: Text<'_>, frame: &Frame, found: &mut Found) -> Result<Vec<(Span, Vec<Piece>)>, Diag> {
     let mut sections: Vec<(Span, Vec<Piece>)> = Vec::new();
     let mut index = false;
+    let mut numbered: Option<bool> = None;
     for line in text.lines() {
         // What follows the mark is a comment.
         let said = line.text.split('!').next().unwrap_or_default().to_ascii_lowercase();
@@ -81,12 +83,8 @@ fn sections(text: Text<'_>, frame: &Frame, found: &mut Found) -> Result<Vec<(Spa
                 let Some(piece) = sections.last_mut().and_then(|(_, section)| section.last_mut()) else {
                     return Err(line.fault("a point before the first curve", "`Begin curve` is expected"));
                 };
-                let point = if index {
-                    let [_, x, y, z] = line.numbers("a number of the point and x, y, z are expected")?;
-                    [x, y, z]
-                } else {
-                    line.numbers("x, y and z are expected")?
-                };
+                let with_number = *numbered.get_or_insert_with(|| has_number(line, index, found));
+                let point = point(line, with_number)?;
                 piece.points.push(frame.point(point, line.span)?);
                 piece.ends = line.span;
                 found.point(piece.points.len(), line.span)?;
@@ -97,6 +95,33 @@ fn sections(text: Text<'_>, frame: &Frame, found: &mut Found) -> Result<Vec<(Spa
         return Err(ends(text, "the first section"));
     }
     Ok(sections)
+}
+
+/// Whether points have their number before x, y, z, by the first of them; a note tells it where the head says otherwise.
+fn has_number(line: Line<'_>, index: bool, found: &mut Found) -> bool {
+    let with_number = match line.count_of_words() {
+        3 => false,
+        4 => true,
+        _ => index,
+    };
+    if with_number != index {
+        let says = if index { "the head says `Index`" } else { "the head does not say `Index`" };
+        let has = if with_number { "the number of a point, x, y and z" } else { "x, y and z alone" };
+        found.note(line.span, format!("{says}, but the lines have {has}: they are read so"));
+    }
+    with_number
+}
+
+fn point(line: Line<'_>, with_number: bool) -> Result<[f64; 3], Diag> {
+    if !with_number {
+        return line.numbers("x, y and z are expected");
+    }
+    let due = "a number of the point and x, y, z are expected";
+    let [number, x, y, z] = line.numbers(due)?;
+    if number < 0.0 || number.fract() != 0.0 {
+        return Err(line.fault("the first of four numbers is not the number of a point", due));
+    }
+    Ok([x, y, z])
 }
 
 /// Joins the pieces of a section to one line.

@@ -64,6 +64,11 @@ impl<'t> Line<'t> {
         }
     }
 
+    /// How many words a line of numbers has.
+    pub(super) fn count_of_words(self) -> usize {
+        self.text.split(separates).filter(|field| !field.is_empty()).count()
+    }
+
     /// The first `N` numbers of a line that has no more.
     pub(super) fn numbers<const N: usize>(self, what: &str) -> Result<[f64; N], Diag> {
         let mut fields = self.text.split(separates).filter(|field| !field.is_empty());

@@ -1,6 +1,7 @@
 //! Hub and shroud as points (r, z) from points in space.
 
 use super::found::Found;
+use super::repeated::ONE_POINT;
 use crate::diag::Diag;
 use crate::diag::codes::import as codes;
 use crate::source::Span;
@@ -43,7 +44,7 @@ pub(super) fn checked(
     found: &mut Found,
 ) -> Result<Vec<[f64; 2]>, Diag> {
     let given = meridian.len();
-    meridian.dedup();
+    meridian.dedup_by(|b, a| libm::hypot(a[0] - b[0], a[1] - b[1]) <= ONE_POINT);
     if meridian.len() < 2 {
         let message = format!("the {name} has {} points: at least 2 are needed", meridian.len());
         return Err(Diag::error(codes::ENDS_EARLY, message)

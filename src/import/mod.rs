@@ -25,6 +25,7 @@ mod meridian;
 mod nested;
 pub mod outlines;
 pub mod part_text;
+mod repeated;
 mod rtzt;
 mod stated;
 mod step;
@@ -221,9 +222,10 @@ pub fn read(
     let mut found = Found::default();
     let loaded: Result<Vec<SourceId>, Diag> = names.iter().map(|name| loader.load(name, None)).collect();
     let made = loaded.and_then(|ids| {
-        let imported = (reader.read)(&ids, &mut loader, options, &mut found)?;
+        let mut imported = (reader.read)(&ids, &mut loader, options, &mut found)?;
         let at = ids.first().map_or(Span::default(), |id| loader.text(*id).end());
         check::order(&imported, at)?;
+        repeated::leave_out(&mut imported, &mut found);
         Ok(imported)
     });
     match made {

@@ -74,6 +74,32 @@ fn the_zero_of_the_part_is_at_the_top() {
     }
 }
 
+/// Points that a file repeats, at an edge and at the end of hub and shroud, do not come into the part: `check` takes what the
+/// import writes.
+#[test]
+fn repeated_points_do_not_come_into_the_part() {
+    let files: Vec<(String, String)> = turbogrid::example()
+        .into_iter()
+        .map(|(name, text)| {
+            let twice = |(k, line): (usize, &str)| {
+                let again = name.ends_with(".curve") && !line.starts_with('#') && k % 40 == 3;
+                format!("{line}\n").repeat(if again { 2 } else { 1 })
+            };
+            let text = text.lines().enumerate().map(twice).collect();
+            (name, text)
+        })
+        .collect();
+    let folder = folder(&files);
+    let run = import(&["BladeGen.inf", "-o", "wheel.imp", "--pressure", "greater"], folder.path());
+    let said = text(&run.stdout);
+    assert!(run.status.success(), "{said}{}", text(&run.stderr));
+    assert!(said.contains("repeat the one before and are left out"), "{said}");
+    is_modelled(folder.path(), "wheel.imp", "  extend 1.01 mm\n");
+    let run = bounded::program().current_dir(folder.path()).args(["check", "whole.imp"]).output().unwrap();
+    assert!(!text(&run.stderr).contains("IMP0303"), "{}", text(&run.stderr));
+    assert!(run.status.success(), "{}", text(&run.stderr));
+}
+
 /// The blades of the part have the sections of the file, which read back are the same.
 #[test]
 fn a_part_and_its_tables_are_written() {

@@ -1,6 +1,6 @@
 //! `.ibl` files with the traps of the format.
 
-use super::{axial_loop, faults, good, line, millimetres, points};
+use super::{axial_loop, faults, good, line, millimetres, noted, points};
 use impellerc::import::Options;
 
 fn lines(points: &[[f64; 3]], index: bool) -> String {
@@ -54,6 +54,40 @@ fn heads_and_pieces_change_nothing() {
     let mut of_due = points(&due.rows[0].blades[0].sections[0].form).to_vec();
     of_due.dedup();
     assert!(found.iter().all(|p| of_due.contains(p)));
+}
+
+/// The lines tell whether points have numbers, whatever the head says.
+#[test]
+fn lines_tell_whether_points_are_numbered() {
+    let due = good(&[("a.ibl", &file("Open Arclength", 1, false))], 1, &millimetres());
+    for (head, index, told) in [
+        ("Closed Index arclength", false, "the head says `Index`, but the lines have x, y and z alone"),
+        ("Open Arclength", true, "the head does not say `Index`, but the lines have the number of a point"),
+    ] {
+        let text = file(head, 1, index);
+        let read = good(&[("a.ibl", &text)], 1, &millimetres());
+        assert!(read.rows[0].blades[0].sections == due.rows[0].blades[0].sections, "{head}");
+        assert!(noted(&read, told), "{:?}", read.notes);
+        // All lines are alike.
+        let mut lines: Vec<&str> = text.lines().collect();
+        let other = if index { "1.0 2.0 3.0" } else { "9 1.0 2.0 3.0" };
+        lines[9] = other;
+        let found = line(&[("a.ibl", &lines.join("\n"))], 1, &millimetres());
+        assert_eq!((found.0, found.2), ("IMP1002", 10), "{head}");
+    }
+    // A fourth number in front that is not the number of a point.
+    let text = file("Open Arclength", 1, true).replace("\n1\t", "\n1.5\t");
+    assert_eq!(line(&[("a.ibl", &text)], 1, &millimetres()).0, "IMP1002");
+}
+
+/// The sections of a second blade begin at the hub again.
+#[test]
+fn two_blades_in_a_file_are_refused() {
+    let one = file("Open Arclength", 1, false);
+    let second: String = one.lines().skip(1).map(|l| format!("{l}\n")).collect();
+    let found = line(&[("a.ibl", &format!("{one}{second}"))], 1, &millimetres());
+    // The mark is on the first curve of the section, the line below `begin section`.
+    assert_eq!((found.0, found.2), ("IMP1005", one.lines().count() + 2));
 }
 
 #[test]
