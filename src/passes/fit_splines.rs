@@ -52,8 +52,9 @@ pub(crate) fn run(cx: &PassContext<'_>, motion: &mut Motion) {
         };
         let runs = runs(&program.machine, &operation.moves, height);
         let work = cx.progress.begin(format!("{}, splines", declared.name), runs.len());
-        let fitted: Vec<Vec<Fitted>> =
-            runs.par_iter().map(|run| work.step(fitting.fitted(&operation.moves, run))).collect();
+        let fitted: Option<Vec<Vec<Fitted>>> =
+            runs.par_iter().map(|run| work.do_step(|| fitting.fitted(&operation.moves, run))).collect();
+        let Some(fitted) = fitted else { return };
         replace(program, operation, (declared.feed.get(), &fitting.heights), fitted.into_iter().flatten());
     }
 }

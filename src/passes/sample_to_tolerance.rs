@@ -26,10 +26,11 @@ pub(crate) fn run(cx: &PassContext<'_>, cl: &mut ClPlan) {
         let operation = &program.operations[planned.operation];
         let heights = stations_for(program, operation);
         let work = cx.progress.begin(format!("{}, thinning", operation.name), planned.passes.len());
-        planned
-            .passes
-            .par_iter_mut()
-            .for_each(|pass| pass.points = work.step(thin(&program.machine.chain, &pass.points, &heights)));
+        planned.passes.par_iter_mut().for_each(|pass| {
+            if let Some(thinned) = work.do_step(|| thin(&program.machine.chain, &pass.points, &heights)) {
+                pass.points = thinned;
+            }
+        });
     }
 }
 

@@ -44,7 +44,7 @@ pub fn check(program: &Program, motion: &Motion, progress: &Progress) -> Vec<Car
         let half_spacing = spacing * FRAC_1_SQRT_2;
         let cloud = Cloud::new(points);
         let mut nearest = CarriedReport { solid: solid.name, part: "", clearance: None };
-        for (o, operation) in motion.operations.iter().enumerate() {
+        for (o, operation) in motion.operations.iter().enumerate().take_while(|_| !progress.is_cancelled()) {
             let declared = &program.operations[operation.operation];
             let tool = &program.tools[declared.tool].solid;
             let pieces = piece::pieces(&program.machine, motion, o);

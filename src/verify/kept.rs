@@ -151,7 +151,10 @@ pub(super) fn deepest(
     let work = progress.begin(stage, 2 * tasks.len());
     // Reserve for rounding: a distance equal to the cutoff is still evaluated.
     let look = |task: &PatchTask<'_>| task.look_below(Some(ceiling + LEAST_SLACK));
-    let looked: Vec<Looked> = tasks.par_iter().with_max_len(1).map(|(_, task)| work.step(look(task))).collect();
+    let looked: Option<Vec<Looked>> =
+        tasks.par_iter().with_max_len(1).map(|(_, task)| work.do_step(|| look(task))).collect();
+    // A cancelled run has no value that anybody sees.
+    let Some(looked) = looked else { return Vec::new() };
     let mut least = vec![FAR; covered.len()];
     for ((s, _), looked) in tasks.iter().zip(&looked) {
         least[*s] = least[*s].min(looked.range[0]);
@@ -165,12 +168,13 @@ pub(super) fn deepest(
         let within = if found < limit { limit } else { f64::INFINITY };
         Goals { low: -(found + SLACK).min(within).max(found + LEAST_SLACK), high: f64::INFINITY }
     };
-    let proved: Vec<Proved> = tasks
+    let proved: Option<Vec<Proved>> = tasks
         .par_iter()
         .zip(&looked)
         .with_max_len(1)
-        .map(|((s, task), l)| work.step(task.prove(l, goal(least[*s]))))
+        .map(|((s, task), l)| work.do_step(|| task.prove(l, goal(least[*s]))))
         .collect();
+    let Some(proved) = proved else { return Vec::new() };
     let mut all: Vec<Proved> = vec![Proved::NOTHING; covered.len()];
     for ((s, _), p) in tasks.iter().zip(&proved) {
         all[*s] = all[*s].join(p);

@@ -98,7 +98,9 @@ fn void(program: &Program, design: &Cloud, progress: &Progress) -> Vec<(Point3<f
                 (0..=n).map(|i| (0..=i).map(|j| over_hub(i as f64 * grid, j as f64 * grid, z)).collect()).collect();
             let mut level = Vec::new();
             for i in -n..=n {
-                work.advance(1);
+                if work.do_step(|| ()).is_none() {
+                    break;
+                }
                 for j in -n..=n {
                     let (a, b) = (i.unsigned_abs() as usize, j.unsigned_abs() as usize);
                     if eighth[a.max(b)][a.min(b)] {
@@ -139,6 +141,9 @@ pub fn reports(
 ) -> Vec<RestReport> {
     let Some(last) = roughing.last() else { return Vec::new() };
     let void = void(program, design, progress);
+    if progress.is_cancelled() {
+        return Vec::new();
+    }
     let at_surface: Vec<&Sample> = samples.iter().filter(|s| s.surface.milled()).step_by(STRIDE).collect();
     let far = super::surface::FAR;
     let thickness = |p: &Point3<f64>| start.map_or(far, |start| start.depth(p).min(far));
@@ -148,14 +153,13 @@ pub fn reports(
     let work = progress.begin("stock after roughing", (last + 1) * (at_surface.len() + void.len()));
     for (index, sweep) in sweeps.iter().enumerate().take(last + 1) {
         left.par_iter_mut().zip(&at_surface).for_each(|(least, s)| {
-            if let Some(n) = sweep.nearest(&s.position, *least) {
+            if let Some(Some(n)) = work.do_step(|| sweep.nearest(&s.position, *least)) {
                 *least = n.distance;
             }
-            work.advance(1);
         });
         cleared.par_iter_mut().zip(&void).for_each(|(done, (p, _))| {
-            *done = *done || sweep.nearest(p, 0.0).is_some();
-            work.advance(1);
+            let step = || *done || sweep.nearest(p, 0.0).is_some();
+            *done = work.do_step(step).unwrap_or(false);
         });
         if !roughing.contains(&index) {
             continue;

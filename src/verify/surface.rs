@@ -141,7 +141,7 @@ fn prove(
     let work = progress.begin("surfaces", 2 * patches);
     let mut reports = Vec::with_capacity(surfaces.len());
     let mut rest = surfaces;
-    while !rest.is_empty() {
+    while !rest.is_empty() && !work.is_cancelled() {
         let mut patches = 0;
         let few = |(grids, _): &&(&[Grid], PlacedSurface<'_>)| {
             let few = patches < TOGETHER;
@@ -149,39 +149,42 @@ fn prove(
             few
         };
         let (these, others) = rest.split_at(rest.iter().take_while(few).count());
-        reports.extend(prove_together(these, sweeps, limits, &work));
+        reports.extend(prove_together(these, sweeps, limits, &work).unwrap_or_default());
         rest = others;
     }
     reports
 }
 
+/// `None` when the run was cancelled.
 fn prove_together(
     surfaces: &[(&[Grid], PlacedSurface<'_>)],
     sweeps: &[Sweep<'_>],
     limits: &Limits,
     work: &Work,
-) -> Vec<SurfaceReport> {
+) -> Option<Vec<SurfaceReport>> {
     let tasks: Vec<(usize, PatchTask<'_>)> = surfaces
         .iter()
         .enumerate()
         .flat_map(|(s, (grids, surface))| grids.iter().map(move |grid| (s, PatchTask { surface, grid, sweeps })))
         .collect();
-    let looked: Vec<Looked> = tasks.par_iter().with_max_len(1).map(|(_, task)| work.step(task.look())).collect();
+    let looked = tasks.par_iter().with_max_len(1).map(|(_, task)| work.do_step(|| task.look()));
+    let looked = looked.collect::<Option<Vec<Looked>>>()?;
     let mut ranges = vec![[FAR, -FAR]; surfaces.len()];
     for ((s, _), looked) in tasks.iter().zip(&looked) {
         ranges[*s] = [ranges[*s][0].min(looked.range[0]), ranges[*s][1].max(looked.range[1])];
     }
     let goals: Vec<Goals> =
         ranges.iter().zip(surfaces).map(|(range, (_, s))| goals(*range, s.id.kind.class(), limits)).collect();
-    let proved: Vec<Proved> = tasks
+    let proved: Option<Vec<Proved>> = tasks
         .par_iter()
         .zip(&looked)
         .with_max_len(1)
-        .map(|((s, task), l)| work.step(task.prove(l, goals[*s])))
+        .map(|((s, task), l)| work.do_step(|| task.prove(l, goals[*s])))
         .collect();
+    let proved = proved?;
     let all: Vec<(usize, &PatchTask<'_>, &Looked, &Proved)> =
         tasks.iter().zip(&looked).zip(&proved).map(|(((s, task), l), p)| (*s, task, l, p)).collect();
-    all.par_chunk_by(|a, b| a.0 == b.0).map(|of_one| report(of_one, sweeps)).collect()
+    Some(all.par_chunk_by(|a, b| a.0 == b.0).map(|of_one| report(of_one, sweeps)).collect())
 }
 
 /// Limits of the contracts, mm, each on its surfaces. Bounds are proved down to these limits where the measured values

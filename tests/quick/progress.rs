@@ -110,3 +110,53 @@ fn shares_grow_to_the_whole_and_count_every_step_once() {
         assert!(names.iter().any(|n| n == part), "nothing is told of {part}: {names:?}");
     }
 }
+
+/// A run that is cancelled at any point begins no further work and does few further steps: those that its threads had begun.
+#[test]
+fn a_cancelled_run_does_hardly_anything_more() {
+    /// Steps of all threads that may end after the cancel, and those between the look at the counts and the cancel.
+    const FEW: u64 = 200;
+    let options = Options { job: JOB.into(), ..Options::default() };
+    let mut outcome = Outcome::default();
+    let program: Program = driver::front(&options, &mut Stages::default(), &mut outcome).unwrap().unwrap();
+    let plan = pipeline::run(&program, &mut Sink::default()).unwrap();
+    // Stock is simulated in pieces of moves, each counted as a whole.
+    let steps = |progress: &Progress| -> u64 {
+        progress.all().iter().filter(|work| !work.name.contains("stock")).map(|work| work.done).sum()
+    };
+    let run = |progress: &Progress, planning: bool| {
+        if planning {
+            pipeline::run_with(&program, progress, &mut Sink::default()).is_err()
+        } else {
+            let settings = &mut Settings::default();
+            verify::certify_with(&program, &plan.motion, settings, progress, &mut Sink::default()).is_err()
+        }
+    };
+    let mut cut_short = 0;
+    for planning in [true, false] {
+        let whole = Progress::default();
+        assert!(!run(&whole, planning));
+        let works = whole.all().len();
+        for after in 1..works {
+            let progress = Progress::default();
+            let (ended, seen) = std::thread::scope(|scope| {
+                let running = scope.spawn(|| run(&progress, planning));
+                while progress.all().len() < after && !running.is_finished() {
+                    std::thread::sleep(std::time::Duration::from_micros(100));
+                }
+                let seen = (progress.all().len(), steps(&progress));
+                progress.cancel();
+                (running.join().unwrap(), seen)
+            });
+            let (begun, done) = (progress.all().len(), steps(&progress));
+            if ended {
+                cut_short += 1;
+                assert!(begun <= seen.0 + 1, "after {after} of {works}: {} works began later", begun - seen.0);
+                assert!(done <= seen.1 + FEW, "after {after} of {works}: {} steps were done later", done - seen.1);
+            } else {
+                assert_eq!(begun, works, "a run without an end by cancelling is whole");
+            }
+        }
+    }
+    assert!(cut_short > 5, "{cut_short}");
+}

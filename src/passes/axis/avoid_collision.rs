@@ -85,9 +85,10 @@ pub(crate) fn run(cx: &mut PassContext<'_>, reason: TooNear, cc: &CcPlan, cl: &m
         let work = cx.progress.begin(format!("{}, clearance", operation.name), planned.passes.len());
         let pairs = || planned.passes.par_iter().zip(&oriented.passes);
         let clear = |(cc, cl): (&CcPass, &ClPass)| {
-            work.step(TiltedPass::new(program, obstacles, operation, cc).cleared(&cl.points))
+            work.do_step(|| TiltedPass::new(program, obstacles, operation, cc).cleared(&cl.points))
         };
-        let found: Vec<Result<ClearedPass, Miss>> = pairs().map(clear).collect();
+        let found: Option<Vec<Result<ClearedPass, Miss>>> = pairs().map(clear).collect();
+        let found = found.ok_or(Aborted)?;
         let (mut steepest, mut side, mut aside) = (0.0_f64, 0.0_f64, 0_usize);
         let mut blocked = Vec::new();
         for (index, found) in found.into_iter().enumerate() {
@@ -147,6 +148,7 @@ fn clear_axes(
         Err(faults) => (Vec::new(), faults),
     };
     drop(work);
+    cx.go_on()?;
     if let Some(diag) = no_sequence(cx, operation, &clear, (planned, passes), &blocked) {
         cx.sink.push(diag);
         return Err(Aborted);

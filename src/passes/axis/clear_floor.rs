@@ -38,11 +38,13 @@ pub(crate) fn run<'a>(cx: &mut PassContext<'a>) -> Result<Middles<'a>, Aborted> 
             fits |= middle.fits();
             middles.insert((id, passage.id), middle);
         }
+        cx.go_on()?;
         if !fits {
             let diag = fits_nowhere(cx, operation, allowance);
             cx.sink.push(diag);
         }
     }
+    cx.go_on()?;
     Ok(middles)
 }
 
@@ -59,7 +61,7 @@ fn widest<'a>(cx: &PassContext<'a>, operation: &Operation, (passage, allowance):
             let tool = middle.tool_at(program, operation, (*u, share), AxisTilt::Along);
             tool.is_some_and(|p| is_clear(cx, operation, (&p, allowance)))
         };
-        places.par_iter().map(at).collect()
+        places.par_iter().map(|u| !cx.progress.is_cancelled() && at(u)).collect()
     };
     let each = |share: f64| -> Vec<Vec<bool>> { all.iter().map(|middle| clear(middle, share)).collect() };
     let (first, second) = (each(0.0), each(1.0));
@@ -92,7 +94,8 @@ fn with_room<'a>(cx: &PassContext<'a>, operation: &Operation, (mut middle, allow
     let (program, obstacles) = (cx.program, cx.obstacles);
     let places = middle.places(operation);
     let work = cx.progress.begin(format!("{}, room of the tool", operation.name), places.len());
-    let room: Vec<bool> = places.par_iter().map(|u| work.step(middle.has_room(obstacles, *u))).collect();
+    let room: Vec<bool> =
+        places.par_iter().map(|u| work.do_step(|| middle.has_room(obstacles, *u)).unwrap_or(false)).collect();
     let clear = ClearAxes::new(program, obstacles, operation);
     let solid = &program.tools[operation.tool].solid;
     let radius = solid.cutter.tip_radius();
@@ -110,7 +113,7 @@ fn with_room<'a>(cx: &PassContext<'a>, operation: &Operation, (mut middle, allow
         })
     };
     let with = |tilt: AxisTilt| -> Vec<bool> {
-        places.par_iter().zip(&room).map(|(u, room)| *room && fits(*u, tilt)).collect()
+        places.par_iter().zip(&room).map(|(u, room)| *room && !work.is_cancelled() && fits(*u, tilt)).collect()
     };
     let count = |fits: &Vec<bool>| fits.iter().filter(|fits| **fits).count();
     let found = match operation.kind.axis_method() {

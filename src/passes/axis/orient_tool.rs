@@ -33,27 +33,26 @@ fn orient_operation(cx: &mut PassContext<'_>, cc: &CcOperation) -> Result<ClOper
     let program = cx.program;
     let operation = &program.operations[cc.operation];
     let work = cx.progress.begin(format!("{}, tool axes", operation.name), cc.passes.len());
-    let passes = cc
-        .passes
-        .par_iter()
-        .map(|pass| ClPass {
+    let points = |pass: &CcPass| match pass.drive {
+        Drive::Channel => channel_points(pass),
+        Drive::Face { side, .. } => match &pass.path {
+            Some(path) => path_points(path, pass),
+            None => flank_points(program, operation, pass, side),
+        },
+        Drive::Hub(_) | Drive::HubWithLead(..) | Drive::Contact(_) | Drive::Round(_) => {
+            tilted_points(program, operation, pass, |_| tilt(operation))
+        }
+    };
+    let oriented = |pass: &CcPass| {
+        work.do_step(|| ClPass {
             label: pass.label.clone(),
             sector: 0,
             air: Vec::new(),
             link: None,
-            points: match pass.drive {
-                Drive::Channel => channel_points(pass),
-                Drive::Face { side, .. } => match &pass.path {
-                    Some(path) => path_points(path, pass),
-                    None => flank_points(program, operation, pass, side),
-                },
-                Drive::Hub(_) | Drive::HubWithLead(..) | Drive::Contact(_) | Drive::Round(_) => {
-                    tilted_points(program, operation, pass, |_| tilt(operation))
-                }
-            },
+            points: points(pass),
         })
-        .map(|pass| work.step(pass))
-        .collect();
+    };
+    let passes = cc.passes.par_iter().map(oriented).collect::<Option<Vec<_>>>().ok_or(Aborted)?;
     Ok(ClOperation { operation: cc.operation, passes, notes: cc.notes.clone() })
 }
 

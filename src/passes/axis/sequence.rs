@@ -309,7 +309,7 @@ pub(crate) fn shortest(
 ) -> Result<Vec<Vec<ClPoint>>, Vec<(usize, Blocked)>> {
     let looked: Vec<Option<WayStations>> = passes
         .par_iter()
-        .map(|pass| work.step((pass.points.len() > 1).then(|| WayStations::new(clear, machine, pass))))
+        .map(|pass| work.do_step(|| (pass.points.len() > 1).then(|| WayStations::new(clear, machine, pass))).flatten())
         .collect();
     let costs = Costs {
         speed: machine.speeds(),
@@ -320,6 +320,9 @@ pub(crate) fn shortest(
     let (mut found, mut faults) = (Vec::with_capacity(passes.len()), Vec::new());
     let mut chosen: Vec<(Point3<f64>, Vector3<f64>)> = Vec::new();
     for (i, (pass, stations)) in passes.iter().zip(looked).enumerate() {
+        if work.is_cancelled() {
+            return Err(Vec::new());
+        }
         let Some(stations) = stations else {
             found.push(pass.points.clone());
             continue;

@@ -19,6 +19,7 @@ use crate::method::AxisMethod;
 use crate::orient::inscribe::Proof;
 use crate::orient::{Corridor, Residual, Weights};
 use crate::passes::context::PassContext;
+use crate::progress::{Progress, Work};
 use crate::units::trim;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
@@ -79,12 +80,14 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
         let clear = ClearAxes::new(program, cx.obstacles, operation);
         let work = cx.progress.begin(format!("{}, smooth axes", operation.name), oriented.passes.len());
         let tried = [&[clear][..], &clear.with_less_beside()].concat();
-        let smoothed: Vec<Result<(Vec<ClPoint>, usize), Fault>> = oriented
+        let smoothed: Option<Vec<Result<(Vec<ClPoint>, usize), Fault>>> = oriented
             .passes
             .par_iter()
-            .map(|pass| work.step(smooth_with_any(&tried, &program.machine.chain, pass)))
+            .map(|pass| work.do_step(|| smooth_with_any(&tried, &program.machine.chain, pass, &work)))
             .collect();
         drop(work);
+        let smoothed = smoothed.ok_or(Aborted)?;
+        cx.go_on()?;
         let mut nearer = vec![0_usize; tried.len()];
         let mut faults = Vec::new();
         for (i, result) in smoothed.into_iter().enumerate() {
@@ -176,10 +179,15 @@ fn turning(chain: &Chain, points: &[ClPoint]) -> [f64; 2] {
 ///
 /// # Errors
 /// The fault with the first of them.
-fn smooth_with_any(tried: &[ClearAxes<'_>], chain: &Chain, pass: &ClPass) -> Result<(Vec<ClPoint>, usize), Fault> {
+fn smooth_with_any(
+    tried: &[ClearAxes<'_>],
+    chain: &Chain,
+    pass: &ClPass,
+    work: &Work,
+) -> Result<(Vec<ClPoint>, usize), Fault> {
     let mut first = None;
     for (k, clear) in tried.iter().enumerate() {
-        match smooth(clear, chain, pass) {
+        match smooth(clear, chain, pass, work) {
             Ok(points) => return Ok((points, k)),
             Err(fault) => first = first.or(Some(fault)),
         }
@@ -187,7 +195,7 @@ fn smooth_with_any(tried: &[ClearAxes<'_>], chain: &Chain, pass: &ClPass) -> Res
     Err(first.unwrap_or(Fault::NotProved(Point3::origin())))
 }
 
-fn smooth(clear: &ClearAxes<'_>, chain: &Chain, pass: &ClPass) -> Result<Vec<ClPoint>, Fault> {
+fn smooth(clear: &ClearAxes<'_>, chain: &Chain, pass: &ClPass, work: &Work) -> Result<Vec<ClPoint>, Fault> {
     let radius = clear.radius();
     let balls: Vec<StandingBall> = pass.points.iter().map(|p| StandingBall::at(p, radius)).collect();
     let centres: Vec<Point3<f64>> = balls.iter().map(|ball| ball.centre).collect();
@@ -210,6 +218,9 @@ fn smooth(clear: &ClearAxes<'_>, chain: &Chain, pass: &ClPass) -> Result<Vec<ClP
         let margin = clear.scaled(MARGIN) * round as f64;
         let mut run = start;
         for laying in 0..LAYINGS {
+            if work.is_cancelled() {
+                return Err(fault);
+            }
             match laid_about(clear, chain, &places, (&run, spacing), margin) {
                 Ok(next) => run = next,
                 Err(found) if laying == 0 && round == 1 => return Err(found),
@@ -288,7 +299,8 @@ fn on_curve(
 
 /// True where the axes of a pass become smooth, with the whole distance beside the cutter or with less.
 pub(super) fn has_smooth_axes(clear: &ClearAxes<'_>, chain: &Chain, pass: &ClPass) -> bool {
-    smooth_with_any(&[&[*clear][..], &clear.with_less_beside()].concat(), chain, pass).is_ok()
+    let work = Progress::default().begin("", 1);
+    smooth_with_any(&[&[*clear][..], &clear.with_less_beside()].concat(), chain, pass, &work).is_ok()
 }
 
 /// The error of an operation with passes that did not become smooth: the first of them, and tools with which all of them would.

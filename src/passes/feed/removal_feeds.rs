@@ -85,6 +85,9 @@ pub(crate) fn run(program: &Program, motion: &mut Motion, progress: &Progress, s
         let solid = program.tools[operation.tool].solid.cutter_alone(0.0);
         let work = progress.begin(format!("{}, removal", operation.name), planned.moves.len());
         let sections = sections(program, &planned.moves, &solid, &mut field, &work);
+        if work.is_cancelled() {
+            return Err(Aborted);
+        }
         let Some(limits) = limits else { continue };
         for (m, section) in planned.moves.iter_mut().zip(sections) {
             m.feed = m.feed.map(|feed| if section > 0.0 { feed.min(limits.feed(section)) } else { feed });

@@ -189,7 +189,7 @@ fn optimised(
 ) -> Result<(Vec<Planned>, Vec<String>), Aborted> {
     let program = cx.program;
     let tool = &program.tools[operation.tool];
-    let around = Surroundings::new(&program.part);
+    let around = Surroundings::watched(&program.part, cx.progress);
     let task = StripTask { progress: cx.progress, program, operation: id, choices, obstacles: cx.obstacles };
     let work = cx.progress.begin(format!("{}, axis paths", operation.name), faces.len());
     let found: Vec<Option<StripPaths>> =

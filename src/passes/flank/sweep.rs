@@ -204,6 +204,9 @@ impl StripTask<'_> {
         let mut path = path.clone();
         let mut violation = 0.0;
         for _ in 0..CLEARINGS {
+            if self.progress.is_cancelled() {
+                break;
+            }
             let found = clearances.found(&path);
             if found.kept {
                 return Ok(path);
@@ -231,6 +234,9 @@ impl StripTask<'_> {
         let mut violation = 0.0;
         let mut broken = Vec::new();
         for round in 0..EXCHANGES {
+            if self.progress.is_cancelled() {
+                break;
+            }
             let guarded = self.guarded(path, tool, &points.looked_at);
             let mut best = minimax(&guarded, tool, &points.looked_at, GAIN);
             if round == 0 && best.widening > NO_VIOLATION {

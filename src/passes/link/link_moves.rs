@@ -46,6 +46,7 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<Motion, Abort
     let machine = &cx.program.machine;
     let mut at = machine.rotary.each_ref().map(|axis| 0.0_f64.clamp(axis.min, axis.max));
     for planned in &cl.operations {
+        cx.go_on()?;
         let operation = &cx.program.operations[planned.operation];
         let length = cx.program.tools[operation.tool].length();
         let links = Links::new(cx, operation, &planned.passes);

@@ -70,6 +70,7 @@ pub fn run(
                 }
                 _ => stock_order::reduce(program, operation, &direct, planned, (&mut field, &mut cleared, &work)),
             }
+            unless_cancelled(progress)?;
             if planned.passes.is_empty() {
                 sink.push(nothing_left(operation, operation.rest.map_or(0.0, |t| t.get())));
                 failed = true;
@@ -80,6 +81,7 @@ pub fn run(
         if let Some(thickness) = operation.rest.filter(|_| !planned.passes.is_empty()) {
             let work = progress.begin(format!("{}, find rest", operation.name), planned.passes.len());
             failed |= reduce(program, operation, thickness.get(), planned, (&mut field, &work), sink).is_err();
+            unless_cancelled(progress)?;
         }
         let cuts = i < last;
         let what = if cuts { "rest stock" } else { "links" };
@@ -88,8 +90,14 @@ pub fn run(
         if cuts {
             add_cuts(program, planned, &mut cleared);
         }
+        unless_cancelled(progress)?;
     }
     if failed { Err(Aborted) } else { Ok(()) }
+}
+
+/// Ends a run that was cancelled; nothing goes to the sink.
+fn unless_cancelled(progress: &Progress) -> Result<(), Aborted> {
+    if progress.is_cancelled() { Err(Aborted) } else { Ok(()) }
 }
 
 /// Adds the cuts of an operation to the space without material.
@@ -185,6 +193,9 @@ fn reduce(
     // For a rapid, the engine reports what the cutter meets and removes nothing.
     let looks = steps(&program.machine, &planned.passes, StepKind::Rapid, grown_by);
     let met = send(field, &grown, looks, work);
+    if work.is_cancelled() {
+        return Err(Aborted);
+    }
     let deep = met.iter().filter(|c| c.what == Touched::Cutter && c.depth > thickness);
     let mut deep = deep.map(|c| c.block as usize).peekable();
     let ways = Ways { operation, whole: !leaves_along_axis(solid), surface: ClearanceSurface::new(program, solid) };

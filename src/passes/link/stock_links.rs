@@ -29,7 +29,9 @@ pub(super) fn add(
     let mut before = None;
     let mut linked = 0;
     for pass in &mut planned.passes {
-        work.step(());
+        if work.do_step(|| ()).is_none() {
+            return;
+        }
         let ends = pass.points.first().copied().zip(pass.points.last().copied());
         let Some((first, last)) = ends else { continue };
         if let Some(end) = before

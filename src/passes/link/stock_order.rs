@@ -96,6 +96,9 @@ pub(super) fn reduce(
     let count = planned.passes.len();
     // Loops of a slot have one name.
     for group in std::mem::take(&mut planned.passes).chunk_by(|a, b| a.label == b.label && a.sector == b.sector) {
+        if work.is_cancelled() {
+            return;
+        }
         let before = kept.last().and_then(|p| p.points.last()).copied();
         let reduced = match group {
             [pass] => work.step(reduction.reduced(pass, before, field)),
@@ -132,12 +135,13 @@ impl Reduction<'_> {
         mut before: Option<ClPoint>,
         (field, work): (&mut Field, &Work),
     ) -> Vec<Reduced> {
-        let depths: Vec<f64> = loops.iter().map(|pass| work.step(self.deepest(pass, field))).collect();
+        let depths = loops.iter().map(|pass| work.do_step(|| self.deepest(pass, field)));
+        let Some(depths) = depths.collect::<Option<Vec<f64>>>() else { return Vec::new() };
         let mut slots = Vec::new();
         for run in maximal_ranges(loops.len(), |i| depths[i] > self.air.slivers) {
             let Some(last) = run.clone().rev().find(|i| depths[*i] > self.least()) else { continue };
             // A loop begins at its rear: its lead is the end of the loop before it.
-            let slot = self.slot(&loops[run.start.saturating_sub(1)..=last], before, field);
+            let slot = self.slot(&loops[run.start.saturating_sub(1)..=last], before, (&mut *field, work));
             before = slot.pass.points.last().copied();
             slots.push(slot);
         }
@@ -146,11 +150,13 @@ impl Reduction<'_> {
 
     /// Loops as one pass, from the lead of the first contact with the stock to the lead behind the last one. Removes
     /// their cuts from the stock, one after the other, so that the return of a loop runs through air.
-    fn slot(&mut self, loops: &[ClPass], before: Option<ClPoint>, field: &mut Field) -> Reduced {
+    fn slot(&mut self, loops: &[ClPass], before: Option<ClPoint>, (field, work): (&mut Field, &Work)) -> Reduced {
         let (mut line, mut depths): (Vec<PathPoint>, Vec<f64>) = (Vec::new(), Vec::new());
         let (mut first, mut last, mut link) = (None, 0, None);
         let sector = loops[0].sector;
-        for pass in loops {
+        // What a cancelled run has of the loop is seen by nobody.
+        for pass in loops.iter().enumerate().take_while(|(k, _)| *k == 0 || !work.is_cancelled()).map(|(_, pass)| pass)
+        {
             let of_loop = stations(&self.program.machine, pass);
             let found = self.air.depths(&of_loop, field).unwrap_or_default();
             // On its return a loop slides along what the loops before have cut.

@@ -73,7 +73,9 @@ pub(super) fn reduce(
     let mut kept: Vec<ClPass> = Vec::new();
     let mut count = StrokeCount::default();
     for pass in std::mem::take(&mut planned.passes) {
-        work.step(());
+        if work.do_step(|| ()).is_none() {
+            return;
+        }
         let before = kept.last().and_then(|p| p.points.last()).copied();
         if let Some(pass) = strokes.cut(&pass, before, field, &mut count) {
             kept.push(pass);

@@ -46,6 +46,7 @@ fn plan_passage(
 ) -> Result<(Vec<CcPass>, Vec<String>), Aborted> {
     let OperationKind::Rough { stepover, levels: form, .. } = operation.kind else { return Err(Aborted) };
     let levels = roughing.levels(form, &operation.name, cx.progress);
+    cx.go_on()?;
     if levels.iter().all(|level| level.runs.is_empty()) {
         return Ok((Vec::new(), vec!["the tool fits on no level".to_owned()]));
     }
@@ -56,6 +57,7 @@ fn plan_passage(
     check_points(cx, operation, (widest / stepover.get() + 3.0) * stations as f64 + loops)?;
     let work = cx.progress.begin(format!("{}, lines", operation.name), levels.len());
     let lines = lines(roughing, &levels, operation, &work);
+    cx.go_on()?;
     let notes = notes(&levels, &lines, operation);
     Ok((passes(roughing, lines.named), notes))
 }
@@ -75,7 +77,7 @@ pub(super) fn lines(roughing: &Roughing<'_>, levels: &[RoughLevel], operation: &
     let OperationKind::Rough { stepover, milling, slots, .. } = operation.kind else { return LevelLines::default() };
     let of_level = |level: &RoughLevel| {
         let mut lines = LevelLines::default();
-        for (k, run) in level.runs.iter().enumerate() {
+        for (k, run) in level.runs.iter().enumerate().take_while(|_| !work.is_cancelled()) {
             let name = if level.runs.len() > 1 {
                 format!("level {} part {}", level.number, k + 1)
             } else {

@@ -38,6 +38,7 @@ fn plan_passage(
     let OperationKind::Expand { residual, .. } = operation.kind else { return Err(Aborted) };
     let top = *level;
     let (layers, end) = roughing.layers(top, &operation.name, cx.progress);
+    cx.go_on()?;
     *level = check_room(cx, (roughing, operation), &layers, &end, top)?;
     let solid = &cx.program.tools[operation.tool].solid;
     let step = scallop::formula_9_step(solid.radius(), residual.get());
@@ -49,6 +50,7 @@ fn plan_passage(
     check_points(cx, operation, widest / step * stations as f64)?;
     let work = cx.progress.begin(format!("{}, lines", operation.name), layers.len());
     for layer in &layers {
+        cx.go_on()?;
         let count = work.step(v_lines(roughing, layer, step, &mut lines));
         if layer.number == layers.len() {
             notes.push(format!(

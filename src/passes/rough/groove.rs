@@ -41,12 +41,14 @@ fn plan_passage(
 ) -> Result<(Vec<CcPass>, Vec<String>), Aborted> {
     let top = *level;
     let (layers, end) = roughing.layers(top, &operation.name, cx.progress);
+    cx.go_on()?;
     *level = check_room(cx, (roughing, operation), &layers, &end, top)?;
     let mut notes = vec![describe(&layers, &end, top)];
     let mut line_lengths = 0;
     let mut lines = Vec::new();
     let work = cx.progress.begin(format!("{}, lines", operation.name), layers.len());
     for layer in &layers {
+        cx.go_on()?;
         let points: Vec<CcPoint> =
             layer.stations.iter().map(|s| roughing.cc_point(s.u, Level::Share(layer.level), s.middle())).collect();
         let points = restep(roughing, Level::Share(layer.level), &points, cx.program.tolerances.chord_rough.get());

@@ -140,7 +140,7 @@ impl ChannelStrokes<'_> {
         let widest = grid.iter().map(|u| self.roughing.chart.width(*u, 1.0)).fold(0.0, f64::max);
         check_points(cx, operation, grid.len() as f64 * (widest / self.step + 1.0))?;
         let work = cx.progress.begin(format!("{}, places", operation.name), grid.len());
-        let stands: Vec<Option<Stand>> = grid.par_iter().map(|u| work.step(self.stand(*u))).collect();
+        let stands: Vec<Option<Stand>> = grid.par_iter().map(|u| work.do_step(|| self.stand(*u)).flatten()).collect();
         drop(work);
         cx.go_on()?;
         let mut lines: Vec<NamedLine> = Vec::new();
