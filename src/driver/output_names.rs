@@ -111,8 +111,8 @@ pub(super) fn check(flag: &str, path: &Path, form: Form) -> Result<(), Diag> {
     let Some(ending) = path.extension().and_then(|ending| ending.to_str()) else { return Ok(()) };
     let is = |known: &&str| ending.eq_ignore_ascii_case(known);
     let right = match form {
-        Form::Nc => !NOT_NC.iter().any(|known| is(&known)),
-        _ => form.endings().iter().any(|known| is(&known)),
+        Form::Nc => !NOT_NC.iter().any(is),
+        _ => form.endings().iter().any(is),
     };
     let device = std::fs::metadata(path).is_ok_and(|of| !of.is_file() && !of.is_dir());
     if right || device {

@@ -22,7 +22,7 @@ struct AngledPoint {
 /// Thins all passes.
 pub(crate) fn run(cx: &PassContext<'_>, cl: &mut ClPlan) {
     let program = cx.program;
-    for planned in &mut cl.operations {
+    for planned in cl.operations.iter_mut().take_while(|_| !cx.progress.is_cancelled()) {
         let operation = &program.operations[planned.operation];
         let heights = stations_for(program, operation);
         let work = cx.progress.begin(format!("{}, thinning", operation.name), planned.passes.len());

@@ -151,7 +151,12 @@ fn a_cancelled_run_does_hardly_anything_more() {
             let (begun, done) = (progress.all().len(), steps(&progress));
             if ended {
                 cut_short += 1;
-                assert!(begun <= seen.0 + 1, "after {after} of {works}: {} works began later", begun - seen.0);
+                // A loop over the operations may begin the work of each, without a step.
+                assert!(
+                    begun <= seen.0 + program.operations.len(),
+                    "after {after} of {works}: {} works began later",
+                    begun - seen.0
+                );
                 assert!(done <= seen.1 + FEW, "after {after} of {works}: {} steps were done later", done - seen.1);
             } else {
                 assert_eq!(begun, works, "a run without an end by cancelling is whole");

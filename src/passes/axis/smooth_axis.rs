@@ -80,13 +80,9 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
         let clear = ClearAxes::new(program, cx.obstacles, operation);
         let work = cx.progress.begin(format!("{}, smooth axes", operation.name), oriented.passes.len());
         let tried = [&[clear][..], &clear.with_less_beside()].concat();
-        let smoothed: Option<Vec<Result<(Vec<ClPoint>, usize), Fault>>> = oriented
-            .passes
-            .par_iter()
-            .map(|pass| work.do_step(|| smooth_with_any(&tried, &program.machine.chain, pass, &work)))
-            .collect();
+        let smoothed = |pass| work.do_step(|| smooth_with_any(&tried, &program.machine.chain, pass, &work));
+        let smoothed = oriented.passes.par_iter().map(smoothed).collect::<Option<Vec<_>>>().ok_or(Aborted)?;
         drop(work);
-        let smoothed = smoothed.ok_or(Aborted)?;
         cx.go_on()?;
         let mut nearer = vec![0_usize; tried.len()];
         let mut faults = Vec::new();
