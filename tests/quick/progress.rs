@@ -120,9 +120,12 @@ fn a_cancelled_run_does_hardly_anything_more() {
     let mut outcome = Outcome::default();
     let program: Program = driver::front(&options, &mut Stages::default(), &mut outcome).unwrap().unwrap();
     let plan = pipeline::run(&program, &mut Sink::default()).unwrap();
-    // Stock is simulated in pieces of moves, each counted as a whole.
+    // Stock is simulated in pieces of moves, and clearances are looked for in runs of pieces, each counted as a whole.
+    let as_wholes = ["stock", "clearance", "distance"];
     let steps = |progress: &Progress| -> u64 {
-        progress.all().iter().filter(|work| !work.name.contains("stock")).map(|work| work.done).sum()
+        let all = progress.all();
+        let single = all.iter().filter(|work| !as_wholes.iter().any(|name| work.name.contains(name)));
+        single.map(|work| work.done).sum()
     };
     let run = |progress: &Progress, planning: bool| {
         if planning {
