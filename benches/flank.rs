@@ -12,6 +12,7 @@ use impellerc::ir::{Contract, ContractKind, OperationKind};
 use impellerc::method::{Conflict, ErrorSide};
 use impellerc::part::BladeId;
 use impellerc::passes::{Obstacles, flank::plan};
+use impellerc::progress::Progress;
 use impellerc::units::Mm;
 use std::hint::black_box;
 use std::path::PathBuf;
@@ -46,7 +47,9 @@ fn faces(c: &mut Criterion) {
             });
         }
     }
-    group.bench_function("fit of both faces", |b| b.iter(|| flank::report(&program, &mut black_box(Sink::default()))));
+    group.bench_function("fit of both faces", |b| {
+        b.iter(|| flank::report(&program, &Progress::default(), &mut black_box(Sink::default())))
+    });
     group.finish();
 }
 
