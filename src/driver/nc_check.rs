@@ -215,6 +215,7 @@ fn measure(
     *operations = judged_operations(program, &certificate);
     if let Some((path, file)) = stated {
         compare_figures(path, file, &certificate, sink);
+        compare_conditions(path, file, (post, program), sink);
     }
     let head = head::compare((program, &certificate, post), inputs, sources, source, sink);
     let nc = sources.get(source).map_or("", |f| f.text.as_str());
@@ -236,6 +237,9 @@ fn measure(
     let moves: usize = motion.lines.iter().map(Vec::len).sum();
     text.push_str(&format!("\n{}: {moves} moves read as {}\n", shown_path(&check.nc), post.name()));
     text.push_str(&head);
+    if stated.is_some() {
+        text.push_str(COMPARED);
+    }
     text.push_str(&meshes_written(&check.run, &motion.motion));
     if let Some(path) = &check.run.report {
         text.push_str(&format!("wrote {}\n", shown_path(path)));
@@ -382,6 +386,32 @@ const DIGITS: (f64, f64) = (1e-3, 1e-3);
 
 /// Largest absolute difference as a share of the bound of the contract.
 const OF_BOUND: f64 = 0.1;
+
+/// What of a certificate is compared with the measurement, and what is not.
+const COMPARED: &str = "of the certificate, contracts, surfaces, dialect and conditions were compared; not compared: clearances, \
+                        axes, times and stock beyond the contracts\n";
+
+/// Compares dialect and conditions that a certificate states with those of the text.
+fn compare_conditions(shown: &str, file: &CertificateFile, (post, program): (&dyn Post, &Program), sink: &mut Sink) {
+    let help = "compile the job again, and do not rely on an edited certificate";
+    if file.nc.post != post.name() {
+        let text =
+            format!("{shown} is that of a text in {}; the text was read as {}", printable(&file.nc.post), post.name());
+        sink.push(Diag::error(codes::CERTIFICATE_FIGURES, text).help(help));
+        return;
+    }
+    let due = post::assumptions(post, program);
+    let [missing, more] = [(&due, &file.nc.assumed), (&file.nc.assumed, &due)]
+        .map(|(all, other)| all.iter().find(|line| !other.contains(line)));
+    let text = match (missing, more) {
+        (Some(line), _) => format!("{shown} does not state the condition `{line}` of the proof"),
+        (None, Some(line)) => {
+            format!("{shown} states the condition `{}`, which the proof does not have", printable(line))
+        }
+        (None, None) => return,
+    };
+    sink.push(Diag::error(codes::CERTIFICATE_FIGURES, text).help(help));
+}
 
 /// Compares contracts and figures of surfaces of a certificate with those measured on the text.
 fn compare_figures(shown: &str, file: &CertificateFile, measured: &Certificate, sink: &mut Sink) {

@@ -313,7 +313,7 @@ fn faults_of_blades_by_angles() {
         ("from hub 3 mm, shroud 2 mm", "from hub 3 mm", "IMP0210", "at hub and shroud"),
         ("from hub 3 mm, shroud 2 mm", "from 60 %  to 50 %", "IMP0326", "ends before it begins"),
         ("from hub 45 %, shroud 36 %", "from hub 45 mm, shroud 36 %", "IMP0207", "plain number"),
-        ("angle 46 %", "angle 146 %", "IMP0206", "angle"),
+        ("angle 46 %", "angle 146 %", "IMP0207", "not a share"),
         ("bow   = 4 deg", "bow   = 4 mm", "IMP0207", "angle"),
     ] {
         let found = read(&changed(&[(from, to)]));

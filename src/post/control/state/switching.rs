@@ -140,6 +140,10 @@ impl ControlState<'_> {
     pub(super) fn switch_unread(&mut self, on: bool) {
         self.doubtful = false;
         if on {
+            // The block may also say how the tool turns.
+            if self.modal[ModalGroup::Turning as usize] == Setting::Unknown {
+                self.modal[ModalGroup::Turning as usize] = Setting::Reported;
+            }
             return self.begin();
         }
         self.transformation = Transformation::Off;
