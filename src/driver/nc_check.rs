@@ -213,11 +213,12 @@ fn measure(
     let certificate = certificate?;
     contracts.clone_from(&certificate.contracts);
     *operations = judged_operations(program, &certificate);
+    let mut compared = head::compare((program, &certificate, post), inputs, sources, source, sink);
     if let Some((path, file)) = stated {
         compare_figures(path, file, &certificate, sink);
         compare_conditions(path, file, (post, program), sink);
+        compared.push_str(COMPARED);
     }
-    let head = head::compare((program, &certificate, post), inputs, sources, source, sink);
     let nc = sources.get(source).map_or("", |f| f.text.as_str());
     let shown = report::Shown {
         program,
@@ -233,19 +234,20 @@ fn measure(
     let file = check.run.report.as_deref().zip(html.as_deref());
     let file = file.map(|(path, html)| ("--report", path, html.as_bytes()));
     or_reported(save(outputs, file.into_iter()), sink)?;
-    let mut text = certificate_text::text(&check.run, &shown, Some(&check.nc), sources, sink);
+    let text = certificate_text::text(&check.run, &shown, Some(&check.nc), sources, sink);
+    *emitted = Some(text + &done(check, &motion, post, &compared));
+    Ok(())
+}
+
+/// What was read, compared and written, in lines.
+fn done(check: &NcCheck, motion: &NcMotion, post: &dyn Post, compared: &str) -> String {
     let moves: usize = motion.lines.iter().map(Vec::len).sum();
-    text.push_str(&format!("\n{}: {moves} moves read as {}\n", shown_path(&check.nc), post.name()));
-    text.push_str(&head);
-    if stated.is_some() {
-        text.push_str(COMPARED);
-    }
+    let mut text = format!("\n{}: {moves} moves read as {}\n{compared}", shown_path(&check.nc), post.name());
     text.push_str(&meshes_written(&check.run, &motion.motion));
     if let Some(path) = &check.run.report {
         text.push_str(&format!("wrote {}\n", shown_path(path)));
     }
-    *emitted = Some(text);
-    Ok(())
+    text
 }
 
 /// A certificate that a text is compared with.

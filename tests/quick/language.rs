@@ -322,7 +322,7 @@ fn fixes_mend_what_they_are_offered_for() {
         ("require gouge     <=", "require gouge     >=", codes::job::RELATION),
         ("\"5mc850-c\"", "\"5mc850c\"", codes::files::NOT_IN_LIBRARY),
         ("holder \"er16-mini\"", "holder \"er16mini\"", codes::job::UNKNOWN_NAME),
-        ("diameter 8 mm", "diameter 8 nm", codes::job::UNKNOWN_UNIT),
+        ("diameter 8 mm", "diameter 8 mmm", codes::job::UNKNOWN_UNIT),
         ("feed 150 mm/min", "feed 150", codes::job::NO_UNIT),
         ("constant-scallop", "constant-scalop", codes::job::UNKNOWN_NAME),
     ];

@@ -34,7 +34,7 @@ const MAY: &[(&str, &[&str])] = &[
     ("analysis", &["envelope", "ir", "part", "geom", "kin", "collide"]),
     ("passes", &["analysis", "ir", "part", "geom", "kin", "collide", "stock", "envelope", "orient"]),
     ("verify", &["ir", "part", "geom", "kin", "collide", "stock"]),
-    ("compare", &["ir", "kin"]),
+    ("compare", &["verify", "ir", "kin"]),
     ("post", &["verify", "ir", "geom", "kin"]),
     ("export", &["verify", "ir", "part", "geom", "kin", "collide", "stock"]),
     ("output", &[]),

@@ -176,7 +176,13 @@ fn files_are_replaced_only_by_force() {
     assert_ne!(std::fs::read_to_string(folder.path().join("wheel.curves.csv")).unwrap(), "old");
     // Not even by force are the files that were read.
     let run = import(&["BladeGen.inf", "-o", "BladeGen.inf", "--pressure", "greater", "--force"], folder.path());
-    assert!(text(&run.stderr).contains("IMP0904"), "{}", text(&run.stderr));
+    assert!(text(&run.stderr).contains("IMP0903"), "{}", text(&run.stderr));
+    #[cfg(unix)]
+    {
+        std::os::unix::fs::symlink("BladeGen.inf", folder.path().join("alias.imp")).unwrap();
+        let run = import(&["BladeGen.inf", "-o", "alias.imp", "--pressure", "greater", "--force"], folder.path());
+        assert!(text(&run.stderr).contains("IMP0904"), "{}", text(&run.stderr));
+    }
     assert_eq!(std::fs::read_to_string(folder.path().join("BladeGen.inf")).unwrap(), turbogrid::example()[0].1);
 }
 
