@@ -72,8 +72,10 @@ pub struct OperationDifference {
     pub speed: Difference,
     /// Number of moves of both motions.
     pub moves: [usize; 2],
-    /// Times of cuts, links and rapids of both motions, s.
+    /// Times of cuts, links and rapids in the runs of both controls, s.
     pub times: [[f64; 3]; 2],
+    /// Times that feeds and rapids of both texts command, s: two controls run the same text in different times.
+    pub programmed: [f64; 2],
     /// Least and largest position of each axis of both motions, mm and radians; without a head Z is that of the tip.
     pub ranges: [[[f64; 2]; 5]; 2],
 }
@@ -87,7 +89,7 @@ impl OperationDifference {
 
     /// True where the machine does the same, within the digits of NC texts.
     pub fn is_same(&self) -> bool {
-        let all = self.times.map(|t| t.iter().sum::<f64>());
+        let all = self.programmed;
         let time = (all[0] - all[1]).abs() <= SAME[3] * all[0].max(all[1]).max(1.0);
         time && self.beyond_digits().next().is_none()
     }
@@ -127,6 +129,7 @@ fn operation(sides: [ComparedMotion<'_>; 2], made: [&MotionOperation; 2], index:
         axis: axis.or(swapped[1]),
         speed: speed.or(swapped[2]),
         moves: made.map(|o| o.moves.len()),
+        programmed: made.map(|o| o.moves.iter().map(|m| m.time).sum()),
         // The run of the control, as in the certificate; limits of removal change no time.
         times: sides.map(|side| dynamics::run(side.program, side.motion, index, &[]).time),
         ranges: [0, 1].map(range),

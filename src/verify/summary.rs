@@ -5,7 +5,7 @@ use super::certificate::{Certificate, ContractReport, gap, um};
 use super::surface::{self, FAR, SurfaceReport};
 use crate::contract::clock;
 use crate::units::length;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 /// Most columns of a line.
@@ -90,14 +90,15 @@ impl Certificate {
         )
     }
 
-    /// Sectors in which every kind of surface is machined that is machined in any sector, and all sectors.
+    /// Sectors that are machined, and all sectors: of each kind of surface that is machined at all, so many at least. A passage
+    /// lies between the faces of two blades, so that the surfaces of one sector are not those of one passage.
     pub fn sectors(&self) -> [usize; 2] {
-        let machined = |s: &SurfaceReport| left_share(s) < UNTOUCHED;
-        let kinds: BTreeSet<_> = self.surfaces.iter().filter(|s| machined(s)).map(|s| s.id.kind).collect();
         let all: BTreeSet<_> = self.surfaces.iter().map(|s| s.id.sector).collect();
-        let missing = self.surfaces.iter().filter(|s| kinds.contains(&s.id.kind) && !machined(s));
-        let missing: BTreeSet<_> = missing.map(|s| s.id.sector).collect();
-        let made = if kinds.is_empty() { 0 } else { all.len() - missing.len() };
+        let mut of_kind = BTreeMap::new();
+        for surface in self.surfaces.iter().filter(|s| left_share(s) < UNTOUCHED) {
+            *of_kind.entry(surface.id.kind).or_insert(0) += 1;
+        }
+        let made = of_kind.into_values().min().unwrap_or(0);
         [made, all.len()]
     }
 

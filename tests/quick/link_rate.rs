@@ -90,7 +90,7 @@ fn short_blocks_are_judged_by_what_they_remove_together() {
         ("every other block", |k| if k % 2 == 0 { (Cut, CUT) } else { (Link, LINK) }),
         ("every fifth block at link feed", |k| if k % 5 == 0 { (Link, LINK) } else { (Cut, CUT) }),
         ("two link feeds", |k| (Link, if k % 2 == 0 { LINK } else { 0.5 * LINK })),
-        ("the end of the pass", |k| if k < 30 { (Cut, CUT) } else { (Link, LINK) }),
+        ("the end of the pass", |k| if k < 20 { (Cut, CUT) } else { (Link, LINK) }),
     ];
     for (name, of) in fast {
         for length in [0.03, 0.12, 0.2] {

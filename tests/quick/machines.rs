@@ -651,7 +651,7 @@ fn machine_files_that_cannot_direct_the_tool_are_refused() {
             &[("kind = \"table-table\"", "kind = \"table-table\"\norder = [\"B\", \"C\"]")],
             "does not name both rotary axes",
         ),
-        (&[("kind = \"table-table\"", "kind = \"table-table\"\norder = []")], "does not name both rotary axes"),
+        (&[("kind = \"table-table\"", "kind = \"table-table\"\norder = []")], "must be a list of 2 texts"),
     ];
     for (changes, words) in cases {
         let (program, outcome) = front("odd", &with_text(changes));

@@ -136,7 +136,9 @@ fn sealed(given: &mut Given) {
     let mut file: CertificateFile = serde_json::from_str(&given.certificate).unwrap();
     let now = NcText::new(&file.nc.post, &given.nc, Vec::new());
     given.nc = given.nc.replacen(&body, &now.body_sha256, 1);
-    file.nc = NcText::new(&file.nc.post, &given.nc, std::mem::take(&mut file.nc.operations));
+    let assumed = std::mem::take(&mut file.nc.assumed);
+    let sealed = NcText::new(&file.nc.post, &given.nc, std::mem::take(&mut file.nc.operations));
+    file.nc = NcText { assumed, ..sealed };
     given.certificate = file.json().unwrap();
     let before = named(&given.nc, HEAD[2]).unwrap().to_owned();
     given.nc = given.nc.replacen(&before, &sha256(given.certificate.as_bytes()), 1);
@@ -541,6 +543,51 @@ fn sealed_again() -> Vec<Kind> {
     };
     vec![
         kind!(C, "nothing changed", Harmless, "belong together", "the same pair", forged(|_| {})),
+        kind!(
+            C,
+            "another dialect",
+            Found,
+            "IMP0829",
+            "the text is not in it",
+            forged(|g| g.certificate = g.certificate.replacen("\"post\": \"siemens-840d\"", "\"post\": \"fanuc\"", 1))
+        ),
+        kind!(
+            C,
+            "a condition left out",
+            Found,
+            "IMP0829",
+            "the proof has it",
+            forged(|g| {
+                let mut file: CertificateFile = serde_json::from_str(&g.certificate).unwrap();
+                file.nc.assumed.pop().unwrap();
+                g.certificate = file.json().unwrap();
+            })
+        ),
+        kind!(
+            C,
+            "a tool length of the head",
+            Found,
+            "IMP0832",
+            "the machinist sets the tool by it",
+            forged(|g| g.nc =
+                g.nc.replacen(" mm from the tip to the gauge line", "1 mm from the tip to the gauge line", 1))
+        ),
+        kind!(
+            C,
+            "the zero of the head",
+            Found,
+            "IMP0832",
+            "the machinist sets the zero by it",
+            forged(|g| g.nc = g.nc.replacen("zero at the origin", "zero 10 mm above the origin", 1))
+        ),
+        kind!(
+            C,
+            "a figure of the head",
+            Found,
+            "IMP0832",
+            "another one is measured",
+            forged(|g| g.nc = g.nc.replacen("gouge 0.", "gouge 0.0", 1))
+        ),
         kind!(
             C,
             "gouge lowered",
