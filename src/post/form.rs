@@ -8,8 +8,8 @@ pub struct TextForm {
     pub comment: [&'static str; 2],
     /// Text between the name of a rotary axis and its angle.
     pub rotary: &'static str,
-    /// Words of axes modulo 360 deg; `None` where no document says how the control takes them.
-    pub modulo: Option<ModuloForm>,
+    /// Words of axes modulo 360 deg, or why the dialect has none.
+    pub modulo: Result<ModuloForm, &'static str>,
     /// Block numbers.
     pub numbers: NumberForm,
     /// End of a line whose block goes on in the next line; empty where blocks are lines.

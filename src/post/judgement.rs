@@ -34,7 +34,10 @@ pub fn judge(
     if sink.count() > before {
         return None;
     }
-    let sections = match post.read_with_offset(text, &program.machine, program.post.work_offset()) {
+    // The text may be for another control than the post of the job.
+    let has = |name: &&str| post.offsets().is_some_and(|offsets| (offsets.has)(name));
+    let offset = program.post.work_offset().filter(has);
+    let sections = match post.read_with_offset(text, &program.machine, offset) {
         Ok(sections) => sections,
         Err(faults) => {
             let meant = recognise(text);

@@ -23,13 +23,12 @@ pub(super) fn check_machine(form: &TextForm, machine: &Machine, chosen: Option<S
     for axis in &machine.rotary {
         let (Some(way), name) = (axis.modulo, &axis.name) else { continue };
         let why = match &form.modulo {
-            Some(known) if known.ways.contains(&way) => continue,
-            Some(known) => {
+            Ok(known) if known.ways.contains(&way) => continue,
+            Ok(known) => {
                 let ways: Vec<String> = known.ways.iter().map(|way| format!("\"{}\"", way.name())).collect();
                 format!("this post takes `way` {}; the machine file says \"{}\"", ways.join(" and "), way.name())
             }
-            None => "no manual that the project knows says which way this control takes to a word of such an axis"
-                .to_owned(),
+            Err(why) => (*why).to_owned(),
         };
         let text =
             format!("this post does not write axis {name} of the machine {}, which is modulo 360 deg", machine.name);
@@ -47,7 +46,7 @@ pub(super) fn check_machine(form: &TextForm, machine: &Machine, chosen: Option<S
 
 /// What must be set at the control for the axes modulo 360 deg of a machine, a line each.
 pub(super) fn assumptions(form: &TextForm, machine: &Machine) -> Vec<String> {
-    let Some(ModuloForm { assumed, .. }) = &form.modulo else { return Vec::new() };
+    let Ok(ModuloForm { assumed, .. }) = &form.modulo else { return Vec::new() };
     let axes = machine.rotary.iter().filter(|axis| axis.modulo.is_some());
     axes.map(|axis| format!("{} is an axis modulo 360 deg: {assumed}", axis.name)).collect()
 }

@@ -106,7 +106,7 @@ pub(super) fn rotary(post: &dyn Post, program: &Program, angles: Angles) -> Stri
     let form = post.form();
     let numbers = rotary_numbers(post, program, angles);
     let words = program.machine.rotary.iter().zip(numbers).map(|(axis, number)| {
-        let known = form.modulo.as_ref().filter(|_| axis.modulo.is_some());
+        let known = form.modulo.as_ref().ok().filter(|_| axis.modulo.is_some());
         let [before, behind] = known.map_or(["", ""], |form| form.about);
         format!("{}{}{before}{number}{behind}", axis.name, form.rotary)
     });

@@ -414,7 +414,7 @@ fn what_a_move_needs_is_said_before_it() {
     refused_at("linuxcnc", "G92.1", "G92.3", 16, "G92.3");
     refused_at("linuxcnc", "G10 L2 P1 R0\n", "", 15, "rotation of the work offset");
     refused_at("linuxcnc", "G94 ", "", 17, "feed per minute");
-    refused_at("linuxcnc", "G97 ", "G96 ", 17, "G96");
+    refused_at("linuxcnc", "G97 ", "G96 S8000 ", 17, "G96");
     refused_at("linuxcnc", " M3", "", 17, "write M3");
     refused_at("linuxcnc", "M8\n", "", 16, "write M8");
     refused_at("linuxcnc", "M8\n", "M9\n", 17, "a move with M9");
@@ -477,9 +477,9 @@ fn edits_with_which_the_control_does_something_else() {
     linuxcnc("T2 M6", "T M6", 9, "`T`: a number is missing");
     linuxcnc("T2 M6", "T2", 15, "length of another tool");
     linuxcnc("G43 H2", "G43 H", 13, "`H`: a number is missing");
-    linuxcnc("G43 H2", "G43 H3", 15, "tool 2 is in the spindle with the length of another tool, 3");
+    linuxcnc("G43 H2", "G43 H3", 13, "tool 2 is in the spindle with the length of another tool, 3");
     linuxcnc("G43 H2", "G43 H0", 13, "sets no length");
-    linuxcnc("T2 M6", "T1 M6", 15, "length of another tool");
+    linuxcnc("T2 M6", "T1 M6", 13, "length of another tool");
     linuxcnc("G1 X29", "G49 G1 X29", 18, "tool length changes");
     linuxcnc("G1 X29", "G80\nX29", 19, "before any G0 or G1");
     linuxcnc("G1 X29", "M2 G1 X29", 18, "ends with the transformation on");
@@ -656,7 +656,7 @@ fn all_faults_are_told_in_one_run_and_never_too_many() {
         .replacen("G49\nG53 G0 Z350\n", "", 1);
     let faults = read("linuxcnc", &text).unwrap_err();
     let lines: Vec<usize> = faults.iter().map(|f| f.line).collect();
-    assert_eq!(lines, [7, 14, 15, 16, 20], "{faults:#?}");
+    assert_eq!(lines, [7, 12, 15, 16, 20], "{faults:#?}");
     let garbage = "garbage\n".repeat(1 << 20);
     for dialect in ["siemens-840d", "linuxcnc"] {
         assert!(read(dialect, &garbage).unwrap_err().len() <= MOST_FAULTS);
@@ -919,5 +919,43 @@ fn transformations_have_numbers() {
     ] {
         let faults = read("siemens-840d", &numbered(to)).unwrap_err();
         assert!(faults.len() == 1 && faults[0].reason.contains(why), "{to}: {faults:?}");
+    }
+}
+
+/// What the interpreter of LinuxCNC refuses within words, numbers and blocks; `linuxcnc_edits` asks it about thousands.
+#[test]
+fn linuxcnc_words_end_at_comments_and_blocks_have_one_word_of_a_group() {
+    for (from, to) in [
+        ("X29", "X2(x)9"),
+        ("X29", "X(x)29"),
+        ("G1 X29", "G(x)1 X29"),
+        ("G1 X29", "(x)N10 G1 X29"),
+        ("G1 X29", "N1(x)0 G1 X29"),
+        ("G1 X29", "N10. G1 X29"),
+        ("G1 X29", "N+10 G1 X29"),
+        ("(test)", "(test)\n%"),
+        ("(test)", "%;x\n(test)"),
+        ("G43 H2", "G43 H(x)2"),
+        ("M8", "M8 M48 M48"),
+        ("M2", "M0 M2"),
+        ("G54", "G54 G98 G99"),
+        ("G54", "G54 G91.1 G91.1"),
+        ("G10 L2 P1 R0", "G1 G10 L2 P1 R0"),
+        ("G53 G0 Z350", "G53 G4 P1 G0 Z350"),
+        ("M9\nM5", "M9 M5 M48 M1 M429"),
+        ("M8", "M8\nT99"),
+        ("M8", "G1 M8"),
+        ("M8", "G96\nG97\nM8"),
+    ] {
+        let text = LINUXCNC.replacen(from, to, 1);
+        assert_ne!(text, LINUXCNC);
+        let faults = read("linuxcnc", &text).expect_err(to);
+        assert_eq!(faults.len(), 1, "{to}: {faults:#?}");
+    }
+    for (from, to) in
+        [("X29", "(x)X29(y) (z)"), ("G1 X29", "N010.5(x)G1 X29"), ("X29", "x 2 9 ;c"), ("(test)", "%\n(test)")]
+    {
+        let text = LINUXCNC.replacen(from, to, 1);
+        assert!(read("linuxcnc", &text).is_ok_and(|moves| moves.len() == 4), "{to}");
     }
 }

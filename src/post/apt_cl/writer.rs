@@ -13,7 +13,7 @@ use crate::post_file::Decimals;
 pub(super) const FORM: TextForm = TextForm {
     comment: ["$$ ", ""],
     rotary: "",
-    modulo: None,
+    modulo: Err("CL data have no words of axes"),
     numbers: NumberForm { prefix: "", largest: u64::MAX, always: false, comments: false, without: &[] },
     continued: "$",
     longest: 72,

@@ -113,6 +113,8 @@ pub(super) struct Control {
     /// axes that carry the part must then be at zero; they turn to the start of the path after that, in blocks in which the
     /// other axes stand still.
     pub(super) frame_of_switch: bool,
+    /// Each word of the feed mode makes the control forget the feed; without it only a change of the mode does.
+    pub(super) feed_mode_drops_feed: bool,
     /// A tool change activates a default tool length.
     pub(super) change_drops_length: bool,
     /// A tool change activates the length of the new tool.

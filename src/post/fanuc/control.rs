@@ -223,6 +223,7 @@ pub(super) const CONTROL: Control = Control {
     switching_drops_frames: false,
     switching_sets_length: true,
     frame_of_switch: true,
+    feed_mode_drops_feed: false,
     change_drops_length: false,
     change_sets_length: false,
     shorter_way: true,

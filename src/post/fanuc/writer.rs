@@ -23,7 +23,7 @@ const TURN: f64 = std::f64::consts::PI / 180.0;
 pub(super) const FANUC: TextForm = form(
     99_999_999,
     // B-63534EN/02, 20.2.1, for roll-over axes.
-    Some(ModuloForm {
+    Ok(ModuloForm {
         ways: &[ModuloWay::Shortest],
         about: ["", ""],
         assumed: "parameters 1008#0 ROA = 1 and 1260 = 360 deg; 1008#1 RAB = 0 makes it go the shorter way",
@@ -31,9 +31,10 @@ pub(super) const FANUC: TextForm = form(
 );
 
 /// Text of Mitsubishi.
-pub(super) const MITSUBISHI: TextForm = form(999_999, None);
+pub(super) const MITSUBISHI: TextForm =
+    form(999_999, Err("no manual that the project knows says which way this control takes to a word of such an axis"));
 
-const fn form(largest: u64, modulo: Option<ModuloForm>) -> TextForm {
+const fn form(largest: u64, modulo: Result<ModuloForm, &'static str>) -> TextForm {
     TextForm {
         comment: ["(", ")"],
         rotary: "",

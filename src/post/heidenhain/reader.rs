@@ -137,6 +137,7 @@ const fn klartext(transformation: [&'static str; 2]) -> Control {
         switching_drops_frames: false,
         switching_sets_length: false,
         frame_of_switch: false,
+        feed_mode_drops_feed: false,
         change_drops_length: false,
         change_sets_length: true,
         shorter_way: true,

@@ -46,7 +46,7 @@ pub(super) const FORM: TextForm = TextForm {
     rotary: "",
     // With M126 the control goes the shorter way, whatever a machine parameter says (user's manual, "Shorter-path traverse
     // of rotary axes: M126").
-    modulo: Some(ModuloForm {
+    modulo: Ok(ModuloForm {
         ways: &[ModuloWay::Shortest, ModuloWay::Direct],
         about: ["", ""],
         assumed: "its display is reduced to values below 360 deg, and M126 makes it go the shorter way",

@@ -30,10 +30,15 @@ use crate::source::Span;
 
 /// What must be set at the control.
 const ASSUMED: &[&str] = &[
-    "the kinematics are xyzac-trt or xyzbc-trt with the points of the machine file; M428 and M429 switch them and wait",
-    "a positive rotary word turns its table right-handed",
+    "LinuxCNC 2.9 with xyzac-trt or xyzbc-trt and the points of the machine file; M428 and M429 switch and wait",
+    "a positive rotary word turns its table right-handed; no pin conventional-directions is set",
+    "[AXIS_A], [AXIS_B] and [AXIS_C] have no WRAPPED_ROTARY = 1: the sign of a word would be its direction",
+    "M6 moves no axis: [EMCIO] has no TOOL_CHANGE_POSITION, TOOL_CHANGE_QUILL_UP and TOOL_CHANGE_AT_G30",
+    "no external offsets (eoffset) act, and feed override is 100 % at most",
+    "spindle.0.at-speed tells that the spindle has its speed, so that the first feed waits for it",
     "{work-offset} is the part origin in the machine frame, without rotary offsets; all axes are homed",
-    "the tool table has the lengths of the head, and they drive the kinematics",
+    "the tool table has the lengths of the head as Z and nothing in X, Y, A, B, C, U, V, W, which G43 takes too",
+    "tool lengths drive the kinematics (motion.tooloffset.z to tool-offset)",
     "rapids are G1 in inverse time: G0 with M428 would keep no limit of a joint",
 ];
 

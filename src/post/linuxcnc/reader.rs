@@ -172,6 +172,7 @@ const LINUXCNC: Control = Control {
     switching_drops_frames: false,
     switching_sets_length: false,
     frame_of_switch: false,
+    feed_mode_drops_feed: true,
     change_drops_length: false,
     change_sets_length: false,
     shorter_way: false,
@@ -195,13 +196,15 @@ enum Tape {
 /// Reads a program.
 pub(super) fn read(text: &str, machine: &Machine, offset: &str) -> Result<Vec<NcSection>, Vec<ReadError>> {
     let mut tape = Tape::Start;
+    let mut ended = false;
+    let mut selected: Option<(usize, NcTool)> = None;
     let number = offset_number(offset).unwrap_or(1);
     let sections = control::read_in_order(
         text,
         &LINUXCNC,
         (machine, offset),
         &subprograms::flow(text),
-        |Line { text: line, arguments, .. }, faults| {
+        |Line { text: line, arguments, number: at }, faults| {
             let code = match code_of(line) {
                 Ok(code) => code,
                 Err(reason) => {
@@ -216,26 +219,49 @@ pub(super) fn read(text: &str, machine: &Machine, offset: &str) -> Result<Vec<Nc
                 let end = NcBlock { end: Some("%"), ..NcBlock::default() };
                 return match std::mem::replace(&mut tape, Tape::Open) {
                     Tape::Start => None,
+                    // The control reads nothing behind M2 and M30.
+                    Tape::Open if ended => None,
                     Tape::Open => Some(end),
                     Tape::None => {
                         faults
                             .push("`%` after blocks: it must be in the first and the last line, or nowhere".to_owned());
-                        Some(end)
+                        None
                     }
                 };
             }
             if tape == Tape::Start {
                 tape = Tape::None;
             }
-            block(&code, (arguments, number), machine, faults)
+            let block = block(&code, (arguments, number), machine, faults)?;
+            if let Some(tool) = &block.tool
+                && let Some((_, before)) = selected.replace((at, tool.clone())).filter(|(_, before)| before != tool)
+            {
+                faults.push(never_changed(&before));
+            }
+            if block.change {
+                selected = None;
+            }
+            ended |= block.end.is_some();
+            Some(block)
         },
     );
+    let sections = match selected {
+        Some((line, tool)) if sections.is_ok() => Err(vec![ReadError { line, reason: never_changed(&tool) }]),
+        _ => sections,
+    };
     // The words of the group name the first offset.
     let named = format!("G10 L2 P{number} R0");
     sections.map_err(|faults| {
         let told = |fault: ReadError| ReadError { reason: fault.reason.replace(NO_ROTATION, &named), ..fault };
         faults.into_iter().map(told).collect()
     })
+}
+
+/// Why a T word without M6 is refused.
+fn never_changed(tool: &NcTool) -> String {
+    format!(
+        "T{tool} is selected and never comes into the spindle: the control stops where its tool table has no such tool"
+    )
 }
 
 /// Number of a word.
@@ -414,6 +440,14 @@ fn together(block: &mut NcBlock, parameters: &Parameters, offset: u32) -> Result
     };
     if parameters.m_words > MOST_M_WORDS {
         return Err(format!("more than {MOST_M_WORDS} M words in one block: the control refuses the line"));
+    }
+    if block.motion == Some(MotionWord::Feed) && !block.has_axis_words() {
+        return Err(
+            "G1 without an axis word: the control takes it as a move at feed; write it with its target".to_owned()
+        );
+    }
+    if block.modal[ModalGroup::SpindleMode as usize] == Some("G96") && block.speed.is_none() {
+        return Err("G96 without S: the control refuses the block".to_owned());
     }
     if parameters.data && matches!(block.motion, Some(MotionWord::Rapid | MotionWord::Feed)) {
         return Err("G10 in a block with G0 or G1: write it in a block of its own".to_owned());

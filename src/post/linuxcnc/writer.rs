@@ -131,7 +131,9 @@ fn check_smoothing(program: &Program, declared: &Operation, operation: &MotionOp
 pub(super) const FORM: TextForm = TextForm {
     comment: ["(", ")"],
     rotary: "",
-    modulo: None,
+    modulo: Err(
+        "the sign of a word gives the direction, so that a word behind which rounding has put the axis means a whole turn more",
+    ),
     numbers: NumberForm { prefix: "N", largest: u64::MAX, always: false, comments: false, without: &["%", "o"] },
     continued: "",
     longest: 252,

@@ -163,6 +163,7 @@ const SINUMERIK: Control = Control {
     switching_drops_frames: true,
     switching_sets_length: false,
     frame_of_switch: false,
+    feed_mode_drops_feed: false,
     change_drops_length: true,
     change_sets_length: false,
     shorter_way: false,

@@ -30,7 +30,7 @@ pub(super) const FORM: TextForm = TextForm {
     rotary: "=",
     // DC() goes the shorter way, whatever machine data say of plain words (programming manual, "Absolute dimension for
     // rotary axes (DC, ACP, ACN)").
-    modulo: Some(ModuloForm {
+    modulo: Ok(ModuloForm {
         ways: &[ModuloWay::Shortest, ModuloWay::Direct],
         about: ["DC(", ")"],
         assumed: "DC() takes values from 0 to 360 deg and goes the shorter way",

@@ -1,5 +1,6 @@
 //! The state of a control while it executes a program: the changes of each block, and its faults.
 
+mod modes;
 mod moves;
 mod spindle;
 mod splines;
@@ -8,7 +9,7 @@ mod switching;
 use super::{Act, Control, LengthWord, MOST_FAULTS, MotionWord, NcBlock, ROUNDING, Smoothing, figure};
 use crate::kin::{Angles, Machine};
 use crate::post::control::flow::{Flow, MOST_EXECUTED, Step};
-use crate::post::control::modal::{GROUPS, ModalGroup, Needed, Setting};
+use crate::post::control::modal::{GROUPS, ModalGroup, Setting};
 use crate::post::nc::{Direction, NcSection, NcTool, ReadError};
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -300,7 +301,7 @@ impl<'a> ControlState<'a> {
         // A control forgets the feed when the feed mode changes.
         if group == ModalGroup::FeedMode
             && before != Setting::Unknown
-            && !matches!(before, Setting::Said(w, _) if w == word)
+            && (self.control.feed_mode_drops_feed || !matches!(before, Setting::Said(w, _) if w == word))
         {
             self.feed = None;
         }
@@ -360,8 +361,22 @@ impl<'a> ControlState<'a> {
                     Length::Unknown
                 }
             },
-            LengthWord::Of(number) => Length::Of(NcTool::Number(*number), self.line),
+            LengthWord::Of(number) => Length::Of(self.own_length(*number), self.line),
         };
+    }
+
+    /// The tool whose length acts after a word with the number of another one, which is reported.
+    fn own_length(&mut self, number: u32) -> NcTool {
+        let (given, length) = (NcTool::Number(number), self.control.length);
+        match self.tool.clone().filter(|tool| *tool != given) {
+            None => given,
+            Some(tool) => {
+                self.fault(format!(
+                    "tool {tool} is in the spindle with the length of another tool, {given}: write `{length}`"
+                ));
+                tool
+            }
+        }
     }
 
     /// Clamps and unclamps rotary axes.
@@ -375,81 +390,6 @@ impl<'a> ControlState<'a> {
                 }
                 self.clamped[k] = word;
             }
-        }
-    }
-
-    /// Reports a rotary axis that moves, or may move, while it is clamped.
-    fn judge_clamps(&mut self, moves: [bool; 2]) {
-        let machine = self.machine;
-        for (k, axis) in machine.rotary.iter().enumerate() {
-            let Some([clamp, unclamp]) = axis.clamp.as_ref().filter(|_| self.control.clamps && moves[k]) else {
-                continue;
-            };
-            let why = match self.clamped[k] {
-                Some(false) => continue,
-                Some(true) => format!("{clamp} has clamped it"),
-                None => "it may be clamped from another program".to_owned(),
-            };
-            self.fault_apart(format!("axis {} moves, and {why}: write {unclamp} in a block before", axis.name));
-            self.clamped[k] = Some(false);
-        }
-    }
-
-    /// Checks the modal groups that a move needs. All groups that no block has set are reported as one fault.
-    fn judge_modes(&mut self, transformed: bool, work_frame: bool, feed: bool) {
-        let mut unsaid: Vec<String> = Vec::new();
-        for modal in self.control.modal {
-            let needed = match modal.needed {
-                Needed::Always => true,
-                Needed::InWorkFrame => work_frame,
-                Needed::Transformed => transformed,
-                Needed::AtFeed => feed,
-            };
-            if !needed || !self.understood {
-                continue;
-            }
-            if modal.group == ModalGroup::WorkOffset {
-                unsaid.extend(self.judge_offset(modal.what));
-                continue;
-            }
-            let setting = self.modal[modal.group as usize];
-            let due = modal.right[0];
-            match setting {
-                Setting::Reported => continue,
-                Setting::Said(word, _) if modal.right.contains(&word) => continue,
-                Setting::Said(word, line) => self.fault_apart(format!(
-                    "a move with {word}, which line {line} sets: {}; write {due} before this block",
-                    modal.what
-                )),
-                Setting::Unknown => unsaid.push(format!("{}: write {due}", modal.what)),
-            }
-            self.modal[modal.group as usize] = Setting::Reported;
-        }
-        if !unsaid.is_empty() {
-            self.fault_apart(format!("no block before this move ensures {}", unsaid.join("; ")));
-        }
-    }
-
-    /// Reports another work offset than that of the part; gives what is to be written where no block selects any.
-    fn judge_offset(&mut self, what: &str) -> Option<String> {
-        let due = self.part_offset;
-        match std::mem::replace(&mut self.offset, Setting::Reported) {
-            Setting::Reported => None,
-            Setting::Said(word, line) if *word == *due => {
-                self.offset = Setting::Said(word, line);
-                None
-            }
-            Setting::Said(word, line) => {
-                let stated = match (self.control.offsets.has)(&word) {
-                    true => format!(", or state `work-offset \"{word}\"` in the post"),
-                    false => String::new(),
-                };
-                self.fault_apart(format!(
-                    "a move with {word}, which line {line} sets: {what}; write {due} before this block{stated}"
-                ));
-                None
-            }
-            Setting::Unknown => Some(format!("{what}: write {due}")),
         }
     }
 

@@ -134,31 +134,4 @@ impl ControlState<'_> {
         }
         self.open = true;
     }
-
-    /// Switches the transformation as a move means it, behind a block that was not understood and that may have done so: what
-    /// follows from that block is not told.
-    pub(super) fn switch_unread(&mut self, on: bool) {
-        self.doubtful = false;
-        if on {
-            // The block may also say how the tool turns.
-            if self.modal[ModalGroup::Turning as usize] == Setting::Unknown {
-                self.modal[ModalGroup::Turning as usize] = Setting::Reported;
-            }
-            return self.begin();
-        }
-        self.transformation = Transformation::Off;
-        self.axes = [AxisPosition::Left; 5];
-        self.frame_turn = 0.0;
-        if self.control.switching_sets_length || !self.control.machine_frame_drops_length {
-            self.length = Length::Off;
-        }
-    }
-
-    /// Takes the transformation as off where a block that was not understood may have switched it, before a word that the
-    /// control takes only then.
-    pub(super) fn may_be_off(&mut self) {
-        if self.doubtful && self.transformation == Transformation::On {
-            self.switch_unread(false);
-        }
-    }
 }
