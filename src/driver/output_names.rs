@@ -42,7 +42,8 @@ impl Form {
     fn endings(self) -> &'static [&'static str] {
         match self {
             Self::Nc => &[],
-            Self::Json => &["json"],
+            // Source maps are often named so.
+            Self::Json => &["json", "map"],
             Self::Page => &["html", "htm"],
             Self::Sheet => &["html", "htm", "md", "markdown", "txt"],
             Self::Picture => &["png"],
