@@ -213,7 +213,7 @@ fn no_command(words: &[OsString]) -> Option<String> {
     let close = format!("there is no command `{first}`, and no file of this name");
     // `complie`, but not `new` for `nc`.
     let slip = |known: &&str| known.len() > MISSPELT + 2 && strsim::osa_distance(known, &word) <= MISSPELT;
-    if COMPILES.contains(&word.as_str()) || COMPILES.iter().any(|known| slip(&known)) {
+    if COMPILES.contains(&word.as_str()) || COMPILES.iter().any(slip) {
         return Some(format!(
             "{close}: a job is compiled without a command. Write `impellerc {job} -o PART.nc`; `impellerc check {job}` only \
              judges it\n"
