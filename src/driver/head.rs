@@ -45,7 +45,7 @@ pub(super) fn lines(
     ));
     lines.extend(post::assumptions(post, program).iter().map(|what| format!("assumed: {what}")));
     for c in &certificate.contracts {
-        lines.push(format!("{} {}, required {} {}", c.name(), c.figures[1], c.relation, c.figures[0]));
+        lines.push(format!("{} {}{REQUIRED}{} {}", c.name(), c.figures[1], c.relation, c.figures[0]));
     }
     for a in &certificate.allowed {
         lines.push(format!("allowed: {} {}, {}: {}", a.kind, a.scope, a.figure, a.reason));
@@ -76,6 +76,9 @@ const OF_BOUND: f64 = 0.1;
 
 /// Beginnings of lines that the machinist sets the machine by: tools, and the zero.
 const SET_BY: [&str; 2] = ["tool ", "part "];
+
+/// Stands between what was found and what is required.
+const REQUIRED: &str = ", required ";
 
 /// Beginnings of further lines of this compiler.
 const OWN: [&str; 7] = ["tool ", "part ", "assumed: ", "allowed: ", "NOT VERIFIED", "machined: ", "library file "];
@@ -171,7 +174,7 @@ impl Comparison<'_> {
             found.push(HeadDifference { line, severity: self.severity(due), text });
         }
         // Other comments come from the post file.
-        let own = |line: &str| OWN.iter().any(|start| line.starts_with(start)) || line.contains(", required ");
+        let own = |line: &str| OWN.iter().any(|start| line.starts_with(start)) || line.contains(REQUIRED);
         for (number, stated) in open.into_iter().filter(|(_, line)| own(line)) {
             let text = format!("the head states `{}`, which neither job nor measurement gives", printable(stated));
             found.push(HeadDifference { line: number, severity: self.severity(stated), text });
@@ -207,15 +210,24 @@ fn words_and_numbers(line: &str) -> (String, Vec<f64>) {
     (words.join(" "), numbers)
 }
 
-/// Whether two lines state the same. What the machinist sets by is the same to the last digit.
+/// Whether two lines state the same. What the machinist sets by, and what is required, is the same to the last digit.
 fn agree(stated: &str, due: &str) -> bool {
     if SET_BY.iter().any(|start| due.starts_with(start)) {
         return stated == due;
     }
+    if let Some((due, required)) = due.split_once(REQUIRED) {
+        // A proved bound of a length depends on the last digits of the words, as it does in a certificate.
+        let bound = words_and_numbers(required).1.last().map_or(0.0, |bound| LOOSEST.min(OF_BOUND * bound));
+        let loose = if due.ends_with(" um") { bound } else { 0.0 };
+        return stated.split_once(REQUIRED).is_some_and(|(found, r)| r == required && figures_agree(found, due, loose));
+    }
+    figures_agree(stated, due, 0.0)
+}
+
+/// Whether two texts have the same words, and figures that digits, or `loose`, explain.
+fn figures_agree(stated: &str, due: &str, loose: f64) -> bool {
     let ((words, numbers), (due, own)) = (words_and_numbers(stated), words_and_numbers(due));
-    // A proved bound of a length depends on the last digits of the words, as it does in a certificate.
-    let loose = due.contains(" um, required").then(|| LOOSEST.min(OF_BOUND * own.last().copied().unwrap_or(0.0)));
-    let close = |(a, b): (&f64, &f64)| (a - b).abs() <= FIGURES.0.max(loose.unwrap_or(0.0)) + FIGURES.1 * b.abs();
+    let close = |(a, b): (&f64, &f64)| (a - b).abs() <= FIGURES.0.max(loose) + FIGURES.1 * b.abs();
     words == due && numbers.len() == own.len() && numbers.iter().zip(&own).all(close)
 }
 
@@ -225,11 +237,14 @@ fn names_the_same(stated: &str, due: &str) -> bool {
         let end = line.find(|c: char| c.is_ascii_digit() || c == ':').unwrap_or(line.len());
         line[..end].to_owned()
     };
-    let name_of = name(due);
+    let [tool, part] = SET_BY;
+    if due.starts_with(part) {
+        return stated.starts_with(part);
+    }
     // A tool keeps its name in which a digit may stand.
     match (stated.split_once(':'), due.split_once(':')) {
-        (Some((a, _)), Some((b, _))) if due.starts_with(SET_BY[0]) => a == b,
-        _ => !name_of.is_empty() && name(stated) == name_of,
+        (Some((a, _)), Some((b, _))) if due.starts_with(tool) => a == b,
+        _ => !name(due).is_empty() && name(stated) == name(due),
     }
 }
 
@@ -263,6 +278,8 @@ mod tests {
         assert_eq!(with(3, "gouge 1.86 um, required <= 2.00 um", true), []);
         assert_eq!(with(3, "gouge 0.85 um, required <= 2.00 um", true), [(4, true)]);
         assert_eq!(with(3, "gouge 0.85 um, required <= 2.00 um", false), [(4, false)]);
+        // What is required has no tolerance.
+        assert_eq!(with(3, "gouge 1.85 um, required <= 2.01 um", true), [(4, true)]);
         // What the machine is set by.
         for current in [true, false] {
             let line = "tool t1 number 1: ball radius 1 mm, length 105.001 mm from the tip to the gauge line";
