@@ -27,6 +27,8 @@ pub enum ContractKind {
     RemovalRate,
     /// Largest arc of the circle of the cutter in the stock.
     Engagement(Cuts),
+    /// Deepest slot that an operation of finishing cuts, as a share of the diameter of its cutter.
+    Slot,
     /// Largest thickness of stock that roughing leaves for the finishing operations.
     Rest,
     /// Volume of stock outside of the part.
@@ -93,7 +95,7 @@ pub enum OfOperations {
 
 impl ContractKind {
     /// All quantities, in the order in which messages list them.
-    pub const ALL: [Self; 16] = [
+    pub const ALL: [Self; 17] = [
         Self::Gouge,
         Self::Excess,
         Self::Clearance(Guarded::Body),
@@ -108,6 +110,7 @@ impl ContractKind {
         Self::RemovalRate,
         Self::Engagement(Cuts::All),
         Self::Engagement(Cuts::OutsideSlots),
+        Self::Slot,
         Self::Rest,
         Self::RestVolume,
     ];
@@ -143,6 +146,7 @@ impl ContractKind {
             Self::OrientationError => "orientation-error",
             Self::RemovalRate => "removal-rate",
             Self::Engagement(_) => "engagement",
+            Self::Slot => "slot",
             Self::Rest => "rest",
             Self::RestVolume => "rest-volume",
         }
@@ -194,6 +198,7 @@ impl ContractKind {
             Self::RemovalRate => "the largest removal rate",
             Self::Engagement(Cuts::All) => "the largest arc of the cutter in the stock",
             Self::Engagement(Cuts::OutsideSlots) => "the largest arc of the cutter in the stock, slots left out",
+            Self::Slot => "the deepest slot that finishing cuts, as a share of the diameter of the cutter",
             Self::Rest => "the most stock that roughing leaves for the finishing operations",
             Self::RestVolume => "the volume of stock outside of the part",
         }
@@ -210,6 +215,7 @@ impl ContractKind {
             Self::OrientationError => 0.1,
             Self::RemovalRate => 20_000.0,
             Self::Engagement(_) => 90.0,
+            Self::Slot => 0.5,
             Self::Rest => 1.0,
             Self::RestVolume => 500.0,
         })
@@ -242,7 +248,7 @@ impl ContractKind {
                 Bound::Length(Mm(value))
             }
             Self::OrientationError | Self::Engagement(_) => Bound::Angle(Rad::from_deg(value)),
-            Self::Air | Self::AxisSpeed => Bound::Share(value),
+            Self::Air | Self::AxisSpeed | Self::Slot => Bound::Share(value),
             Self::Time => Bound::Time(Sec(value)),
             Self::RemovalRate => Bound::Rate(Mm3PerMin(value)),
             Self::RestVolume => Bound::Volume(Mm3(value)),

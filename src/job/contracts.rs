@@ -181,6 +181,7 @@ impl ContractReader<'_, '_> {
         let name = kind.name();
         let (dimension, scale, largest, range, example) = match kind {
             ContractKind::Air => (Dimension::NONE, 1.0, 1.0, "from 0 to 100 %", "air <= 30 %"),
+            ContractKind::Slot => (Dimension::NONE, 1.0, 1.0, "from 0 to 100 %", "slot <= 50 %"),
             ContractKind::AxisSpeed => (Dimension::NONE, 1.0, 1.0, "from 0 to 100 %", "axis-speed <= 80 %"),
             ContractKind::Time => (Dimension::TIME, 60.0, LONGEST_TIME, "from 0 to 10000 h", "time <= 10 h"),
             ContractKind::RemovalRate => (

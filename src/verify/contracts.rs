@@ -3,6 +3,7 @@
 use super::certificate::{AllowedReport, Certificate, ContractReport};
 use super::measure::{Figure, NarrowMeasure, Unmeasured, measure};
 use super::place::describe;
+use super::stock::DEEPEST_SLOT;
 use super::surface::FAR;
 use crate::contract::{ContractKind, Cuts, Guarded, OfOperations, Region, Relation, Scope};
 use crate::diag::{Code, Diag, Sink, codes::verification};
@@ -117,6 +118,9 @@ impl Judge<'_> {
             !without.is_empty_on(c.kind.speaks_of())
                 && self.figure(c, &without).is_ok_and(|f| !c.kind.relation().holds(f.value, c.bound.value()))
         });
+        // No contract of the job judges deep slots: the check of the load does.
+        let excuses =
+            excuses || (allowed.kind == ContractKind::Slot && figure.as_ref().is_some_and(|f| f.value > DEEPEST_SLOT));
         let waives = allowed.scope.is_whole().then(|| allowed.kind.default_bound()).flatten();
         let excuses = excuses
             || waives
@@ -315,6 +319,11 @@ fn words(contract: &Contract, found: &Figure) -> (Code, String, String) {
             };
             (verification::ENGAGEMENT, format!("{which}the engagement is up to {is} ({what}); allowed {wanted}"), help)
         }
+        ContractKind::Slot => (
+            verification::TOOL_LOAD,
+            format!("finishing cuts a slot of {is} of the diameter ({what}); allowed {wanted}"),
+            "use roughing that leaves less stock there: one more `expand`, a smaller `residual`, or the sectors beside it",
+        ),
         ContractKind::RestVolume => (
             verification::REST_VOLUME,
             format!("the rest volume is {is} ({what}); allowed {wanted}"),

@@ -88,6 +88,7 @@ pub(super) fn measure(
         // The stock has mm3/s.
         ContractKind::RemovalRate => Ok(largest(stock()?, region, |o| o.rate, 60.0)),
         ContractKind::Engagement(cuts) => Ok(engagement(stock()?, region, cuts)),
+        ContractKind::Slot => Ok(largest(stock()?, region, |o| o.slot, 1.0)),
         ContractKind::RestVolume => rest_volume(stock()?, after, narrow),
     }
 }

@@ -4,9 +4,10 @@
 use crate::support;
 use crate::support::jobs;
 use impellerc::collide::{Cutter, Section, ToolSolid};
+use impellerc::contract::Scope;
 use impellerc::diag::{Severity, Sink};
 use impellerc::entity::PrimaryMap;
-use impellerc::ir::{Contract, ContractKind, Motion, MoveKind, Operation, OperationKind, Program, Tool};
+use impellerc::ir::{Allowed, Contract, ContractKind, Motion, MoveKind, Operation, OperationKind, Program, Tool};
 use impellerc::kin::Chain;
 use impellerc::material::Material;
 use impellerc::operation::VaneAllowance;
@@ -17,6 +18,7 @@ use impellerc::part::{
 };
 use impellerc::passes::pipeline;
 use impellerc::progress::Progress;
+use impellerc::source::Span;
 use impellerc::units::{Mm, Mm3PerMin};
 use impellerc::verify::kept::{KeptReport, KeptSurfaces};
 use impellerc::verify::proof::sweep::Sweep;
@@ -324,10 +326,22 @@ fn load_is_judged_by_tool_and_feed() {
         let told = diags(program, motion).into_iter();
         told.map(|d| (d.code.id(), d.severity == Severity::Error, d.message)).collect::<Vec<_>>()
     };
-    // A finishing tool in full material, with chips of 8 um: worth a remark.
+    // A finishing tool in full material, with chips of 8 um, deeper than its diameter: no shop does this, whatever the tool is said
+    // to take. The job can allow it for the operation; then it is worth a remark.
     let (program, mut motion) = line(MoveKind::Cut);
     let found = told(&program, &motion);
-    assert!(matches!(&found[..], [("IMP0739", false, text)] if text.contains("full material")), "{found:?}");
+    assert!(matches!(&found[..], [("IMP0739", true, text)] if text.contains("full material")), "{found:?}");
+    let own = motion.operations[0].operation;
+    let other = program.operations.ids().find(|o| *o != own);
+    for (scope, allows) in [(Some(own), true), (other, other.is_none())] {
+        let operations = scope.into_iter().collect();
+        let scope = Scope { operations, surfaces: Vec::new() };
+        let reason = "tried on this machine".to_owned();
+        let allowed = vec![Allowed { kind: ContractKind::Slot, scope, reason, span: Span::default() }];
+        let found = told(&Program { allowed, ..program.clone() }, &motion);
+        let right = |f: &(&str, bool, String)| f.0 == "IMP0739" && f.1 != allows && f.2.contains("full material");
+        assert!(found.len() == 1 && right(&found[0]), "{allows}: {found:?}");
+    }
     // The same with chips of 0.25 mm: the tool breaks, also by the chip alone.
     motion.operations[0].moves[2].feed = Some(8000.0);
     let found = told(&program, &motion);

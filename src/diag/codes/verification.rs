@@ -134,7 +134,9 @@ of the tool, a cut deeper than `max-depth` of the tool, a feed per tooth above \
 `max-chip` of the tool, a removal rate above `max-rate` of the tool, more power than the spindle of the machine has, and \
 a finishing operation that cuts a slot of full width deeper than a quarter of the diameter. All but \
 two are errors. A way down that is steeper than the default of `ramp`, which no one stated, is a remark. The last is an error \
-only if the slot is deeper than the diameter and the feed per tooth is above 3 % of it as well. \
+only if the slot is deeper than the diameter of the tool, whatever its `max-depth` is. Where the tool can take it, the job allows it \
+for an operation, with a reason: `allow slot on flank \"tried on this machine\"`. It is then a remark, and the verdict, the \
+setup sheet and the certificate list it. \
 Without `max-chip` and `max-depth`, the limits are shares of the diameter that fall with the stick-out, and with the \
 `material` of the stock.\n\nExample: `flank` directly after `groove`, without an \
 `expand` between them.\n\nWith cells of the stock that are coarse for the cutter (`--stock-cell`) material that is gone can \

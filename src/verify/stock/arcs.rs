@@ -1,7 +1,7 @@
 //! Arc of engagement: the arc of the circle of the cutter that meets stock, with an upper bound; slots; time and way at
 //! feed over the arc.
 
-use super::{StepPlace, StepRemoval};
+use super::{FULL_ARC, StepPlace, StepRemoval};
 use crate::ir::MoveKind;
 use crate::stock::{BlockCut, END_ERROR, Lune, SLICES, Sides, Slices};
 use crate::verify::proof::piece::At;
@@ -94,6 +94,8 @@ pub(super) struct StepArc {
     pub(super) load: f64,
     /// Extent of the removed material along the tool axis, over the same steps, mm.
     pub(super) depth: f64,
+    /// Sum of the thicknesses of the slices in which the arc is that of a slot, mm.
+    pub(super) full_depth: f64,
     /// Material on both sides at full width.
     full: bool,
     /// Part of a slot.
@@ -171,7 +173,9 @@ impl StepArc {
             if from <= to {
                 let found = circle.arc([from, to]);
                 let [low, high] = [circle.slices.edge(k).max(heights[0]), circle.slices.edge(k + 1).min(heights[1])];
-                arc.load += found / HALF_TURN * (high - low).max(0.0);
+                let thickness = (high - low).max(0.0);
+                arc.load += found / HALF_TURN * thickness;
+                arc.full_depth += if found >= FULL_ARC { thickness } else { 0.0 };
                 arc.found = arc.found.max(found);
                 arc.full |= rim > 0.0 && from <= -rim && to >= rim;
             }

@@ -4,9 +4,9 @@
 //! Findings are errors where the tool breaks, otherwise remarks. The limits come from the tool and the job.
 
 use super::cells::{cell_of, default_cell};
-use super::{FULL_ARC, OperationStock, Peak};
+use super::{DEEPEST_SLOT, FULL_ARC, OperationStock, Peak};
 use crate::diag::{Diag, Sink, codes::verification};
-use crate::ir::{Motion, MotionOperation, MoveKind, Operation, Program, Tool};
+use crate::ir::{Allowed, ContractKind, Motion, MotionOperation, MoveKind, Operation, OperationId, Program, Tool};
 use crate::stock::lune::RIDGE;
 use crate::units::{MmPerMin, Rpm, length, trim};
 use crate::verify::place::describe;
@@ -16,12 +16,6 @@ use std::collections::BTreeSet;
 
 /// Depth of a slot from which finishing in full material gives a remark, as a share of the diameter of the cutter.
 const FULL_DEPTH: f64 = 0.25;
-
-/// Depth of a slot from which the tool breaks when the chip is thick as well, as a share of the diameter.
-const BREAKING_DEPTH: f64 = 1.0;
-
-/// Feed per tooth that breaks the tool in such a slot, as a share of the diameter: tables of end mills end at some 2 %.
-const THICK_CHIP: f64 = 0.03;
 
 /// Depth of material in the middle of the end that counts as rubbing on the floor of the stroke before, mm.
 const INTO_MIDDLE: f64 = 0.05;
@@ -287,38 +281,51 @@ fn share(tool: &Tool, mm: f64) -> String {
     format!("{:.1} % of the diameter of {diameter:.3} mm", 100.0 * mm / diameter)
 }
 
-/// Finding on finishing in full material.
+/// Finding on finishing in full material. A slot deeper than the diameter is an error, unless the job allows it by name.
 fn report_full(program: &Program, motion: &Motion, o: &OperationStock, sink: &mut Sink) {
-    let Some(operation) = motion.operations.get(o.operation as usize) else { return };
+    let found = o.slot.filter(|p| p.value > FULL_DEPTH);
+    let Some((full, operation)) = found.zip(motion.operations.get(o.operation as usize)) else { return };
     let declared = &program.operations[operation.operation];
     let tool = &program.tools[declared.tool];
-    let diameter = 2.0 * tool.solid.cutter.nominal_radius();
-    let chip = thickest_chip(declared, operation).map(|(turn, _)| turn / f64::from(tool.flutes));
-    let full = o.full.filter(|p| declared.kind.finishes() && p.value > FULL_DEPTH * diameter);
-    let Some(full) = full else { return };
-    let thick = chip.is_some_and(|chip| chip > THICK_CHIP * diameter);
-    let breaks = full.value > BREAKING_DEPTH * diameter && thick;
-    let new = if breaks { Diag::error } else { Diag::remark };
+    let deep = full.value > DEEPEST_SLOT;
+    let allowed = program.allowed.iter().find(|a| allows_slot(a, operation.operation)).filter(|_| deep);
+    let new = if deep && allowed.is_none() { Diag::error } else { Diag::remark };
+    let depth = full.value * 2.0 * tool.solid.cutter.nominal_radius();
     let text = format!(
         "finishing cuts in full material: a slot of {} that is {} deep, {}",
         tool.name,
-        length(full.value),
-        share(tool, full.value)
+        length(depth),
+        share(tool, depth)
     );
+    let chip = thickest_chip(declared, operation).map(|(turn, _)| turn / f64::from(tool.flutes));
     let chip = chip.map_or_else(String::new, |chip| format!("; feed per tooth up to {}", length(chip)));
-    sink.push(
-        new(verification::TOOL_LOAD, text)
-            .label(declared.span, "in this operation")
-            .place(describe(program, motion, Some(full.at)), Point3::from(full.tip))
-            .block(full.at.operation, full.at.index)
-            .note(format!(
-                "engaged over at least {FULL_ARC:.0} deg, deeper than {:.0} % of the diameter{chip}",
-                100.0 * if breaks { BREAKING_DEPTH } else { FULL_DEPTH }
-            ))
-            .help(opened(program, declared).unwrap_or_else(|| {
-                "use roughing that leaves less stock there: one more `expand`, or a smaller `residual`".to_owned()
-            })),
-    );
+    let mut diag = new(verification::TOOL_LOAD, text)
+        .label(declared.span, "in this operation")
+        .place(describe(program, motion, Some(full.at)), Point3::from(full.tip))
+        .block(full.at.operation, full.at.index)
+        .note(format!(
+            "engaged over at least {FULL_ARC:.0} deg, over more than {:.0} % of the diameter{chip}",
+            100.0 * if deep { DEEPEST_SLOT } else { FULL_DEPTH }
+        ));
+    diag = match allowed {
+        Some(a) => diag.label(a.span, "allowed here"),
+        None => diag,
+    };
+    let rough = opened(program, declared).unwrap_or_else(|| {
+        "use roughing that leaves less stock there: one more `expand`, a smaller `residual`, or a `rough` before it"
+            .to_owned()
+    });
+    let name = &declared.name;
+    sink.push(diag.help(match deep && allowed.is_none() {
+        true => format!("{rough}; where the tool can take it, allow it with a reason: `allow slot on {name} \"...\"`"),
+        false => rough,
+    }));
+}
+
+/// Whether the job allows deep slots in an operation.
+fn allows_slot(allowed: &Allowed, operation: OperationId) -> bool {
+    allowed.kind == ContractKind::Slot
+        && (allowed.scope.operations.is_empty() || allowed.scope.operations.contains(&operation))
 }
 
 /// The remedy where roughing leaves channels full that a finishing operation enters: the sectors to rough.

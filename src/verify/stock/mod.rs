@@ -40,6 +40,10 @@ const WINDOW_CELLS: f64 = 4.0;
 /// distance of a cell seldom meet all of it.
 pub(super) const FULL_ARC: f64 = 150.0;
 
+/// Deepest slot that finishing may cut without being allowed by the job, as a share of the diameter. Makers of carbide end
+/// mills give one diameter as the depth of a full slot; a finishing tool is slimmer, and no one plans a slot for it.
+pub(super) const DEEPEST_SLOT: f64 = 1.0;
+
 /// Depth below the surface of the hub disc from which missing stock is reported, mm: more than any tolerance of
 /// finishing, and more than the errors of ray ends and of chords of the profile.
 const BELOW_SURFACE: f64 = 0.1;
@@ -149,9 +153,10 @@ pub struct OperationStock {
     /// How far material reaches into the middle of the end, which has no teeth, in strokes along the axis, mm.
     #[serde(skip)]
     pub middle: Option<Peak>,
-    /// Largest extent along the tool axis, mm, where the cutter is in full material, over an arc of 150 degrees.
+    /// Deepest slot of an operation of finishing, as a share of the diameter of its cutter: the sum of the heights at which the
+    /// cutter is in full material, over an arc of 150 degrees.
     #[serde(skip)]
-    pub full: Option<Peak>,
+    pub slot: Option<Peak>,
     /// Collisions, the deepest of each move and part of the tool.
     pub collisions: Vec<StockCollision>,
     /// Engagement in each move, for plots.
@@ -496,6 +501,11 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
         let [from, to] = c.sides.over(0..=stock::SLICES - 1);
         c.lune.as_ref().map_or(to - from, |lune| (radius - lune.inner()).max(0.0))
     };
+    let diameter = 2.0 * solid.cutter.nominal_radius();
+    let slot = |c: &BlockCut| match c.lune {
+        None => arcs.get(c.block as usize).map_or(0.0, |a| a.full_depth / diameter),
+        Some(_) => 0.0,
+    };
     let toothless = program.tools[declared.tool].toothless_radius().unwrap_or(0.0);
     let into_middle = |c: &BlockCut| c.lune.as_ref().map_or(0.0, |lune| (toothless - lune.inner()).max(0.0));
     let link = removal::fastest_link(places, &outcome.cuts, window);
@@ -521,7 +531,7 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
         ramp: ramp::steepest(&program.tools[declared.tool], places, &outcome.cuts)
             .and_then(|(value, step)| milled.peak_at(value, step)),
         middle: milled.peak(&into_middle).filter(|p| p.value > 0.0),
-        full: milled.peak(&|c| if arc(c) >= FULL_ARC { depth(c) } else { 0.0 }).filter(|p| p.value > 0.0),
+        slot: milled.peak(&slot).filter(|p| p.value > 0.0 && declared.kind.finishes()),
         rate: removal.rate.and_then(|(value, step)| milled.peak_at(value, u32::try_from(step).unwrap_or(u32::MAX))),
         power: removal::power(program, declared, &removal).and_then(|(value, step)| milled.peak_at(value, step)),
         collisions: milled.collisions(),
