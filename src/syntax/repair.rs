@@ -543,10 +543,14 @@ fn begins_comment(before: &str, rest: &str) -> bool {
     if !dashes && !rest.starts_with([';', '%', '!']) {
         return false;
     }
+    // Asked first, so that a long run of such signs is read once.
+    if !(before.is_empty() || before.ends_with([' ', '\t']) || !dashes && before.ends_with('}')) {
+        return false;
+    }
     let behind = rest.trim_start_matches(['-', ';', '%', '!']);
     let is_word = |word: &str| word.starts_with(|c: char| c.is_alphabetic());
     if dashes {
-        return before.is_empty() || before.ends_with([' ', '\t']) && is_word(behind.trim_start());
+        return before.is_empty() || is_word(behind.trim_start());
     }
     if before.trim().is_empty() {
         return !behind.trim().is_empty();
@@ -556,9 +560,7 @@ fn begins_comment(before: &str, rest: &str) -> bool {
         return false;
     }
     let words: Vec<&str> = behind.split_whitespace().take(3).collect();
-    before.ends_with([' ', '\t', '}'])
-        && words.len() == 3
-        && words.iter().all(|word| is_word(word) && !word.ends_with(','))
+    words.len() == 3 && words.iter().all(|word| is_word(word) && !word.ends_with(','))
 }
 
 /// The pieces of a line before its comment, and the place of a comment in the manner of another language.

@@ -159,10 +159,11 @@ impl Scanner<'_> {
         if self.start.is_none() {
             self.start = Some(i);
         }
-        let end = line_end(bytes, i + 1);
-        if let Some(close) = self.text[i + 1..end].find('"') {
+        // The first of both, so that a line with many texts is read once.
+        if let Some(close) = self.text[i + 1..].find(['"', '\n']).filter(|close| bytes[i + 1 + close] == b'"') {
             return i + close + 2;
         }
+        let end = line_end(bytes, i + 1);
         self.sink.push(
             Diag::error(codes::TEXT_NOT_CLOSED, "a quoted text is not closed on its line")
                 .label(self.span(i..end), "the text begins here")

@@ -102,6 +102,21 @@ fn a_megabyte_of_quotes_minus_signs_and_garbage() {
     Run::new().file("job.imp", format!("part p {{ {} }}", "= ;\n".repeat(1 << 18))).fails_with("IMP0107");
 }
 
+/// Signs of comments of other languages, units of others, and names of files without quotes: each is looked at once.
+#[test]
+fn a_megabyte_of_the_forms_of_other_languages() {
+    let signs = [";", "%", "!", "; ", "} ; ", "-- ", " ;\t", "from x.csv ", "from \"x.csv\" "];
+    let many = ["a;", "1 mm/", "1 sec ", "F1 "];
+    for (forms, code) in [(&signs[..], "IMP010"), (&many, "IMP0110")] {
+        for form in forms {
+            for start in ["let x = ", "part p {\n x "] {
+                let text = format!("{start}{}", form.repeat((1 << 20) / form.len()));
+                Run::new().file("job.imp", text).fails_with(code);
+            }
+        }
+    }
+}
+
 #[test]
 fn too_large_a_file() {
     Run::new().file("job.imp", " ".repeat(17 << 20)).fails_with("IMP0109");
