@@ -1,5 +1,6 @@
 //! What must hold of every imported blade, whatever its format.
 
+use super::short_ends::nearest;
 use super::{Imported, ImportedBlade};
 use crate::diag::codes::import as codes;
 use crate::diag::{Diag, printable};
@@ -91,13 +92,6 @@ fn height(section: &Section, hub: &[[f64; 2]]) -> f64 {
 
 /// Distance of a point from a line of chords.
 fn from_line([x, y]: [f64; 2], line: &[[f64; 2]]) -> f64 {
-    let chords = line.windows(2).filter_map(|w| <&[[f64; 2]; 2]>::try_from(w).ok());
-    let distances = chords.map(|[a, b]| {
-        let [dx, dy] = [b[0] - a[0], b[1] - a[1]];
-        let square = dx * dx + dy * dy;
-        let t = if square > 0.0 { ((x - a[0]) * dx + (y - a[1]) * dy) / square } else { 0.0 };
-        let t = t.clamp(0.0, 1.0);
-        libm::hypot(x - a[0] - t * dx, y - a[1] - t * dy)
-    });
-    distances.fold(f64::INFINITY, f64::min)
+    let [a, b] = nearest([x, y], line);
+    libm::hypot(x - a, y - b)
 }

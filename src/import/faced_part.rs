@@ -6,13 +6,11 @@ use super::part_text::{
     self, DIGITS, FACES, PartFiles, PartSource, blade_name, curves, head, looks, loops, meridian, meridians, sections,
     word,
 };
+use super::short_ends::WITHOUT_A_WORD;
 use super::{BladeSurfaces, angle_part};
 use crate::sections::outline::DividedSection;
 use crate::units::trim;
 use std::fmt::Write as _;
-
-/// Extension of faces to hub and shroud that the language allows without a word, mm.
-const WITHOUT_A_WORD: f64 = 0.1;
 
 /// Writes the files of a part: with the angles or the faces that were imported, or as its sections demand.
 pub fn write(source: &PartSource<'_>) -> PartFiles {

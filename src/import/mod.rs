@@ -10,6 +10,7 @@ mod angle_part;
 pub mod angles;
 mod bladegen;
 mod check;
+pub mod edge_tags;
 mod face_choice;
 pub mod faced_part;
 mod found;
@@ -27,6 +28,7 @@ pub mod outlines;
 pub mod part_text;
 mod repeated;
 mod rtzt;
+mod short_ends;
 mod stated;
 mod step;
 mod table;
@@ -111,6 +113,8 @@ pub struct ImportedBlade {
     pub places: Vec<Span>,
     /// Forms of the leading and of the trailing edge, where the file states them.
     pub edges: [Option<EdgeForm>; 2],
+    /// Points that the file tells to be of an edge.
+    pub tags: Vec<edge_tags::EdgeTag>,
     /// Side of the pressure face, where the file states it and the forms of the sections do not.
     pub pressure: Option<Side>,
     /// Radius of the fillet at the hub, mm, where the file states it.

@@ -1,5 +1,6 @@
 //! Faces and edges of imported blades, with the diagnostics for sections that have none.
 
+use super::edge_tags;
 use super::{ImportedBlade, ImportedRow, Options, Start};
 use crate::diag::codes::import as codes;
 use crate::diag::{Diag, printable};
@@ -65,7 +66,11 @@ fn stated_side(row: &ImportedRow, options: &Options) -> Result<Option<Side>, Dia
 
 fn of_blade(blade: &ImportedBlade, known: &Known<'_>) -> Result<Vec<DividedSection>, Diag> {
     let numbered = blade.sections.iter().enumerate();
-    numbered.map(|(k, section)| outline(section, known).map_err(|fault| refused(blade, k, fault))).collect()
+    let divided: Vec<DividedSection> = numbered
+        .map(|(k, section)| outline(section, known).map_err(|fault| refused(blade, k, fault)))
+        .collect::<Result<_, _>>()?;
+    edge_tags::check(blade, &divided)?;
+    Ok(divided)
 }
 
 /// The fault of a section.

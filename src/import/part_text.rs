@@ -1,6 +1,7 @@
 //! A part in the language, from what was imported: its text, its curves, and tables of sections, hub and shroud.
 
 use super::job_frame::{JobFrame, Zero};
+use super::short_ends;
 use super::wheel_ends::{CutMeridian, WheelEdges, cut};
 use super::{Imported, ImportedBlade, ImportedRow};
 use crate::sections::angles::EdgeShape;
@@ -138,6 +139,10 @@ fn job(source: &PartSource<'_>, frame: JobFrame, ends: Option<&[CutMeridian; 2]>
     text.push_str("edition 2026\n\n");
     _ = writeln!(text, "part {} {{", word(source.name, "imported"));
     _ = writeln!(text, "  vanes {}", source.row.count);
+    let short = short_ends::largest(source);
+    if ends.is_some() && short > short_ends::WITHOUT_A_WORD {
+        _ = writeln!(text, "  extend {} mm", short_ends::extension(short));
+    }
     let file = format!("{}.curves.csv", source.name);
     for (k, divided) in source.divided.iter().enumerate() {
         let name = blade_name(k);
@@ -315,6 +320,7 @@ pub fn summary(source: &PartSource<'_>) -> Vec<String> {
     };
     let mut lines = vec![format!("Blades read from {files} (format {}).", imported.format)];
     lines.push(format!("{} main blades; splitters of each: {}.", row.count, row.blades.len().saturating_sub(1)));
+    let whole = wheel(source).is_some();
     for (k, (blade, divided)) in row.blades.iter().zip(*divided).enumerate() {
         let named = if blade.name.is_empty() || blade.name == blade_name(k) {
             String::new()
@@ -323,6 +329,9 @@ pub fn summary(source: &PartSource<'_>) -> Vec<String> {
         };
         lines.push(format!("{}{named}: {} sections.", blade_name(k), blade.sections.len()));
         lines.extend(of_blade(divided));
+        if whole {
+            lines.extend(short_ends::told(source, k));
+        }
     }
     lines.extend(imported.notes.iter().filter(|n| n.span.is_none()).map(|n| format!("Note: {}.", n.text)));
     lines

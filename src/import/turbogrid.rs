@@ -3,6 +3,7 @@
 //! The `.inf` file has a key and a value in each line. The files of hub and shroud have a point in each line. The file of
 //! the blades has `## name` before each blade, where there are several, and `# text` before each section.
 
+use super::edge_tags::{self, EdgeTag};
 use super::found::{Found, within};
 use super::frame::{Axis, Frame, Handedness, LengthUnit};
 use super::lines::{Line, Text, ends};
@@ -71,6 +72,7 @@ pub(super) fn read(
             blade.edges[end] = Some(kind);
         }
     }
+    blades.iter_mut().try_for_each(edge_tags::forms)?;
     let row = ImportedRow { name: String::new(), count, blades };
     Ok(Imported { hub: Some(hub), shroud: Some(shroud), rows: vec![row], ..Imported::default() })
 }
@@ -180,6 +182,7 @@ fn is_comment(line: &str) -> bool {
 struct ReadBlade {
     name: String,
     loops: Vec<ReadLoop>,
+    tags: Vec<EdgeTag>,
 }
 
 /// Reads the sections of all blades.
@@ -187,22 +190,31 @@ fn blades(text: Text<'_>, frame: &Frame, found: &mut Found) -> Result<Vec<Import
     let mut read: Vec<ReadBlade> = Vec::new();
     for line in text.lines().filter(|line| !line.text.starts_with('!')) {
         if let Some(name) = line.text.strip_prefix("##") {
-            read.push(ReadBlade { name: name.trim().to_owned(), loops: Vec::new() });
+            read.push(ReadBlade { name: name.trim().to_owned(), loops: Vec::new(), tags: Vec::new() });
             within(read.len(), limits::BLADES, "blades", line.span)?;
         } else if let Some(title) = line.text.strip_prefix('#') {
             if read.is_empty() {
-                read.push(ReadBlade { name: String::new(), loops: Vec::new() });
+                read.push(ReadBlade { name: String::new(), loops: Vec::new(), tags: Vec::new() });
             }
             let Some(blade) = read.last_mut() else { continue };
             let span_fraction = span_fraction(title);
             blade.loops.push(ReadLoop { points: Vec::new(), span_fraction, begins: line.span, ends: line.span });
             within(blade.loops.len(), limits::SECTIONS, "sections of a blade", line.span)?;
         } else {
-            let Some(section) = read.last_mut().and_then(|blade| blade.loops.last_mut()) else {
+            let Some((section, tags, at)) = read.last_mut().and_then(|ReadBlade { loops, tags, .. }| {
+                let at = loops.len().saturating_sub(1);
+                Some((loops.last_mut()?, tags, at))
+            }) else {
                 return Err(line.fault("a point before the first section", "`# name of the section` is expected"));
             };
-            section.points.push(frame.point(line.numbers("x, y and z are expected")?, line.span)?);
+            let (numbers, tag) = edge_tags::split(line);
+            let point = frame.point(numbers.numbers("x, y and z are expected")?, line.span)?;
+            section.points.push(point);
             section.ends = line.span;
+            if let Some(word) = tag {
+                let (edge, corner) = edge_tags::edge(word, line)?;
+                tags.push(EdgeTag { section: at, edge, corner, point, place: line.span });
+            }
             found.point(section.points.len(), line.span)?;
         }
     }
@@ -218,7 +230,7 @@ fn blades(text: Text<'_>, frame: &Frame, found: &mut Found) -> Result<Vec<Import
             loops::enough(blade.loops.len(), &name, last)?;
             check_spans(&blade.loops)?;
             let (sections, places) = loops::close(blade.loops, found)?;
-            Ok(ImportedBlade { name, sections, places, ..ImportedBlade::default() })
+            Ok(ImportedBlade { name, sections, places, tags: blade.tags, ..ImportedBlade::default() })
         })
         .collect()
 }

@@ -36,9 +36,8 @@ post siemens-840d
 ";
 
 /// The part with stock, tool and operation is a program: its blades are modelled from the sections.
-fn is_modelled(folder: &Path, name: &str, extend: &str) -> String {
+fn is_modelled(folder: &Path, name: &str) -> String {
     let job = std::fs::read_to_string(folder.join(name)).unwrap();
-    let job = job.replace("\n  vane main {", &format!("\n{extend}  vane main {{"));
     let head = "edition 2026\nuse machine \"5mc850-c\"\nuse tools \"carbide\"\n";
     std::fs::write(folder.join("whole.imp"), job.replace("edition 2026\n", head) + REST).unwrap();
     let run = bounded::program().current_dir(folder).args(["whole.imp", "--emit", "ir"]).output().unwrap();
@@ -94,7 +93,7 @@ fn repeated_points_do_not_come_into_the_part() {
     let said = text(&run.stdout);
     assert!(run.status.success(), "{said}{}", text(&run.stderr));
     assert!(said.contains("repeat the one before and are left out"), "{said}");
-    is_modelled(folder.path(), "wheel.imp", "  extend 1.01 mm\n");
+    is_modelled(folder.path(), "wheel.imp");
     let run = bounded::program().current_dir(folder.path()).args(["check", "whole.imp"]).output().unwrap();
     assert!(!text(&run.stderr).contains("IMP0303"), "{}", text(&run.stderr));
     assert!(run.status.success(), "{}", text(&run.stderr));
@@ -121,8 +120,14 @@ fn a_part_and_its_tables_are_written() {
         assert!(curves.contains(&format!("{curve},1,")), "{curves}");
     }
     assert!(job.contains("sections loops from \"wheel.main.csv\" mm"), "{job}");
-    // The sections of the example end 1 mm short of its hub and shroud.
-    let said = is_modelled(folder.path(), "wheel.imp", "  extend 1.01 mm\n");
+    // The sections of the example end 1 mm short of its hub and shroud: the part says it, and extends its faces.
+    assert!(
+        said.contains("the first section ends up to 1 mm short of the hub; `extend` continues the faces to it"),
+        "{said}"
+    );
+    assert!(said.contains("the last section ends up to 1 mm short of the shroud"), "{said}");
+    assert!(job.contains("\n  extend 1.02 mm\n"), "{job}");
+    let said = is_modelled(folder.path(), "wheel.imp");
     assert!(said.contains("IMP0319"), "{said}");
     // The front end misses only what is not the part.
     let run = bounded::program().current_dir(folder.path()).args(["wheel.imp", "--emit", "job"]).output().unwrap();
@@ -151,7 +156,7 @@ fn public_wheels_are_modelled() {
             [given.as_str(), "-o", "wheel.imp"].into_iter().chain(stated.split_whitespace()).collect();
         let run = import(&arguments, folder.path());
         assert!(run.status.success(), "{}", text(&run.stderr));
-        let said = is_modelled(folder.path(), "wheel.imp", "");
+        let said = is_modelled(folder.path(), "wheel.imp");
         let found = said.lines().filter_map(|line| line.split(" sections within ").nth(1));
         let found: Vec<f64> = found.map(|rest| rest.split_whitespace().next().unwrap().parse().unwrap()).collect();
         println!("{set}: {found:?} um");
@@ -237,7 +242,7 @@ fn angles_are_written_as_angles() {
     ] {
         assert!(job.contains(words), "{words} is not in\n{job}");
     }
-    let said = is_modelled(folder.path(), "wheel.imp", "");
+    let said = is_modelled(folder.path(), "wheel.imp");
     assert_eq!(said.matches("IMP0319").count(), 2, "{said}");
     let emit = ["whole.imp", "--emit", "sections", "--sections", "5", "-o", "back.inf"];
     let run = bounded::program().current_dir(folder.path()).args(emit).output().unwrap();
@@ -329,7 +334,7 @@ fn wheels_of_many_blades_have_limits() {
     assert!(text(&run.stderr).contains("from 1 to 10000"), "{}", text(&run.stderr));
     let run = import(&arguments("1000"), folder.path());
     assert!(run.status.success(), "{}", text(&run.stderr));
-    is_modelled(folder.path(), "wheel.imp", "");
+    is_modelled(folder.path(), "wheel.imp");
     let emit = ["whole.imp", "--emit", "step", "-o", "wheel.step"];
     let run = bounded::program().current_dir(folder.path()).args(emit).output().unwrap();
     let said = text(&run.stderr);

@@ -1,8 +1,11 @@
 //! TurboGrid files with the traps of the format.
 
 use super::{axial_loop, faults, good, line, noted, points};
+use impellerc::diag::codes;
+use impellerc::import::outlines::outlines;
 use impellerc::import::{Axis, LengthUnit, Options};
 use impellerc::sections::EdgeForm;
+use impellerc::sections::outline::Side;
 
 /// Points of lines of the profile, hub or shroud.
 fn lines(points: &[[f64; 3]], scale: f64) -> String {
@@ -203,6 +206,50 @@ fn faults_are_told_with_their_line() {
     assert_eq!(found, ("IMP1006", "profile.curve".to_owned(), begins + 3));
     let found = line(&borrowed(&files(INF, &with(begins, "# at 20 %"))), 1, &Options::default());
     assert_eq!(found, ("IMP1005", "profile.curve".to_owned(), begins));
+}
+
+/// The profile with a word behind a point of the second section.
+fn tagged(at: usize, word: &str) -> String {
+    let line =
+        |(k, line): (usize, &str)| if k == 82 + 1 + at { format!("{line} {word}\n") } else { format!("{line}\n") };
+    profile(true).lines().enumerate().map(line).collect()
+}
+
+/// A tag is taken where the shape of the section has this edge, and nowhere else; the points are those of the file without tags.
+#[test]
+fn tags_of_edges_stand_at_them() {
+    let options = Options { side: Some(Side::Greater), ..Options::default() };
+    let due = good(&borrowed(&files(INF, &profile(true))), 1, &options);
+    let taken = |word: &str| -> Vec<usize> {
+        let holds = |at: &usize| {
+            let read = good(&borrowed(&files(INF, &tagged(*at, word))), 1, &options);
+            assert!(read.rows[0].blades[0].sections == due.rows[0].blades[0].sections);
+            match outlines(&read.rows[0], read.hub.as_deref(), &options) {
+                Ok(_) => true,
+                Err(diag) => {
+                    assert!(diag.code == codes::import::CONTRADICTS && diag.help.is_some(), "{}", diag.message);
+                    false
+                }
+            }
+        };
+        (0..80).filter(holds).collect()
+    };
+    let heights: Vec<f64> = axial_loop(60.0, 80, 3).iter().take(80).map(|p| p[2]).collect();
+    let end = |sign: f64| (0..80).max_by(|a, b| (sign * heights[*a]).total_cmp(&(sign * heights[*b]))).unwrap();
+    let (leading, trailing) = (taken("le"), taken("te"));
+    println!("le at {leading:?}, te at {trailing:?}, ends at {} and {}", end(-1.0), end(1.0));
+    assert!(leading.contains(&end(-1.0)) && trailing.contains(&end(1.0)));
+    assert!(leading.len() < 24 && trailing.len() < 24 && leading.iter().all(|at| !trailing.contains(at)));
+    // Corners tell an edge that is cut off.
+    let read = good(&borrowed(&files(INF, &tagged(end(1.0), "te2"))), 1, &options);
+    assert_eq!(read.rows[0].blades[0].edges, [None, Some(EdgeForm::CutOff)]);
+    let stated = format!("{INF}Blade 0 TE: EllipseEnd\n");
+    assert_eq!(line(&borrowed(&files(&stated, &tagged(end(1.0), "TE1"))), 1, &options).0, "IMP1005");
+    // Other words are no tags.
+    for word in ["xx", "le3", "1.0e", "le te"] {
+        let found = line(&borrowed(&files(INF, &tagged(3, word))), 1, &options);
+        assert_eq!(found, ("IMP1002", "profile.curve".to_owned(), 82 + 5), "{word}");
+    }
 }
 
 /// A profile that is cut off within a section is refused, wherever the cut is; one without whole sections is refused down to

@@ -1,0 +1,82 @@
+//! Blades whose first or last section does not reach hub or shroud.
+
+use super::part_text::{PartSource, blade_name};
+use crate::sections::outline::DividedSection;
+use crate::units::trim;
+
+/// Distance to which faces are extended without a word, mm: what a job extends by itself (`extend`).
+pub(super) const WITHOUT_A_WORD: f64 = 0.1;
+
+/// Share of the distance, and length in mm, by which faces are extended further: surfaces run off the points they pass through.
+const FURTHER: (f64, f64) = (0.01, 0.01);
+
+type Line = [[f64; 2]];
+
+/// The largest distance by which the first sections of the blades stay away from the hub, or the last ones from the shroud, mm;
+/// zero where they reach them.
+pub(super) fn largest(source: &PartSource<'_>) -> f64 {
+    let gaps = (0..source.divided.len()).flat_map(|blade| short(source, blade));
+    gaps.fold(0.0, f64::max)
+}
+
+/// The length of `extend` for a distance, as the language writes it.
+pub(super) fn extension(short: f64) -> String {
+    trim(short * (1.0 + FURTHER.0) + FURTHER.1, 2)
+}
+
+/// What is told of a blade that ends short of hub or shroud.
+pub(super) fn told(source: &PartSource<'_>, blade: usize) -> Vec<String> {
+    let [hub, shroud] = short(source, blade);
+    let name = blade_name(blade);
+    let mut lines = Vec::new();
+    for (gap, section, end) in [(hub, "first", "hub"), (shroud, "last", "shroud")] {
+        if gap > WITHOUT_A_WORD {
+            let gap = trim(gap, 3);
+            lines.push(format!(
+                "{name}: the {section} section ends up to {gap} mm short of the {end}; `extend` continues the faces to it."
+            ));
+        }
+    }
+    if shroud > WITHOUT_A_WORD {
+        lines.push(format!(
+            "{name}: if the file gives the casing as the shroud, this is the gap at the tips: give the shroud through the tips."
+        ));
+    }
+    lines
+}
+
+/// How far the first section of a blade stays away from the hub, and the last one from the shroud, mm.
+fn short(source: &PartSource<'_>, blade: usize) -> [f64; 2] {
+    let Some((hub, shroud)) = source.imported.hub.as_deref().zip(source.imported.shroud.as_deref()) else {
+        return [0.0; 2];
+    };
+    let sections = source.divided.get(blade).map(Vec::as_slice).unwrap_or_default();
+    let of = |section: Option<&DividedSection>, line: &Line, other: &Line| {
+        let points = section.into_iter().flat_map(|s| s.outline.faces.iter().chain(&s.outline.edges).flatten());
+        points.map(|p| towards([libm::hypot(p.x, p.y), p.z], line, other)).fold(0.0, f64::max)
+    };
+    [of(sections.first(), hub, shroud), of(sections.last(), shroud, hub)]
+}
+
+/// Distance of a point from a line, mm; zero where the point is not on the side of the other line.
+fn towards(p: [f64; 2], line: &Line, other: &Line) -> f64 {
+    let foot = nearest(p, line);
+    let across = nearest(foot, other);
+    let way = [p[0] - foot[0], p[1] - foot[1]];
+    let inside = way[0] * (across[0] - foot[0]) + way[1] * (across[1] - foot[1]) > 0.0;
+    if inside { libm::hypot(way[0], way[1]) } else { 0.0 }
+}
+
+/// The point of a line of chords that is nearest to a point; the point itself where the line has no chord.
+pub(super) fn nearest([x, y]: [f64; 2], line: &Line) -> [f64; 2] {
+    let chords = line.windows(2).filter_map(|w| <&[[f64; 2]; 2]>::try_from(w).ok());
+    let feet = chords.map(|[a, b]| {
+        let [dx, dy] = [b[0] - a[0], b[1] - a[1]];
+        let square = dx * dx + dy * dy;
+        let t = if square > 0.0 { ((x - a[0]) * dx + (y - a[1]) * dy) / square } else { 0.0 };
+        let t = t.clamp(0.0, 1.0);
+        [a[0] + t * dx, a[1] + t * dy]
+    });
+    let far = |p: &[f64; 2]| libm::hypot(x - p[0], y - p[1]);
+    feet.min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or([x, y])
+}
