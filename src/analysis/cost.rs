@@ -378,7 +378,10 @@ pub fn check(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
     ranked.sort_by(|a, b| b.1.bytes().total_cmp(&a.1.bytes()));
     let Some((operation, cost)) = ranked.first() else { return Ok(()) };
     let more = format!("`--memory {}GB`", (1.2 * needed / 1e9).ceil());
+    // What the part needs without any motion: no operation lowers it.
+    let of_part = peak(program, 0.0);
     let help = match fitting(program, operation) {
+        _ if of_part > program.memory => format!("allow more memory: {more}; the part alone needs more than the limit"),
         Some(fits) => format!("use {fits} or more, fewer `sectors`, or more memory: {more}"),
         None => {
             format!("divide the job into several jobs with fewer operations or `sectors`, or allow more memory: {more}")
@@ -388,8 +391,13 @@ pub fn check(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
         planning::OVER_MEMORY,
         format!("the plan needs about {} of memory; the limit is {}", bytes(needed), bytes(program.memory)),
     )
-    .label(operation.span, format!("{:.0} lines with {:.0} points", cost.lines, cost.stations.copied))
-    .help(help);
+    .help(help)
+    .note(format!("the part with samples of the surfaces of all its sectors: about {}", bytes(of_part)));
+    diag = if of_part > cost.bytes() {
+        diag.label(program.name_span, "most of it for this part")
+    } else {
+        diag.label(operation.span, format!("{:.0} lines with {:.0} points", cost.lines, cost.stations.copied))
+    };
     for (operation, cost) in ranked.iter().take(5) {
         diag = diag.note(format!("`{}`: about {}", operation.name, bytes(cost.bytes())));
     }

@@ -1,6 +1,8 @@
 //! The cost of a plan is known before it starts: jobs that would need too much are refused, with a value that fits.
 
+use crate::support::jobs;
 use impellerc::analysis::cost;
+use impellerc::diag::Sink;
 use impellerc::diag::codes::{job as codes, planning};
 use impellerc::driver::{self, Options, Outcome, Stages};
 use std::process::Command;
@@ -162,4 +164,26 @@ fn the_command_line_takes_sizes() {
     let (code, text) = run("1.5 GB");
     assert_eq!(code, Some(2));
     assert!(text.contains("IMP0420") && text.contains("the limit is 1.5 GB"), "{text}");
+}
+
+/// Where surfaces of the part take the memory, the message says so, and asks for nothing that does not lower it.
+#[test]
+fn a_part_that_takes_the_memory_is_named() {
+    let mut program = jobs::program("small", None);
+    let of_part = cost::of_stations(&program, cost::Stations::default());
+    program.memory = 0.9 * of_part;
+    let mut sink = Sink::default();
+    assert!(cost::check(&program, &mut sink).is_err());
+    let [diag] = sink.diags() else { panic!("{:?}", sink.diags()) };
+    let help = diag.help.as_ref().unwrap();
+    assert!(help.contains("the part alone") && !help.contains("sectors"), "{help}");
+    assert_eq!(diag.labels[0].span, program.name_span);
+    assert!(
+        diag.notes[0].starts_with("the part with samples of the surfaces of all its sectors: about "),
+        "{:?}",
+        diag.notes
+    );
+    // What the message asks for is enough.
+    program.memory = 1e9 * jobs::number_behind(help, "`--memory");
+    assert!(cost::check(&program, &mut Sink::default()).is_ok());
 }
