@@ -312,18 +312,7 @@ fn words(contract: &Contract, found: &Figure) -> (Code, String, String) {
             format!("the removal rate is {is} ({what}); allowed {wanted}"),
             "use a lower `feed`, or smaller steps (`depth`, `residual`) in this operation",
         ),
-        ContractKind::Engagement(cuts) => {
-            let (which, help) = match cuts {
-                Cuts::All => ("", "use a smaller `stepover`, or require it `outside of slots`"),
-                Cuts::OutsideSlots => ("outside of slots ", "use a smaller `stepover`"),
-            };
-            (verification::ENGAGEMENT, format!("{which}the engagement is up to {is} ({what}); allowed {wanted}"), help)
-        }
-        ContractKind::Slot => (
-            verification::TOOL_LOAD,
-            format!("finishing cuts a slot of {is} of the diameter ({what}); allowed {wanted}"),
-            "use roughing that leaves less stock there: one more `expand`, a smaller `residual`, or the sectors beside it",
-        ),
+        ContractKind::Engagement(_) | ContractKind::Slot => load_words(contract, found),
         ContractKind::RestVolume => (
             verification::REST_VOLUME,
             format!("the rest volume is {is} ({what}); allowed {wanted}"),
@@ -331,6 +320,23 @@ fn words(contract: &Contract, found: &Figure) -> (Code, String, String) {
         ),
     };
     (code, text, help.to_owned())
+}
+
+/// As [`words`], of what the stock takes of the cutter.
+fn load_words(contract: &Contract, found: &Figure) -> (Code, String, &'static str) {
+    let what = &found.what;
+    let is = amount(contract.kind, found.value);
+    let wanted = contract.bound.figure();
+    let (which, help) = match contract.kind {
+        ContractKind::Engagement(Cuts::All) => ("", "use a smaller `stepover`, or require it `outside of slots`"),
+        ContractKind::Engagement(Cuts::OutsideSlots) => ("outside of slots ", "use a smaller `stepover`"),
+        _ => {
+            let text = format!("finishing cuts a slot of {is} of the diameter ({what}); allowed {wanted}");
+            let help = "use roughing that leaves less stock there: one more `expand`, a smaller `residual`, or the sectors beside it";
+            return (verification::TOOL_LOAD, text, help);
+        }
+    };
+    (verification::ENGAGEMENT, format!("{which}the engagement is up to {is} ({what}); allowed {wanted}"), help)
 }
 
 fn unmeasured(contract: &Contract, reason: Unmeasured) -> Diag {

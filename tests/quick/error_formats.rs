@@ -267,7 +267,7 @@ fn a_run_that_holds_and_one_that_fails() {
     let job = folder.path().join("small.imp");
     // Less than the faces are cut into, more than the edges are.
     let text =
-        std::fs::read_to_string(JOB).unwrap().replacen("require gouge     <= 2 um", "require gouge <= 1.5 um", 1);
+        std::fs::read_to_string(JOB).unwrap().replacen("require gouge     <= 2 um", "require gouge <= 0.9 um", 1);
     std::fs::write(&job, &text).unwrap();
     std::fs::copy(Path::new(JOB).with_file_name("vane_curves.csv"), folder.path().join("vane_curves.csv")).unwrap();
     let (ok, sarif) = report(&[job.to_str().unwrap(), "--stock-cell", "1"], "sarif");
@@ -285,7 +285,7 @@ fn a_run_that_holds_and_one_that_fails() {
     let (_, junit) = report(&[job.to_str().unwrap(), "--stock-cell", "1"], "junit");
     let judged = cases(&junit);
     let names: Vec<&str> = judged.iter().filter(|c| c.class == "contract").map(|c| c.name.as_str()).collect();
-    assert_eq!(names, ["gouge <= 1.50 um", "clearance >= 0.500 mm"]);
+    assert_eq!(names, ["gouge <= 0.90 um", "clearance >= 0.500 mm"]);
     assert!(held.iter().any(|c| c.name == names[1]));
     assert!(judged[1].failure.is_none() && judged[1].place.as_ref().unwrap().1 == line_of(&text, "require clearance"));
     assert!(judged[0].failure.as_ref().unwrap().contains("deep into"), "{junit}");

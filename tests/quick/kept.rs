@@ -328,7 +328,8 @@ fn load_is_judged_by_tool_and_feed() {
     };
     // A finishing tool in full material, with chips of 8 um, deeper than its diameter: no shop does this, whatever the tool is said
     // to take. The job can allow it for the operation; then it is worth a remark.
-    let (program, mut motion) = line(MoveKind::Cut);
+    let (mut program, mut motion) = line(MoveKind::Cut);
+    program.allowed.clear();
     let found = told(&program, &motion);
     assert!(matches!(&found[..], [("IMP0739", true, text)] if text.contains("full material")), "{found:?}");
     let own = motion.operations[0].operation;

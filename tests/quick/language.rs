@@ -110,7 +110,7 @@ fn curves_from_a_file_are_the_curves_of_the_main_job() {
     let (main, reduced) = (read(JOB).job.unwrap(), read(REDUCED).job.unwrap());
     assert_eq!(main.part.main().faces().unwrap()[0].tip.points, reduced.part.main().faces().unwrap()[0].tip.points);
     assert_eq!(main.part.main().faces().unwrap()[1].root.points, reduced.part.main().faces().unwrap()[1].root.points);
-    assert_eq!(reduced.operations[0].sectors, [0]);
+    assert_eq!(reduced.operations[0].sectors, [0, 7]);
 }
 
 #[test]

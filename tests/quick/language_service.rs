@@ -422,7 +422,7 @@ fn a_saved_job_is_verified_and_its_text_leads_back() {
     let titles: Vec<&str> =
         lenses.as_array().unwrap().iter().map(|l| l["command"]["title"].as_str().unwrap()).collect();
     assert_eq!(titles.len(), 6, "{lenses}");
-    assert!(titles[1].contains("passes; 6 strips per face") && titles[4].starts_with("holds: proved "), "{titles:?}");
+    assert!(titles[1].contains("passes; 10 strips per face") && titles[4].starts_with("holds: proved "), "{titles:?}");
     // The second of two operations without names has its own times.
     assert_ne!(titles[2], titles[3], "{titles:?}");
     let hover = editor.ask("textDocument/hover", at(&uri, &text, "part small", 2));

@@ -47,7 +47,7 @@ fn linuxcnc() -> &'static dyn Post {
 
 /// Faults of the program as it stands: line, what is said, and why by the manual ("G Codes", "M Codes", "Coordinates"). M2
 /// and M30 put some groups back to a default; an abort, MDI and the start of the control do not.
-const FAULTS: [(usize, &str, &str); 7] = [
+const FAULTS: [(usize, &str, &str); 8] = [
     (4, "the transformation may still be on", "an abort leaves M428 on; nothing switches it off before"),
     (4, "`G53 G0 Z119` before, then A and C", "the switch takes the axes where they are; no block says where that is"),
     (4, "before any tool change", "there is no T, no M6 and no G43: the length of whatever tool acts"),
@@ -64,6 +64,11 @@ const FAULTS: [(usize, &str, &str); 7] = [
         "G96 outlives M2; coolant is as the operator left it since M9 at the last end",
     ),
     (10, "write G64 P with a tolerance", "G64 without P leaves the path as far as the speed asks for"),
+    (
+        4503,
+        "`M5` stops the spindle or turns it round with the tool in the part",
+        "two moves at rapid follow, over the part",
+    ),
     (4510, "the program ends with the tool in the part", "M429 and M30 move nothing: the tool stands over the nose"),
 ];
 
@@ -126,7 +131,7 @@ fn stations(text: &str) -> Vec<Station> {
 }
 
 /// The program with what its faults ask for: a head in front, each of its three operations from the retract height and
-/// back to it, an end. No move is changed.
+/// back to it, an end. `M5` moves behind the last retract. No move is changed.
 fn completed(text: &str) -> String {
     let mut out =
         String::from("M429\nG17 G21 G90 G8 G40 G49 G54 G80 G97\nG92.1\nG10 L2 P1 R0\nG64 P0.025\nG53 G0 Z119\nT1 M6\n");
@@ -141,8 +146,8 @@ fn completed(text: &str) -> String {
             let [a, c] = first.words;
             out.push_str(&format!("{line}\nS600 M3\nM8\nG0 A{a} C{c}\nG53 G0 X0 Y0\nG43 H1\nM428\n"));
         } else if line.starts_with("M429") {
-            out.push_str("M429\nG53 G0 Z119\n");
-        } else if !line.starts_with("M428") && !line.starts_with("S600") {
+            out.push_str("M429\nG53 G0 Z119\nM5\n");
+        } else if !["M428", "S600", "M5"].iter().any(|start| line.starts_with(start)) {
             out.push_str(&format!("{line}\n"));
         }
     }
@@ -255,11 +260,10 @@ fn its_moves_are_measured_against_a_job_for_it() {
         .map(|(axis, share)| format!("axis {axis} would need {:.1} % of its speed", share * 100.0))
         .collect();
     assert!(due.len() > 1, "{fast:?}");
-    // The first operation cuts the channel from the full in one pass, as the comments of the program say.
-    let full = errors.iter().find(|e| e.starts_with("finishing cuts in full material")).expect("full material");
-    // That loads the ball more than a slot of 75 % of its diameter, the default at a stick-out of 4 to 8 diameters.
+    // The first operation cuts the channel from the full in one pass, as the comments of the program say. That loads the ball
+    // more than a slot of 75 % of its diameter, the default at a stick-out of 4 to 8 diameters.
     let deep = errors.iter().find(|e| e.starts_with("t1 cuts") && e.ends_with("its limit is 4.500 mm")).expect("depth");
-    due.extend([full.clone(), deep.clone()]);
+    due.push(deep.clone());
     due.sort();
     let mut errors = errors.clone();
     errors.sort();

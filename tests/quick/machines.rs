@@ -377,6 +377,7 @@ fn text_on(machine: &str, operations: &[&str]) -> (Program, String) {
         program.operations.push(operation.clone());
     }
     assert_eq!(program.operations.iter().count(), operations.len());
+    program.allowed.push(support::deep_slots());
     // The largest cells that a job may have: the stock has no part in what is compared.
     let (mut sink, mut settings) = (Sink::default(), Settings { cell: Some(1.0), after: None });
     let motion = pipeline::run(&program, &mut sink).unwrap_or_else(|_| panic!("{:?}", sink.diags())).motion;
@@ -439,6 +440,9 @@ fn flank_with_travels(a: &str, c: &str) -> (tempfile::TempDir, Outcome) {
     flank_on(&with_text(&[("[\"-100 deg\", \"100 deg\"]", a), ("[\"-180 deg\", \"180 deg\"]", c)]))
 }
 
+/// Nothing roughs before the faces here.
+const SLOTS: &str = "allow slot on flank \"nothing roughs before\"\n";
+
 /// The same on another machine.
 fn flank_on(text: &str) -> (tempfile::TempDir, Outcome) {
     let folder = tempfile::tempdir().unwrap();
@@ -449,7 +453,7 @@ fn flank_on(text: &str) -> (tempfile::TempDir, Outcome) {
     let (_, flank) = rest.split_once("operation flank").unwrap();
     let (flank, _) = flank.split_once("operation channel").unwrap();
     let (_, end) = rest.split_once("tolerance chord").unwrap();
-    std::fs::write(&options.job, format!("{head}operation flank{flank}tolerance chord{end}")).unwrap();
+    std::fs::write(&options.job, format!("{head}operation flank{flank}{SLOTS}tolerance chord{end}")).unwrap();
     std::fs::copy("jobs/reduced/vane_curves.csv", folder.path().join("vane_curves.csv")).unwrap();
     options.output = Some(folder.path().join("part.nc"));
     options.run.stock_cell = Some(1.0);

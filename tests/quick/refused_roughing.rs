@@ -27,9 +27,16 @@ fn a_channel_too_narrow_for_the_tools() {
     let found = errors(&outcome);
     assert!(found.len() == 1 && found[0].code == planning::TOOL_TOO_LARGE, "{found:?}");
     let help = found[0].help.as_ref().unwrap();
-    let most = number_behind(help, "a ball tool of at most");
-    let throat = number_behind(&found[0].message, "throat of the channel is");
-    assert!(most > 0.2 && most < throat - 2.0 * 0.2, "{most} {throat}");
+    let most = number_behind(help, "a fillet of at most");
+    let width = number_behind(&found[0].message, "the channel is");
+    assert!(most > 0.2 && 2.0 * most < width, "{most} {width}");
+    // With this fillet, what is left is the size of the tools.
+    let outcome = rough_with(&[("vanes 8", "vanes 16"), ("fillet 1.2 mm", &format!("fillet {most} mm"))]);
+    let found = errors(&outcome);
+    assert!(
+        found.iter().all(|d| d.help.as_ref().is_none_or(|help| !help.contains("a fillet of at most"))),
+        "{found:?}"
+    );
 }
 
 #[test]

@@ -58,6 +58,7 @@ fn verified(program: &Program, motion: &Motion) -> Verified<Motion> {
     let mut program = program.clone();
     // The channel is not roughed here: only the text matters.
     program.contracts.clear();
+    program.allowed.push(support::deep_slots());
     let mut sink = Sink::default();
     let mut settings = verify::stock::Settings { cell: Some(1.0), after: None };
     let progress = impellerc::progress::Progress::default();

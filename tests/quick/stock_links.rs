@@ -60,7 +60,7 @@ fn the_tool_goes_from_face_to_face_through_the_air_of_the_stock() {
     println!("{:?} and {:?}", new.iter().map(|p| &labels[*p as usize]).collect::<Vec<_>>(), old);
     // From the pressure to the suction face of both blades, round their edges.
     let round: Vec<u32> =
-        (0..labels.len() as u32).filter(|p| labels[*p as usize].ends_with("suction strip 6")).collect();
+        (0..labels.len() as u32).filter(|p| labels[*p as usize].ends_with("suction strip 10")).collect();
     assert_eq!(round.len(), 2);
     assert!(round.iter().all(|pass| new.contains(pass) && !old.contains(pass)), "{new:?} {old:?}");
     // By the means of the verifier: clear of the part, and of the stock in smaller cells than those of the planner.

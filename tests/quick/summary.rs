@@ -41,7 +41,8 @@ fn a_failed_contract_comes_before_those_that_hold() {
     let all = certificate.contracts.len();
     let text = certificate.judgement(verdict(1));
     assert!(text.starts_with(&format!("FAIL reduced: {} of {all} contracts hold, ", all - 1)), "{text}");
-    let contracts: Vec<&str> = text.lines().skip(2).filter(|line| !line.starts_with("      ")).collect();
+    let contracts: Vec<&str> =
+        text.lines().skip_while(|line| !line.is_empty()).skip(1).filter(|line| !line.starts_with("      ")).collect();
     assert!(contracts[0].starts_with(&format!("! {name} ")) && contracts[0].contains("FAILS"), "{text}");
     assert_eq!(contracts.iter().filter(|line| line.contains("FAILS")).count(), 1);
     // An error without a contract is no success either.

@@ -12,10 +12,14 @@ pub mod sources;
 pub mod squares;
 
 use impellerc::collide::{Cutter, Section, ToolSolid};
+use impellerc::contract::Scope;
 use impellerc::entity::PrimaryMap;
 use impellerc::geom::{LoftedSurface, NurbsCurve, interpolate};
 use impellerc::ir::program::DEFAULT_MEMORY;
-use impellerc::ir::{DataCurve, DataPoint, Operation, OperationId, OperationKind, Program, Tolerances, Tool, ToolId};
+use impellerc::ir::{
+    Allowed, ContractKind, DataCurve, DataPoint, Operation, OperationId, OperationKind, Program, Tolerances, Tool,
+    ToolId,
+};
 use impellerc::job::shipped_post;
 use impellerc::kin::{Chain, LinearAxis, Machine, RotaryAxis};
 use impellerc::method::{AxisMethod, Flank, FlankMethod, Lines, Planning, Spacing};
@@ -222,6 +226,12 @@ pub fn channel(scallop: f64) -> OperationKind {
     OperationKind::Channel { scallop: Mm(scallop), spacing, lines, method, allowance_vane: None }
 }
 
+/// Leave for finishing to cut deep slots, for tests that plan it without the roughing before it.
+pub fn deep_slots() -> Allowed {
+    let reason = "nothing roughs before".to_owned();
+    Allowed { kind: ContractKind::Slot, scope: Scope::default(), reason, span: Span::default() }
+}
+
 /// The paper's part with roughing and finishing on the given sectors.
 pub fn wei_program(sectors: &[u32]) -> Program {
     let part = wei_part(Some(3.0));
@@ -259,7 +269,7 @@ pub fn wei_program(sectors: &[u32]) -> Program {
         tools,
         operations,
         contracts: Vec::new(),
-        allowed: Vec::new(),
+        allowed: vec![deep_slots()],
         machine: machine(),
         post: shipped_post("siemens-840d").unwrap(),
         tolerances: Tolerances { chord: Mm(0.001), chord_rough: Mm(0.05) },

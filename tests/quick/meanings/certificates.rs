@@ -69,6 +69,7 @@ static ORIGINAL: LazyLock<Given> = LazyLock::new(|| {
     text.replace_range(flank..channel, "");
     // The floor is finished beside what the flanks would have cut, in few lines.
     *text = text.replace("max-depth 4 mm", "max-depth 9 mm").replace("scallop 0.2 mm", "scallop 0.8 mm");
+    *text = text.replace("tolerance chord", "allow slot on channel \"no flank before\"\ntolerance chord");
     compiled(job, &[])
 });
 
