@@ -68,6 +68,10 @@ pub(super) struct ImportArguments {
     #[arg(long, value_enum, default_value = "file", value_name = "PLACE")]
     zero: ZeroArgument,
 
+    /// Write faces ruled from the first to the last section, however far the sections between them lie beside
+    #[arg(long)]
+    ruled: bool,
+
     /// Row of blades, where the files have several
     #[arg(long, value_name = "NAME")]
     row: Option<String>,
@@ -105,7 +109,15 @@ impl ImportArguments {
             ZeroArgument::File => Zero::File,
             ZeroArgument::Top => Zero::Top,
         };
-        Import { files: self.files, output: self.output, row: self.row, force: self.force, zero, options }
+        Import {
+            files: self.files,
+            output: self.output,
+            row: self.row,
+            force: self.force,
+            ruled: self.ruled,
+            zero,
+            options,
+        }
     }
 }
 

@@ -7,7 +7,8 @@ use crate::diag::{Aborted, Diag, printable};
 use crate::import::faced_part;
 use crate::import::job_frame::Zero;
 use crate::import::outlines::{doubtful, outlines};
-use crate::import::part_text::{self, PartSource};
+use crate::import::part_source::PartSource;
+use crate::import::part_text;
 use crate::import::{self, Imported, ImportedRow, NoFile, Options, limits};
 use crate::output::Outputs;
 use crate::sections::SectionForm;
@@ -25,6 +26,8 @@ pub struct Import {
     pub row: Option<String>,
     /// Replace files that exist.
     pub force: bool,
+    /// Faces ruled from the first to the last section are meant, however far the sections between them lie beside.
+    pub ruled: bool,
     /// Zero of the part that is written.
     pub zero: Zero,
     /// What the caller states of the files.
@@ -68,6 +71,9 @@ fn run(options: &Import, stages: &mut Stages, outcome: &mut Outcome) -> Result<(
     let name = printable(stem.as_deref().unwrap_or("part")).into_owned();
     let source =
         PartSource { imported: &imported, row, divided: &divided, read: &read, name: &name, zero: options.zero };
+    if options.output.is_some() && !options.ruled {
+        or_reported(part_text::leaves_nothing_out(&source), sink)?;
+    }
     let mut said: String = part_text::summary(&source).into_iter().map(|line| line + "\n").collect();
     said.push_str(&notes(&imported, sources));
     if let Some(path) = &options.output {

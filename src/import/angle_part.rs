@@ -2,9 +2,8 @@
 
 use super::angles::{StatedAngle, StatedAngles};
 use super::job_frame::JobFrame;
-use super::part_text::{
-    PartFiles, PartSource, blade_name, curve, head, looks, meridian, meridians, sections, told_cuts, wheel, word,
-};
+use super::part_source::{PartSource, blade_name};
+use super::part_text::{PartFiles, curve, head, looks, meridian, meridians, sections, told_cuts, wheel, word};
 use crate::sections::angles::EdgeShape;
 use crate::units::trim;
 use nalgebra::Point3;

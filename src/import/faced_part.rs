@@ -2,9 +2,9 @@
 //! their own.
 
 use super::job_frame::JobFrame;
+use super::part_source::{PartSource, blade_name};
 use super::part_text::{
-    self, DIGITS, FACES, PartFiles, PartSource, blade_name, curves, head, looks, loops, meridian, meridians, sections,
-    word,
+    self, DIGITS, FACES, PartFiles, curves, head, looks, loops, meridian, meridians, sections, word,
 };
 use super::short_ends::WITHOUT_A_WORD;
 use super::{BladeSurfaces, angle_part};

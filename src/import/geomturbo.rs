@@ -3,6 +3,7 @@
 //! The axis of rotation is the third coordinate. Faces are told by the words `suction` and `pressure`, whatever their order;
 //! `# section` is a comment or stands before each section. Blocks and words that are not known are passed over.
 
+use super::closed_faces;
 use super::found::{Found, too_many, within};
 use super::frame::{Axis, Frame};
 use super::lines::{Line, Text, ends, malformed};
@@ -105,7 +106,13 @@ pub(super) fn read(
         if name == "hub" { imported.hub = Some(points) } else { imported.shroud = Some(points) }
     }
     for row in rows.into_iter().filter(|row| !row.blades.is_empty()) {
-        imported.rows.push(self::row(row, &frame, options, found)?);
+        let at = row.begins;
+        let mut row = self::row(row, &frame, options, found)?;
+        // Edges of loops are found along the hub.
+        if imported.hub.is_some() && imported.shroud.is_some() {
+            closed(&mut row, at, found);
+        }
+        imported.rows.push(row);
     }
     Ok(imported)
 }
@@ -393,6 +400,16 @@ fn row(row: ReadRow, frame: &Frame, options: &Options, found: &mut Found) -> Res
     let blades =
         blades.into_iter().enumerate().map(|(k, read)| blade(k, read, frame, found)).collect::<Result<_, _>>()?;
     Ok(ImportedRow { name, count, blades })
+}
+
+/// Takes the sections of a row as loops where their faces meet.
+fn closed(row: &mut ImportedRow, at: Span, found: &mut Found) {
+    for blade in &mut row.blades {
+        if closed_faces::as_loops(blade) {
+            let name = printable(&blade.name);
+            found.note(at, format!("blade `{name}`: the faces of its sections meet, so that the sections are closed"));
+        }
+    }
 }
 
 fn blade(k: usize, read: ReadBlade, frame: &Frame, found: &mut Found) -> Result<ImportedBlade, Diag> {

@@ -1,9 +1,11 @@
 //! A part in the language, from what was imported: its text, its curves, and tables of sections, hub and shroud.
 
-use super::job_frame::{JobFrame, Zero};
-use super::short_ends;
+use super::job_frame::JobFrame;
+use super::part_source::{PartSource, blade_name};
 use super::wheel_ends::{CutMeridian, WheelEdges, cut};
-use super::{Imported, ImportedBlade, ImportedRow};
+use super::{BladeSurfaces, left_out, short_ends};
+use super::{Imported, ImportedBlade};
+use crate::diag::Diag;
 use crate::sections::angles::EdgeShape;
 use crate::sections::outline::{DividedSection, Side};
 use crate::sections::{EdgeForm, LOOP_EDGES, Outline, SectionForm};
@@ -26,23 +28,6 @@ pub struct PartFiles {
     pub meridian: Option<String>,
 }
 
-/// What is written.
-#[derive(Clone, Copy, Debug)]
-pub struct PartSource<'a> {
-    /// All that was read.
-    pub imported: &'a Imported,
-    /// The row whose blades are written.
-    pub row: &'a ImportedRow,
-    /// Sections of each blade of the row, divided.
-    pub divided: &'a [Vec<DividedSection>],
-    /// Names of the files that were read.
-    pub read: &'a [String],
-    /// Name of the part and of its files, without an ending.
-    pub name: &'a str,
-    /// Zero of the part.
-    pub zero: Zero,
-}
-
 /// Digits behind the point of written coordinates, mm: a tenth of a nanometre, so that reading them changes nothing.
 pub(super) const DIGITS: usize = 7;
 
@@ -61,11 +46,6 @@ pub(super) fn word(text: &str, otherwise: &str) -> String {
     let word: String = text.chars().map(letters).collect();
     let word = word.trim_matches('_').to_owned();
     if word.starts_with(|c: char| c.is_ascii_alphabetic()) { word } else { otherwise.to_owned() }
-}
-
-/// Name of a blade in the job.
-pub(super) fn blade_name(k: usize) -> String {
-    if k == 0 { "main".to_owned() } else { format!("splitter_{k}") }
 }
 
 pub(super) const FACES: [&str; 2] = ["pressure", "suction"];
@@ -87,6 +67,19 @@ pub fn write(source: &PartSource<'_>) -> PartFiles {
     };
     let job = job(source, frame, ends.as_ref());
     PartFiles { job, curves, loops, sections: sections(source, frame), meridian: meridian(source.imported, frame) }
+}
+
+/// Whether the part has faces that are ruled from the first to the last section.
+pub(super) fn is_ruled(source: &PartSource<'_>) -> bool {
+    matches!(source.imported.surfaces, BladeSurfaces::BySections) && wheel(source).is_none()
+}
+
+/// Refuses a part of ruled faces that leaves out sections which are not on them.
+///
+/// # Errors
+/// A section lies farther beside the faces than a tolerance of form.
+pub fn leaves_nothing_out(source: &PartSource<'_>) -> Result<(), Diag> {
+    if is_ruled(source) { left_out::check(source) } else { Ok(()) }
 }
 
 /// Hub and shroud of the wheel, where all blades have closed sections.
@@ -321,6 +314,7 @@ pub fn summary(source: &PartSource<'_>) -> Vec<String> {
     let mut lines = vec![format!("Blades read from {files} (format {}).", imported.format)];
     lines.push(format!("{} main blades; splitters of each: {}.", row.count, row.blades.len().saturating_sub(1)));
     let whole = wheel(source).is_some();
+    let left = if is_ruled(source) { left_out::all(source) } else { Vec::new() };
     for (k, (blade, divided)) in row.blades.iter().zip(*divided).enumerate() {
         let named = if blade.name.is_empty() || blade.name == blade_name(k) {
             String::new()
@@ -332,6 +326,7 @@ pub fn summary(source: &PartSource<'_>) -> Vec<String> {
         if whole {
             lines.extend(short_ends::told(source, k));
         }
+        lines.extend(left.iter().filter(|l| l.blade == k).map(|l| left_out::told(l, divided.len())));
     }
     lines.extend(imported.notes.iter().filter(|n| n.span.is_none()).map(|n| format!("Note: {}.", n.text)));
     lines

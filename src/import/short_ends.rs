@@ -1,6 +1,6 @@
 //! Blades whose first or last section does not reach hub or shroud.
 
-use super::part_text::{PartSource, blade_name};
+use super::part_source::{PartSource, blade_name};
 use crate::sections::outline::DividedSection;
 use crate::units::trim;
 

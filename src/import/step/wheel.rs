@@ -276,7 +276,7 @@ fn imported(k: usize, blade: &StepBlade, forms: Vec<SectionForm>) -> ImportedBla
     let places = vec![blade.faces[0].span; forms.len()];
     let of = |(k, form): (usize, SectionForm)| Section { span: Some(k as f64 / last), form };
     ImportedBlade {
-        name: crate::import::part_text::blade_name(k),
+        name: crate::import::part_source::blade_name(k),
         sections: forms.into_iter().enumerate().map(of).collect(),
         places,
         ..ImportedBlade::default()

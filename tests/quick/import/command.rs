@@ -1,6 +1,6 @@
 //! The command `import`: the part that it writes, and when it writes nothing.
 
-use super::{bladegen, data, rtzt, table, turbogrid};
+use super::{axial_loop, bladegen, data, rtzt, table, turbogrid};
 use crate::support::bounded;
 use std::path::Path;
 use std::process::Output;
@@ -97,6 +97,44 @@ fn repeated_points_do_not_come_into_the_part() {
     let run = bounded::program().current_dir(folder.path()).args(["check", "whole.imp"]).output().unwrap();
     assert!(!text(&run.stderr).contains("IMP0303"), "{}", text(&run.stderr));
     assert!(run.status.success(), "{}", text(&run.stderr));
+}
+
+/// A part of ruled faces leaves out the sections between the first and the last one: it says how far they lie beside the faces, and is
+/// not written where that is far, unless it is meant.
+#[test]
+fn sections_beside_ruled_faces_are_told() {
+    let table = |off: f64| {
+        let mut text = "section,x,y,z\n".to_owned();
+        for (k, radius) in [50.0, 60.0, 70.0].into_iter().enumerate() {
+            for [x, y, z] in axial_loop(radius, 40, 0) {
+                // Across the faces, which look along y where x is large.
+                let y = y + if k == 1 { off } else { 0.0 };
+                text.push_str(&format!("{},{x:.6},{y:.6},{z:.6}\n", k + 1));
+            }
+        }
+        text
+    };
+    let stated = ["main.csv", "-o", "wheel.imp", "--unit", "mm", "--axis", "z", "--blades", "7", "--start", "leading"];
+    let stated = [&stated[..], &["--pressure", "greater"]].concat();
+    let distance = |said: &str| {
+        let (_, rest) = said.split_once("their points lie up to ").unwrap_or_else(|| panic!("{said}"));
+        rest.split_once(" mm").unwrap().0.parse::<f64>().unwrap()
+    };
+    let on = folder(&[("main.csv".to_owned(), table(0.0))]);
+    let run = import(&stated, on.path());
+    assert!(run.status.success() && distance(&text(&run.stdout)) < 1e-3, "{}{}", text(&run.stdout), text(&run.stderr));
+    let beside = folder(&[("main.csv".to_owned(), table(0.1))]);
+    let run = import(&stated, beside.path());
+    let said = text(&run.stderr);
+    assert!(!run.status.success() && said.contains("IMP1011") && said.contains("section 2"), "{said}");
+    assert_eq!(names(beside.path()), ["main.csv"]);
+    let run = import(&[&stated[..], &["--ruled"]].concat(), beside.path());
+    let said = text(&run.stdout);
+    assert!(run.status.success(), "{}", text(&run.stderr));
+    // No farther than the shift, and nearly as far where the face looks along it.
+    assert!((0.08..0.1 + 1e-4).contains(&distance(&said)), "{said}");
+    let job = std::fs::read_to_string(beside.path().join("wheel.imp")).unwrap();
+    assert_eq!(distance(&job), distance(&said), "{job}");
 }
 
 /// The blades of the part have the sections of the file, which read back are the same.

@@ -1,6 +1,7 @@
 //! `.geomTurbo` files with the traps of the format.
 
 use super::{axial_loop, faults, good, line, noted};
+use impellerc::import::outlines::outlines;
 use impellerc::import::{LengthUnit, Options};
 use impellerc::sections::SectionForm;
 
@@ -75,8 +76,8 @@ fn units_and_the_order_of_faces_change_nothing() {
         let read = good(&[("a.GEOMTURBO", &file(units, pressure_first).replace('\n', "\r\n"))], 1, &Options::default());
         for (a, b) in read.rows[0].blades.iter().zip(&row.blades) {
             for (a, b) in a.sections.iter().zip(&b.sections) {
-                let (SectionForm::Faces(a), SectionForm::Faces(b)) = (&a.form, &b.form) else { panic!() };
-                for (a, b) in a.iter().flatten().zip(b.iter().flatten()) {
+                let (SectionForm::Loop(a), SectionForm::Loop(b)) = (&a.form, &b.form) else { panic!() };
+                for (a, b) in a.iter().zip(b) {
                     assert!((a - b).norm() < 1e-5, "{units}");
                 }
             }
@@ -89,6 +90,43 @@ fn units_and_the_order_of_faces_change_nothing() {
     assert_eq!(line(&[("a.geomTurbo", &without)], 1, &Options::default()).0, "IMP1004");
     let read = good(&[("a.geomTurbo", &without)], 1, &inches);
     assert!((read.hub.unwrap()[0][0] - 49.0).abs() < 1e-9);
+}
+
+/// Faces that meet at both edges are closed sections, whose edges are found; the pressure face is that of the file, whichever side it has.
+#[test]
+fn faces_that_meet_are_closed_sections() {
+    let read = |text: &str| good(&[("a.geomTurbo", text)], 1, &Options::default());
+    let text = file(1.0, false);
+    let exchanged =
+        text.replace(" suction\n", " other\n").replace(" pressure\n", " suction\n").replace(" other\n", " pressure\n");
+    let sides = [&text, &exchanged].map(|text| {
+        let read = read(text);
+        assert!(noted(&read, "the faces of its sections meet"), "{:?}", read.notes);
+        let blade = &read.rows[0].blades[0];
+        for (section, radius) in blade.sections.iter().zip([50.0, 70.0]) {
+            let SectionForm::Loop(points) = &section.form else { panic!("{section:?}") };
+            // Each point once, and all of them those of the file.
+            assert_eq!(points.len(), 64);
+            let due = axial_loop(radius, 64, 0);
+            for p in points {
+                let off =
+                    due.iter().map(|d| (p.coords - nalgebra::Vector3::from(*d)).norm()).fold(f64::INFINITY, f64::min);
+                assert!(off < 1e-5, "{p} {off}");
+            }
+        }
+        blade.pressure.unwrap()
+    });
+    assert!(sides[0] != sides[1], "{sides:?}");
+    // The edges that the loops have, and the faces as the file names them.
+    let read = read(&text);
+    let divided = outlines(&read.rows[0], read.hub.as_deref(), &Options::default()).unwrap();
+    let first = axial_loop(50.0, 64, 0);
+    let middle = nalgebra::Point3::from(first[16]);
+    let distance =
+        |face: &[nalgebra::Point3<f64>]| face.iter().map(|p| (p - middle).norm()).fold(f64::INFINITY, f64::min);
+    let [pressure, suction] = &divided[0][0].outline.faces;
+    // Point 16 is of the face that the file calls `suction`.
+    assert!(distance(suction) < 1e-5 && distance(pressure) > 0.1, "{} {}", distance(suction), distance(pressure));
 }
 
 /// The file with curves of other names, the hub in two pieces of which the second runs from the outlet.
