@@ -42,12 +42,12 @@ pub(super) fn all(source: &PartSource<'_>) -> Vec<LeftOut> {
 
 /// What is told of a blade that leaves sections out.
 pub(super) fn told(left: &LeftOut, sections: usize) -> String {
-    format!(
-        "{}: the {} sections between the first and the last one are left out; their points lie up to {} mm beside the ruled faces.",
-        blade_name(left.blade),
-        sections - 2,
-        trim(left.distance, 4)
-    )
+    let (blade, distance) = (blade_name(left.blade), trim(left.distance, 4));
+    let between = match sections - 2 {
+        1 => "the section between the first and the last one is".to_owned(),
+        count => format!("the {count} sections between the first and the last one are"),
+    };
+    format!("{blade}: {between} left out; their points lie up to {distance} mm beside the ruled faces.")
 }
 
 /// Refuses a part that leaves out sections which are not on its faces.

@@ -132,7 +132,7 @@ fn sections_beside_ruled_faces_are_told() {
     let said = text(&run.stdout);
     assert!(run.status.success(), "{}", text(&run.stderr));
     // No farther than the shift, and nearly as far where the face looks along it.
-    assert!((0.08..0.1 + 1e-4).contains(&distance(&said)), "{said}");
+    assert!((0.08..0.101).contains(&distance(&said)), "{said}");
     let job = std::fs::read_to_string(beside.path().join("wheel.imp")).unwrap();
     assert_eq!(distance(&job), distance(&said), "{job}");
 }
