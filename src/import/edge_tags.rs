@@ -2,7 +2,7 @@
 //! are cut off, as TurboGrid and CFturbo write them.
 
 use super::ImportedBlade;
-use super::lines::Line;
+use super::lines::{Line, separates};
 use crate::diag::codes::import as codes;
 use crate::diag::{Diag, printable};
 use crate::sections::EdgeForm;
@@ -34,13 +34,12 @@ pub struct EdgeTag {
 
 /// Divides a line with a point into its numbers and the word behind them. Numbers keep their own faults.
 pub(super) fn split<'t>(line: Line<'t>) -> (Line<'t>, Option<&'t str>) {
-    let last = line.text.rsplit(|c: char| c.is_whitespace() || matches!(c, ',' | ';')).next().unwrap_or_default();
+    let last = line.text.rsplit(separates).next().unwrap_or_default();
     let letters = last.starts_with(|c: char| c.is_ascii_alphabetic()) && line.count_of_words() == 4;
     if !letters {
         return (line, None);
     }
-    let numbers = line.text[..line.text.len() - last.len()]
-        .trim_end_matches(|c: char| c.is_whitespace() || matches!(c, ',' | ';'));
+    let numbers = line.text[..line.text.len() - last.len()].trim_end_matches(separates);
     (Line { text: numbers, span: line.span }, Some(last))
 }
 

@@ -49,7 +49,7 @@ impl<'t> Text<'t> {
 }
 
 /// Whether a character stands between numbers.
-fn separates(c: char) -> bool {
+pub(super) fn separates(c: char) -> bool {
     c.is_whitespace() || matches!(c, ',' | ';')
 }
 
