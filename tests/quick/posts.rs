@@ -186,6 +186,31 @@ fn the_work_offset_is_stated_once() {
     assert!(sink.diags()[0].message.contains("has no work offset"), "{:?}", sink.diags());
 }
 
+/// What no word of a text excludes is named for each control: settings, offsets and interventions of the operator that would
+/// change what the text does. The sources stand in the pages of the dialects.
+#[test]
+fn conditions_that_no_word_excludes_are_named() {
+    let everywhere = ["100 % at most", "waits for the spindle|has its speed"];
+    let of_controls = ["at the retract height|moves no axis", "rotary offsets"];
+    let cases: [(&str, &[&str]); 5] = [
+        ("siemens-840d", &["MD21104", "wear", "base frames", "DRF", "MD20560", "FGROUP", "dry run"]),
+        ("heidenhain", &["pallet preset", "global program settings", "M118", "DR2", "AFC", "cycle 32"]),
+        ("fanuc", &["EXT", "wear", "3402#6", "handle", "1401#1", "19696#5", "3708#0"]),
+        ("mitsubishi", &["EXT", "wear", "RESET and M30 cancel", "handle"]),
+        ("linuxcnc", &["WRAPPED_ROTARY", "conventional-directions", "REMAP", "eoffset", "X, Y, A, B, C"]),
+    ];
+    for post in post::POSTS {
+        let (program, _) = program(*post);
+        let assumed = post::assumptions(*post, &program).join("\n");
+        let own = cases.iter().find(|(name, _)| *name == post.name()).map(|(_, own)| *own);
+        let due =
+            everywhere.iter().chain(own.map(|_| &of_controls).into_iter().flatten()).chain(own.unwrap_or_default());
+        for words in due {
+            assert!(words.split('|').any(|words| assumed.contains(words)), "{}: {words}\n{assumed}", post.name());
+        }
+    }
+}
+
 /// A post file that writes another offset than it states is refused, with the line to state it.
 #[test]
 fn a_frame_with_another_work_offset_is_refused() {

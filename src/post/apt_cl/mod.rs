@@ -51,6 +51,7 @@ impl Post for AptCl {
             "this proof holds where both rotary axes of the machine file turn evenly between the poses",
             "from LOADTL to FROM all axes but Z stay at the retract height; the post-processor sees to it",
             "MOVNRB, where it stands, is its curves, or the GOTO within it along the same curves",
+            "FEDRAT is the speed of the tip, 100 % at most; the first feed waits for the spindle",
             "zero and axes of the work offset are those of the part frame; the length of LOADTL acts",
         ]
     }

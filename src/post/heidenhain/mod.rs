@@ -31,8 +31,11 @@ use crate::source::Span;
 const ASSUMED: &[&str] = &[
     "preset {work-offset} is the part origin with the rotary axes at 0, and has no rotary offsets",
     "L of the tool table is the length to the tip, also of ball end mills; DL, DR and DR2 are 0",
+    "no pallet preset, no global program settings and no handwheel superimposition (M118) act",
     "positions with M91 count from the machine datum of the machine file, Z without the tool length",
-    "the kinematics of the control are those of the machine file, and cycle 32 is enabled",
+    "the kinematics of the control are those of the machine file; cycle 32 is enabled, and nothing else smooths",
+    "feed override is 100 % at most, and no adaptive feed control (AFC) acts",
+    "M3 ends when the spindle has its speed; TOOL CALL leaves Z at the retract height",
 ];
 
 /// The dialect.

@@ -34,6 +34,7 @@ const ASSUMED: &[&str] = &[
     "a positive rotary word turns its table right-handed; no pin conventional-directions is set",
     "[AXIS_A], [AXIS_B] and [AXIS_C] have no WRAPPED_ROTARY = 1: the sign of a word would be its direction",
     "M6 moves no axis: [EMCIO] has no TOOL_CHANGE_POSITION, TOOL_CHANGE_QUILL_UP and TOOL_CHANGE_AT_G30",
+    "no REMAP changes a word but M428 and M429",
     "no external offsets (eoffset) act, and feed override is 100 % at most",
     "spindle.0.at-speed tells that the spindle has its speed, so that the first feed waits for it",
     "{work-offset} is the part origin in the machine frame, without rotary offsets; all axes are homed",

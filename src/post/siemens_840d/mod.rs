@@ -39,10 +39,15 @@ use crate::source::Span;
 /// What must be set at the control.
 const ASSUMED: &[&str] = &[
     "{transformation} is the transformation of the machine file: its points, its directions, its sense of the rotary axes",
-    "TRAORI takes the tool length of D1, which is that of the head",
+    "ORIAXES and ORICURVE act as words (MD21104 ORI_IPO_WITH_G_CODE = 1)",
+    "TRAORI takes the tool length of D1, which is that of the head; other lengths, wear and sum offset of D1 are 0",
     "{work-offset} is the part origin with the rotary axes at 0, and has no turns and no rotary offsets",
+    "no other frame acts: base frames, external offset, DRF and system frames (CYCLE800, TCARR, TOROT, PAROT) are 0",
     "with SUPA and D0, X Y Z count from the machine datum of the machine file, Z at the gauge line",
-    "G0 moves all axes together (RTLION), with ORIAXES as at feed; CYCLE832 keeps its tolerances",
+    "G0 moves all axes together (RTLION), with ORIAXES as at feed",
+    "CYCLE832 keeps its tolerances, also in G0 (MD20560 G0_TOLERANCE_FACTOR = 1); nothing else smooths",
+    "F is the speed of the tip: no rotary axis is in FGROUP; feed override is 100 % at most, no dry run",
+    "the first feed waits for the spindle (MD35500 SPIND_ON_SPEED_AT_IPO_START); M6 leaves Z at the retract height",
 ];
 
 /// The dialect.
