@@ -29,6 +29,9 @@ const LONGEST_TIME: f64 = 3.6e6;
 /// Least usual clearance, mm: machines and set-ups are not more exact.
 const CLOSEST: f64 = 0.02;
 
+/// Deepest usual slot, in diameters of the cutter: makers of solid end mills permit one, some of them up to two.
+const DEEPEST_SLOT: f64 = 3.0;
+
 /// What a job without errors states.
 pub(super) struct Stated<'a> {
     pub(super) stock: Option<&'a StockSpec>,
@@ -52,6 +55,7 @@ pub(super) fn warn(stated: &Stated<'_>, sink: &mut Sink) {
     for tool in stated.tools {
         stick_out(tool, sink);
         without_holder(tool, sink);
+        deep_limit(tool, sink);
     }
     for operation in stated.operations {
         too_deep(operation, stated, sink);
@@ -105,6 +109,29 @@ fn too_deep(operation: &OperationSpec, stated: &Stated<'_>, sink: &mut Sink) {
                 )),
         );
     }
+}
+
+/// A limit of the depth that hardly forbids anything.
+fn deep_limit(tool: &ToolSpec, sink: &mut Sink) {
+    let Some(limit) = tool.limits.depth else { return };
+    let (flute, usual) = (tool.flute.get(), DEEPEST_SLOT * tool.diameter.get());
+    let why = if limit.get() > flute {
+        format!("{} has flutes of {}: no cut is deeper", tool.name, tool.flute)
+    } else if limit.get() > usual {
+        format!(
+            "{} diameters: makers of tools permit one or two at full width",
+            trim(limit.get() / tool.diameter.get(), 1)
+        )
+    } else {
+        return;
+    };
+    let most = Mm(usual.min(flute));
+    sink.push(
+        warning(format!("a slot of {} {limit} deep is allowed", tool.name))
+            .label(tool.span, "`max-depth` of this tool hardly forbids anything")
+            .note(why)
+            .help(format!("write the depth that the maker of the tool states, at most `max-depth {most}`; without it the limit follows from diameter and stick-out")),
+    );
 }
 
 fn stick_out(tool: &ToolSpec, sink: &mut Sink) {

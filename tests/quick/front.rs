@@ -17,7 +17,7 @@ const REDUCED: &str = include_str!("../../jobs/reduced/reduced.imp");
 
 /// Its first tool.
 const FLAT: &str =
-    "tool t1 = flat { diameter 6 mm  flutes 4  flute 25 mm  reach 45 mm  max-depth 20 mm  holder \"er16-mini\" }";
+    "tool t1 = flat { diameter 6 mm  flutes 4  flute 25 mm  reach 45 mm  max-depth 12 mm  holder \"er16-mini\" }";
 const CURVES: &str = include_str!("../../jobs/reduced/vane_curves.csv");
 
 fn files() -> InMemory {

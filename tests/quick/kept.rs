@@ -410,6 +410,35 @@ fn load_is_judged_by_tool_and_feed() {
     assert!(found.iter().any(|f| f.0 == "IMP0735" && f.1), "{found:?}");
 }
 
+/// A stated limit alone permits a cut that loads a tool as a slot deeper than its diameter: a remark says so for each operation
+/// of the small job. With a limit below the load it is an error.
+#[test]
+fn a_stated_depth_over_the_diameter_is_told() {
+    let small = jobs::small("siemens-840d");
+    let report = small.certificate.stock.as_ref().unwrap();
+    let told = |max_depth: f64| {
+        let mut tools = PrimaryMap::new();
+        for (_, tool) in small.program.tools.iter() {
+            tools.push(Tool { max_depth: Mm(max_depth), ..tool.clone() });
+        }
+        let (program, mut sink) = (Program { tools, ..small.program.clone() }, Sink::default());
+        stock::report(&program, &small.plan.motion, report, &mut sink);
+        let loads = sink.diags().iter().filter(|d| d.message.contains("which loads it as a slot"));
+        loads.map(|d| (d.severity == Severity::Error, d.message.clone())).collect::<Vec<_>>()
+    };
+    let depths = report.operations.iter().filter_map(|o| o.slot_depth).map(|p| p.value);
+    let deep = depths.clone().filter(|depth| *depth > 2.0).count();
+    let deepest = depths.fold(0.0, f64::max);
+    assert!(deep > 1 && (3.0..4.0).contains(&deepest), "{deep} {deepest}");
+    for (limit, errors) in [(4.0, false), (2.0, true)] {
+        let found = told(limit);
+        assert!(found.len() == deep && found.iter().all(|f| f.0 == errors), "{limit}: {found:?}");
+        assert!(found.iter().all(|f| f.1.contains("% of the diameter of 2.000 mm")), "{found:?}");
+    }
+    let found = told(deepest - 0.01);
+    assert_eq!(found.iter().filter(|f| f.0).count(), 1, "{found:?}");
+}
+
 /// The small job with nothing but the end of its last operation, and with cuts before it.
 fn harmed(poses: &[(Point3<f64>, Vector3<f64>)]) -> (Program, Motion) {
     let (whole, motion) = jobs::small("siemens-840d").planned();

@@ -133,7 +133,8 @@ end, which has no teeth (`plunge-width`), a way down with material under this mi
 of the tool, a cut deeper than `max-depth` of the tool, a feed per tooth above \
 `max-chip` of the tool, a removal rate above `max-rate` of the tool, more power than the spindle of the machine has, and \
 a finishing operation that cuts a slot of full width deeper than a quarter of the diameter. All but \
-two are errors. A way down that is steeper than the default of `ramp`, which no one stated, is a remark. The last is an error \
+three are errors. A way down that is steeper than the default of `ramp`, which no one stated, is a remark. So is a cut that loads \
+the tool as a slot deeper than its diameter, which only a stated `max-depth` permits. The last is an error \
 only if the slot is deeper than the diameter of the tool, whatever its `max-depth` is. Where the tool can take it, the job allows it \
 for an operation, with a reason: `allow slot on flank \"tried on this machine\"`. It is then a remark, and the verdict, the \
 setup sheet and the certificate list it. \

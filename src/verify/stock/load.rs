@@ -152,33 +152,42 @@ fn report_link(program: &Program, motion: &Motion, o: &OperationStock, sink: &mu
     );
 }
 
-/// Finding on a depth of cut over the limit that the job or the library states for the tool.
+/// Finding on a depth of cut over the limit of the tool, or over its diameter where only a stated limit permits it.
 fn report_depth(program: &Program, motion: &Motion, o: &OperationStock, sink: &mut Sink) {
     let Some((cut, operation)) = o.slot_depth.zip(motion.operations.get(o.operation as usize)) else { return };
     let declared = &program.operations[operation.operation];
     let tool = &program.tools[declared.tool];
     let limit = tool.max_depth.get();
-    if cut.value <= limit {
+    let over = cut.value > limit;
+    // A slot of finishing that is deeper than the diameter has its own finding.
+    let found = o.slot.is_some_and(|p| p.value > DEEPEST_SLOT);
+    if !over && (found || cut.value <= 2.0 * DEEPEST_SLOT * tool.solid.cutter.nominal_radius()) {
         return;
     }
+    let new = if over { Diag::error } else { Diag::remark };
     let text = format!(
-        "{} cuts {} deep over arcs of up to {:.0} deg, which loads it as a slot {} deep; its limit is {}",
+        "{} cuts {} deep over arcs of up to {:.0} deg, which loads it as a slot {} deep, {}; its limit is {}",
         tool.name,
         length(cut.depth),
         cut.arc,
         length(cut.value),
+        share(tool, cut.value),
         length(limit)
     );
     sink.push(
-        Diag::error(verification::TOOL_LOAD, text)
+        new(verification::TOOL_LOAD, text)
             .label(declared.span, "in this operation")
             .label(tool.span, "`max-depth` of this tool")
             .place(describe(program, motion, Some(cut.at)), Point3::from(cut.tip))
             .block(cut.at.operation, cut.at.index)
             .note("the load is the sum over the depth of the share of the arc in 180 deg")
             .help(
-                "use a smaller `depth` or `stepover`, an operation before it that leaves less stock, a stiffer tool, or, \
-                 where the maker of the tool allows it, `max-depth` of the tool",
+                if over {
+                    "use a smaller `depth` or `stepover`, an operation before it that leaves less stock, a stiffer tool, or, \
+                     where the maker of the tool allows it, `max-depth` of the tool"
+                } else {
+                    "compare the stated `max-depth` with the data of the maker of the tool: it alone permits this cut"
+                },
             ),
     );
 }
