@@ -1,5 +1,6 @@
 //! The pipeline on one page: from a job file to verified NC, stage by stage. Only the driver reads files.
 
+mod certificate_figures;
 mod certificate_text;
 mod file_stamps;
 mod head;

@@ -4,7 +4,7 @@ use super::{
     Options, Outcome, RunOptions, Stages, before_work, find_post, front, judged_operations, meshes_written,
     or_reported, reading, report, rest_stock, save, shown_path,
 };
-use super::{certificate_text, head};
+use super::{certificate_figures, certificate_text, head};
 use crate::analysis;
 use crate::diag::codes::post as codes;
 use crate::diag::{Aborted, Diag, Sink, printable};
@@ -16,7 +16,6 @@ use crate::post::motion_of::{NcMotion, READ_PASS};
 use crate::post::{self, Post};
 use crate::source::{SourceFile, SourceId, SourceMap, Span};
 use crate::verify::{self, Certificate};
-use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -215,9 +214,8 @@ fn measure(
     *operations = judged_operations(program, &certificate);
     let mut compared = head::compare((program, &certificate, post), inputs, sources, source, sink);
     if let Some((path, file)) = stated {
-        compare_figures(path, file, &certificate, sink);
+        compared.push_str(compare_figures(path, file, &certificate, sink));
         compare_conditions(path, file, (post, program), sink);
-        compared.push_str(COMPARED);
     }
     let nc = sources.get(source).map_or("", |f| f.text.as_str());
     let shown = report::Shown {
@@ -389,10 +387,6 @@ const DIGITS: (f64, f64) = (1e-3, 1e-3);
 /// Largest absolute difference as a share of the bound of the contract.
 const OF_BOUND: f64 = 0.1;
 
-/// What of a certificate is compared with the measurement, and what is not.
-const COMPARED: &str = "of the certificate, contracts, surfaces, dialect and conditions were compared; not compared: clearances, \
-                        axes, times and stock beyond the contracts\n";
-
 /// Compares dialect and conditions that a certificate states with those of the text.
 fn compare_conditions(shown: &str, file: &CertificateFile, (post, program): (&dyn Post, &Program), sink: &mut Sink) {
     let help = "compile the job again, and do not rely on an edited certificate";
@@ -415,17 +409,28 @@ fn compare_conditions(shown: &str, file: &CertificateFile, (post, program): (&dy
     sink.push(Diag::error(codes::CERTIFICATE_FIGURES, text).help(help));
 }
 
-/// Compares contracts and figures of surfaces of a certificate with those measured on the text.
-fn compare_figures(shown: &str, file: &CertificateFile, measured: &Certificate, sink: &mut Sink) {
+/// Compares contracts and figures of a certificate with those measured on the text. Returns a text that says what was compared.
+fn compare_figures(shown: &str, file: &CertificateFile, measured: &Certificate, sink: &mut Sink) -> &'static str {
     let says = certificate_file::contracts(&file.measured).unwrap_or_default();
     let measured = serde_json::to_value(measured).unwrap_or_default();
-    compare_surfaces(shown, &file.measured, &measured, sink);
+    let compared = if certificate_figures::same_cells(&file.measured, &measured) {
+        certificate_figures::COMPARED
+    } else {
+        certificate_figures::OTHER_CELLS
+    };
+    if let Some((text, others)) = certificate_figures::difference(&file.measured, &measured) {
+        sink.push(
+            Diag::error(codes::CERTIFICATE_FIGURES, format!("{shown} {text}"))
+                .note(format!("{others} other figures differ too"))
+                .help("compile the job again, and do not rely on an edited certificate"),
+        );
+    }
     let Some(found) = certificate_file::contracts(&measured) else {
         sink.push(
             Diag::error(codes::CERTIFICATE_FIGURES, "a contract measured on the text has no figure to compare")
                 .help("do not rely on this certificate: the text cannot be measured"),
         );
-        return;
+        return compared;
     };
     for (kind, bound, value, _) in says.iter().skip(found.len()) {
         sink.push(
@@ -454,30 +459,7 @@ fn compare_figures(shown: &str, file: &CertificateFile, measured: &Certificate, 
             );
         }
     }
-}
-
-/// Compares the figures of surfaces. Those of a certificate that was not edited differ only by rounding.
-fn compare_surfaces(shown: &str, says: &Value, measured: &Value, sink: &mut Sink) {
-    let (says, found) = (certificate_file::figures(says), certificate_file::figures(measured));
-    let same = |(what, value): &(String, f64)| {
-        let said = says.get(what);
-        said.is_some_and(|said| (said - value).abs() <= DIGITS.0 + DIGITS.1 * value.abs())
-    };
-    let mut differ = found.iter().map(|(what, value)| (what.clone(), *value)).filter(|f| !same(f));
-    let more = says.keys().find(|what| !found.contains_key(*what));
-    let text = match (differ.next(), more) {
-        (Some((what, value)), _) => {
-            let said = says.get(&what).map_or("nothing".to_owned(), f64::to_string);
-            format!("{shown} states {said} for {what}; measured on the text: {value} mm")
-        }
-        (None, Some(what)) => format!("{shown} has a figure for {what}, which the job does not have"),
-        (None, None) => return,
-    };
-    sink.push(
-        Diag::error(codes::CERTIFICATE_FIGURES, text)
-            .note(format!("{} other figures of surfaces differ too", differ.count()))
-            .help("compile the job again, and do not rely on an edited certificate"),
-    );
+    compared
 }
 
 /// A certificate with its path and its bytes.

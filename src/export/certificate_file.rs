@@ -12,7 +12,6 @@ use serde::de::{Deserializer, Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Number, Value};
 use sha2::{Digest, Sha256};
-use std::collections::BTreeMap;
 use std::fmt;
 
 /// Name of the format, first in every file.
@@ -341,24 +340,6 @@ pub fn contracts(measured: &Value) -> Option<Vec<Judged>> {
         ))
     };
     measured.get("contracts")?.as_array()?.iter().map(figures).collect()
-}
-
-/// Deepest gouge, largest excess and their bounds of all surfaces of the measured figures, mm, by name. A value that is
-/// no number is left out, and so differs from every measured value.
-pub fn figures(measured: &Value) -> BTreeMap<String, f64> {
-    let mut all = BTreeMap::new();
-    let fields = ["/gouge/depth", "/gouge_bound", "/excess/value", "/excess_bound"];
-    for list in ["/surfaces", "/kept/surfaces"] {
-        for s in measured.pointer(list).and_then(Value::as_array).into_iter().flatten() {
-            let name = s.get("surface").and_then(Value::as_str).unwrap_or_default();
-            let found = fields.iter().filter_map(|f| Some((f, s.pointer(f)?.as_f64()?)));
-            all.extend(found.map(|(field, value)| {
-                let quantity = field.trim_start_matches('/').replace(['/', '_'], " ");
-                (format!("{quantity}, {name}"), value)
-            }));
-        }
-    }
-    all
 }
 
 /// JSON in which no key occurs twice and every number is finite. With two values under one key, some readers take the

@@ -132,6 +132,6 @@ pub use cc::{CcOperation, CcPass, CcPlan, CcPoint, Drive};
 pub use cl::{ClOperation, ClPass, ClPlan, ClPoint};
 pub use motion::{JointMove, Motion, MotionOperation, MoveKind, SplineBlock};
 pub use program::{
-    Allowed, Contract, ContractKind, DataCurve, DataPoint, Operation, OperationId, OperationKind, Program, Tolerances,
-    Tool, ToolId,
+    Allowed, Contract, ContractKind, DataCurve, DataPoint, Operation, OperationId, OperationKind, Program,
+    StatedPoints, Tolerances, Tool, ToolId,
 };

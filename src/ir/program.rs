@@ -8,7 +8,7 @@ use crate::entity_id;
 use crate::geom::Revolution;
 use crate::kin::Machine;
 pub use crate::operation::OperationKind;
-use crate::part::{FaceId, Part, RulingEnd, Stock, SurfaceKind, kept::MilledTurned};
+use crate::part::{BladeId, FaceId, Part, RulingEnd, Stock, SurfaceKind, kept::MilledTurned};
 use crate::post_file::PostFile;
 use crate::source::Span;
 use crate::units::{Mm, Mm3PerMin, MmPerMin, Rad, Rpm};
@@ -55,8 +55,19 @@ pub struct Program {
     pub clearance: Mm,
     /// Points that the guide curves of the faces go through, for the check of the data.
     pub data: Vec<DataCurve>,
+    /// Points that the job states for the surfaces of its vanes, for the certificate.
+    pub stated: Vec<StatedPoints>,
     /// Memory that planning may use, bytes.
     pub memory: f64,
+}
+
+/// The points that the job states for the surfaces of a vane, in the part frame. A vane of angles has none.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StatedPoints {
+    /// The vane or the splitter.
+    pub blade: BladeId,
+    /// Points, mm.
+    pub points: Vec<Point3<f64>>,
 }
 
 /// Least and largest orientation tolerance, degrees.

@@ -19,17 +19,19 @@ use crate::diag::{Aborted, Diag, Sink};
 use crate::entity::{EntityId, PrimaryMap};
 use crate::ir::program::DEFAULT_MEMORY;
 use crate::ir::{
-    Allowed, Contract, DataCurve, DataPoint, Operation, OperationId, OperationKind, Program, Tolerances, Tool, ToolId,
+    Allowed, Contract, DataCurve, DataPoint, Operation, OperationId, OperationKind, Program, StatedPoints, Tolerances,
+    Tool, ToolId,
 };
 use crate::job::model::{
-    self, CurveSpec, CutterKind, Job, LinearSpec, MachineKind, MachineSpec, PartSpec, RotarySpec, ToolSpec,
+    self, BladeForm, BladeSpec, CurveSpec, CutterKind, Job, LinearSpec, MachineKind, MachineSpec, PartSpec, RotarySpec,
+    ToolSpec,
 };
 use crate::kin::chain::ChainFault;
 use crate::kin::{AxisLine, Carried, Carries, Chain, LinearAxis, Machine, RotaryAxis};
 use crate::material::Material;
 use crate::part::{BladeId, Clamping, FaceId, Part, RulingEnd, Stock, SurfaceKind};
 use crate::units::Mm;
-use nalgebra::{Point3, Unit, Vector3};
+use nalgebra::{Point3, Rotation3, Unit, Vector3};
 use std::sync::Arc;
 
 /// Lowers a job. Faults of the geometry go to the sink.
@@ -77,10 +79,29 @@ pub fn lower(job: &Job, sink: &mut Sink) -> Result<Program, Aborted> {
         tolerances: Tolerances { chord: job.chord, chord_rough: job.chord_rough },
         clearance: job.clearance,
         data: data(job),
+        stated: stated(job),
         memory: DEFAULT_MEMORY,
     };
     checks::tips_left(job, &program, sink);
     if sink.has_errors() { Err(Aborted) } else { Ok(program) }
+}
+
+/// Points of the curves and sections of each vane, turned to its place.
+fn stated(job: &Job) -> Vec<StatedPoints> {
+    let of_blade = |(k, blade): (usize, &BladeSpec)| {
+        let lists: Vec<&[[f64; 3]]> = match &blade.form {
+            BladeForm::Faces(faces) => {
+                let curves = faces.iter().flat_map(|face| [&face.root, &face.tip].into_iter().chain(&face.sections));
+                curves.map(|curve| curve.points.as_slice()).collect()
+            }
+            BladeForm::Sections(sections) => sections.loops.iter().map(|section| section.points.as_slice()).collect(),
+            BladeForm::Angles(_) => Vec::new(),
+        };
+        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), blade.angle.get());
+        let points: Vec<_> = lists.into_iter().flatten().map(|p| turn * Point3::from(*p)).collect();
+        (!points.is_empty()).then(|| StatedPoints { blade: BladeId::new(k), points })
+    };
+    job.part.blades.iter().enumerate().filter_map(of_blade).collect()
 }
 
 /// Points of the root and tip curves of the main blade; none for a blade of sections, whose points are fitted.

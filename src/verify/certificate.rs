@@ -13,6 +13,7 @@ use super::place::describe;
 use super::proof::piece::At;
 use super::rest::RestReport;
 use super::splines::SplineReport;
+use super::stated_points::{self, StatedReport};
 use super::stock::StockReport;
 use super::surface::SurfaceReport;
 use crate::contract::clock;
@@ -135,6 +136,9 @@ pub struct Certificate {
     pub name: String,
     /// Machine.
     pub machine_name: String,
+    /// Distance of the points that the job states from the surfaces that are cut, a report for each vane of points.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub form: Vec<StatedReport>,
     /// Spacing of the samples of the design surfaces, mm.
     pub spacing: f64,
     /// Largest difference between proved bounds and found values, mm.
@@ -337,6 +341,7 @@ impl Certificate {
         self.write_surfaces(program, motion, t)?;
         writeln!(t)?;
         self.kept.write(t)?;
+        stated_points::write(&self.form, t)?;
         if let Some(allowance) = &self.allowance {
             allowance.write(t)?;
         }

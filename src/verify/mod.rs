@@ -39,6 +39,7 @@ pub mod place;
 pub mod proof;
 pub mod rest;
 pub mod splines;
+pub mod stated_points;
 pub mod stock;
 pub mod structure;
 pub mod summary;
@@ -166,6 +167,7 @@ pub fn certify_with(
     let mut certificate = Certificate {
         name: program.name.clone(),
         machine_name: program.machine.name.clone(),
+        form: stated_points::check(program),
         spacing: SPACING,
         slack: surface::SLACK,
         surfaces,

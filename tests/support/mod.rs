@@ -275,6 +275,7 @@ pub fn wei_program(sectors: &[u32]) -> Program {
         tolerances: Tolerances { chord: Mm(0.001), chord_rough: Mm(0.05) },
         clearance: Mm(0.5),
         data: wei_data(),
+        stated: Vec::new(),
         memory: DEFAULT_MEMORY,
     }
 }

@@ -591,6 +591,70 @@ fn sealed_again() -> Vec<Kind> {
         ),
         kind!(
             C,
+            "a distance to the clamping",
+            Found,
+            "IMP0829",
+            "another figure is measured",
+            forged(|g| scale(g, "/measured/clamping/distance", 2.0))
+        ),
+        kind!(
+            C,
+            "the height over the blank",
+            Found,
+            "IMP0829",
+            "another figure is measured",
+            forged(|g| scale(g, "/measured/perimeter/clearance", 2.0))
+        ),
+        kind!(
+            C,
+            "a distance of the shank",
+            Found,
+            "IMP0829",
+            "another figure is measured",
+            forged(|g| scale(g, "/measured/operations/0/shank/distance", 2.0))
+        ),
+        kind!(
+            C,
+            "the way of an axis",
+            Found,
+            "IMP0829",
+            "another figure is measured",
+            forged(|g| scale(g, "/measured/machine/axes/1/used/1", 0.9))
+        ),
+        kind!(
+            C,
+            "the speed of an axis",
+            Found,
+            "IMP0829",
+            "another figure is measured",
+            forged(|g| scale(g, "/measured/machine/axes/4/speed_share", 0.5))
+        ),
+        kind!(
+            C,
+            "a machining time",
+            Found,
+            "IMP0829",
+            "another figure is measured",
+            forged(|g| scale(g, "/measured/operations/0/time/0", 0.5))
+        ),
+        kind!(
+            C,
+            "a volume that is removed",
+            Found,
+            "IMP0829",
+            "another figure is measured",
+            forged(|g| scale(g, "/measured/stock/operations/0/removed", 0.9))
+        ),
+        kind!(
+            C,
+            "the depth of a cut",
+            Found,
+            "IMP0829",
+            "another figure is measured",
+            forged(|g| scale(g, "/measured/stock/operations/0/depth/value", 0.5))
+        ),
+        kind!(
+            C,
             "gouge lowered",
             Found,
             "IMP0829",
