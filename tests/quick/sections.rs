@@ -7,6 +7,7 @@ use impellerc::geom::proximity::Patch;
 use impellerc::ir::Program;
 use impellerc::part::chart::{self, Shape};
 use impellerc::part::{BladeId, Surface, SurfaceKind, sample};
+use impellerc::verify::stated_points;
 use nalgebra::Point3;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
@@ -41,6 +42,41 @@ fn surfaces_go_through_the_points() {
     let worst = points().iter().map(off).fold(0.0, f64::max);
     assert!(worst < 0.0034, "{worst}");
     assert!(worst > 1e-5, "the fit is no interpolation");
+    // The certificate has this distance, or a little less at the trailing edge, which lies between the ends of the faces.
+    let found = stated_points::check(&FREE);
+    let [report] = &found[..] else { panic!("{found:?}") };
+    assert_eq!((report.name.as_str(), report.points), ("main", points().len()));
+    assert!(
+        (off(&report.point) - report.distance).abs() < 1e-6 && report.distance <= worst + 1e-9,
+        "{report:?} {worst}"
+    );
+    assert!(report.distance > 1e-5, "{report:?}");
+}
+
+/// A point that the job states off the surfaces shows in the certificate with its distance: off a face, and off the middle of the
+/// edge that is cut off.
+#[test]
+fn a_stated_point_off_the_surfaces_is_found() {
+    let face = FREE.part.face(BladeId::MAIN.faces()[0]);
+    let ends = BladeId::MAIN.faces().map(|id| FREE.part.face(id).surface.point(1.0, 0.5));
+    let middle = nalgebra::center(&ends[0], &ends[1]);
+    let outward = (middle
+        - nalgebra::center(
+            &face.surface.point(0.8, 0.5),
+            &FREE.part.face(BladeId::MAIN.faces()[1]).surface.point(0.8, 0.5),
+        ))
+    .normalize();
+    for (off, tolerance) in [(0.05, 1e-6), (0.5, 1e-3)] {
+        for (point, tolerance) in [
+            (face.surface.point(0.4, 0.5) + face.normal(0.4, 0.5) * off, tolerance),
+            (middle + outward * off, 0.1 * off),
+        ] {
+            let mut program = FREE.clone();
+            program.stated[0].points.push(point);
+            let found = &stated_points::check(&program)[0];
+            assert!((found.distance - off).abs() < tolerance && found.point == point, "{off}: {found:?}");
+        }
+    }
 }
 
 /// Where a face and the leading edge meet they have one point and one normal, from hub to shroud.
