@@ -2,8 +2,9 @@
 
 use super::blade::{ENDS, StepBlade};
 use super::face::StepFace;
-use super::meridian::{self, StepMeridian, flat};
+use super::meridian::{StepMeridian, flat};
 use super::revolved;
+use super::turned_faces;
 use crate::diag::Diag;
 use crate::diag::codes::import as codes;
 use crate::geom::interpolate;
@@ -164,7 +165,7 @@ fn shroud(main: &StepBlade, faces: &[StepFace], place: Span, found: &mut Found) 
                 .help("pick another face")
         });
     }
-    let (shroud, spread) = meridian::of_faces(faces)?;
+    let (shroud, spread) = turned_faces::meridian(faces)?;
     revolved::check(faces, spread, "shroud", place, found)?;
     let [first, last] = [0.0, 1.0].map(|s| shroud.nearest(&flat(&main.sheets[0].jet(s, 1.0).point))[0]);
     Ok(if first < last { shroud } else { shroud.reversed() })

@@ -1,8 +1,5 @@
-//! Meridians of surfaces of revolution, found from the borders of their faces.
+//! Meridians of surfaces of revolution about Z.
 
-use super::face::{StepFace, smooth_chains};
-use crate::diag::Diag;
-use crate::diag::codes::import as codes;
 use nalgebra::{Point3, Vector2};
 
 /// A meridian as a dense line of points (r, z), mm.
@@ -69,7 +66,7 @@ impl StepMeridian {
 
     /// The meridian with the part of another one that goes on beyond one of its ends; `None` where the other one does not meet that
     /// end, or goes on nowhere.
-    fn continued(&self, other: &Self) -> Option<Self> {
+    pub(super) fn continued(&self, other: &Self) -> Option<Self> {
         /// Distance within which meridians of several faces meet, mm.
         const MEET: f64 = 0.01;
         for line in [self.clone(), self.reversed()] {
@@ -110,40 +107,4 @@ impl StepMeridian {
     pub(super) fn between(&self, [from, to]: [f64; 2], steps: usize) -> Vec<[f64; 2]> {
         (0..=steps).map(|k| self.at(from + (to - from) * k as f64 / steps as f64).into()).collect()
     }
-}
-
-/// The meridian of faces of a surface of revolution about Z, and the largest distance of their borders from it, mm: zero for exact
-/// surfaces.
-pub(super) fn of_faces(faces: &[StepFace]) -> Result<(StepMeridian, f64), Diag> {
-    /// Of the points of borders, one in so many is checked.
-    const CHECKED: usize = 16;
-    let flat_line = |points: &[Point3<f64>]| points.iter().map(flat).collect();
-    let mut longest: Vec<StepMeridian> = Vec::new();
-    for face in faces {
-        let chains = face.borders.iter().flat_map(smooth_chains);
-        let lines = chains.filter_map(|chain| StepMeridian::new(flat_line(&chain.points)));
-        longest.extend(lines.max_by(|a, b| a.length().total_cmp(&b.length())));
-    }
-    longest.sort_by(|a, b| b.length().total_cmp(&a.length()));
-    let mut rest = longest.into_iter();
-    let Some(mut line) = rest.next() else { return Err(no_meridian(faces)) };
-    let mut rest: Vec<StepMeridian> = rest.collect();
-    // Faces behind each other, and faces of which one goes beyond the other.
-    while let Some((k, longer)) = rest.iter().enumerate().find_map(|(k, other)| Some((k, line.continued(other)?))) {
-        line = longer;
-        rest.swap_remove(k);
-    }
-    let borders = faces.iter().flat_map(|face| face.borders.iter().flatten());
-    let checked = borders.flat_map(|edge| edge.points.iter().step_by(CHECKED));
-    let spread = checked.map(|p| line.nearest(&flat(p))[1]).fold(0.0, f64::max);
-    Ok((line, spread))
-}
-
-fn no_meridian(faces: &[StepFace]) -> Diag {
-    let mut diag = Diag::error(codes::NOT_READ, "the faces have no meridian")
-        .help("pick faces of the hub that are surfaces of revolution with edges from inlet to outlet");
-    if let Some(face) = faces.first() {
-        diag = diag.label(face.span, format!("#{}", face.number));
-    }
-    diag
 }

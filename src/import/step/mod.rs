@@ -23,6 +23,8 @@ mod sheet;
 mod spline;
 mod surface;
 mod table;
+mod turned_faces;
+mod turned_surface;
 mod units;
 mod wheel;
 

@@ -1,8 +1,8 @@
 //! Faces turned about the axis of rotation: the axis itself, and how near hub and shroud are to surfaces of revolution.
 
 use super::face::StepFace;
-use super::meridian;
 use super::placement::StepGeometry;
+use super::turned_faces::{self, REVOLVED};
 use crate::diag::Diag;
 use crate::diag::codes::import as codes;
 use crate::import::Axis;
@@ -10,9 +10,6 @@ use crate::import::found::Found;
 use crate::source::Span;
 use crate::units::trim;
 use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3, Vector3};
-
-/// Largest distance of a surface of revolution from its meridian, mm.
-const REVOLVED: f64 = 0.02;
 
 /// Largest sine between the normal of a surface of revolution and its meridian plane: 0.6 deg.
 const ACROSS: f64 = 0.01;
@@ -56,14 +53,14 @@ fn spreads<'a, 't>(geometry: &StepGeometry<'a, 't>, hub_in: &HubIn<'_, 'a, 't>) 
     let mut spreads = [(Axis::X, f64::INFINITY), (Axis::Y, f64::INFINITY), (Axis::Z, f64::INFINITY)];
     for (axis, spread) in &mut spreads {
         let hub = hub_in(&geometry.moved(&to_z(*axis)))?;
-        *spread = meridian::of_faces(&hub).map_or(f64::INFINITY, |(_, spread)| spread);
+        *spread = turned_faces::meridian(&hub).map_or(f64::INFINITY, |(_, spread)| spread);
     }
     Ok(spreads)
 }
 
 fn chosen(spreads: [(Axis, f64); 3], stated: Option<Axis>, span: Span, found: &mut Found) -> Result<Axis, Diag> {
     let fits: Vec<Axis> = spreads.iter().filter(|(_, s)| *s <= REVOLVED).map(|(axis, _)| *axis).collect();
-    let told = || spreads.map(|(axis, s)| format!("{} mm about {axis}", trim(s, 3))).join(", ");
+    let told = || told(spreads);
     match (stated, fits.as_slice()) {
         (Some(axis), fits) if fits.contains(&axis) => {
             found.note(None, format!("the axis of rotation is {axis}, by `--axis`"));
@@ -71,7 +68,7 @@ fn chosen(spreads: [(Axis, f64); 3], stated: Option<Axis>, span: Span, found: &m
         }
         (Some(axis), _) => {
             Err(Diag::error(codes::CONTRADICTS, format!("the hub is not turned about {axis}, as `--axis` says"))
-                .label(span, format!("its borders lie off one meridian by {}", told()))
+                .label(span, told())
                 .help("leave out `--axis`, or pick another face as hub"))
         }
         (None, [axis]) => {
@@ -79,12 +76,22 @@ fn chosen(spreads: [(Axis, f64); 3], stated: Option<Axis>, span: Span, found: &m
             Ok(*axis)
         }
         (None, []) => Err(Diag::error(codes::NOT_READ, "the hub is turned about no axis of the file")
-            .label(span, format!("its borders lie off one meridian by {}", told()))
+            .label(span, told())
             .help("pick other faces as hub, or export the wheel with its axis as x, y or z through the origin")),
         (None, _) => Err(Diag::error(codes::NOT_STATED, "the hub can be turned about several axes")
-            .label(span, format!("its borders lie off one meridian by {}", told()))
+            .label(span, told())
             .help("state `--axis`: x, y or z")),
     }
+}
+
+/// How far the borders of the hub lie off one meridian about each axis, in words.
+fn told(spreads: [(Axis, f64); 3]) -> String {
+    let (known, none): (Vec<_>, Vec<_>) = spreads.into_iter().partition(|(_, spread)| spread.is_finite());
+    let far: Vec<String> = known.iter().map(|(axis, spread)| format!("{} mm about {axis}", trim(*spread, 3))).collect();
+    let none: Vec<String> = none.iter().map(|(axis, _)| axis.to_string()).collect();
+    let lie = (!far.is_empty()).then(|| format!("lie off one meridian by {}", far.join(", ")));
+    let lack = (!none.is_empty()).then(|| format!("have no meridian about {}", none.join(", ")));
+    format!("its borders {}", [lie, lack].into_iter().flatten().collect::<Vec<_>>().join(" and "))
 }
 
 /// Refuses faces that are not turned about Z, and says how near they are. `spread` is the distance of their borders from one

@@ -8,6 +8,9 @@ use nalgebra::{Matrix2, Point3, Rotation3, Unit, Vector2, Vector3, Vector4};
 /// Distance of a point from a surface at which it lies on it, mm: the search for its parameters ends there.
 const ON_SURFACE: f64 = 1e-10;
 
+/// Both ends of a parameter of a closed surface are one within this distance, mm.
+const CLOSED: f64 = 1e-3;
+
 /// Steps of the search for the parameters of a point.
 const STEPS: usize = 40;
 
@@ -106,6 +109,66 @@ impl StepSurface {
             Self::Revolution(_, curve) => [angle, curve.domain()],
             Self::Extrusion(curve, _) => [curve.domain(), None],
             Self::Spline(knots, ..) => [Some(knots[0].domain()), Some(knots[1].domain())],
+        }
+    }
+
+    /// Length of a parameter after which the surface comes back to the same points; `None` where it does not.
+    pub(super) fn period(&self, k: usize) -> Option<f64> {
+        let [lo, hi] = self.domains()[k]?;
+        let closed = match self {
+            // The middle between both ends of the other parameter tells it.
+            Self::Spline(knots, ..) => {
+                let other = knots[1 - k].domain();
+                let other = 0.5 * (other[0] + other[1]);
+                let at = |x: f64| self.at(if k == 0 { [x, other] } else { [other, x] }).point;
+                nalgebra::distance(&at(lo), &at(hi)) < CLOSED
+            }
+            Self::Revolution(_, curve) if k == 1 => nalgebra::distance(&curve.at(lo).0, &curve.at(hi).0) < CLOSED,
+            Self::Extrusion(curve, _) => nalgebra::distance(&curve.at(lo).0, &curve.at(hi).0) < CLOSED,
+            _ => true,
+        };
+        closed.then_some(hi - lo)
+    }
+
+    /// The place on the other side of the seam, for a place at the end of a closed spline: a search that comes there goes no further.
+    pub(super) fn beyond_seam(&self, mut place: [f64; 2]) -> Option<[f64; 2]> {
+        let bounded = match self {
+            Self::Spline(..) => [true, true],
+            Self::Revolution(_, StepCurve::Spline(..)) => [false, true],
+            Self::Extrusion(StepCurve::Spline(..), _) => [true, false],
+            _ => [false, false],
+        };
+        let mut at_seam = false;
+        for k in (0..2).filter(|k| bounded[*k]) {
+            let Some(([lo, hi], period)) = self.domains()[k].zip(self.period(k)) else { continue };
+            let x = place[k];
+            at_seam |= x <= lo || x >= hi;
+            place[k] = if x <= lo {
+                (x + period).min(hi)
+            } else if x >= hi {
+                (x - period).max(lo)
+            } else {
+                x
+            };
+        }
+        at_seam.then_some(place)
+    }
+
+    /// Point and first derivatives, with a closed parameter that may lie beyond its ends.
+    pub(super) fn round(&self, place: [f64; 2]) -> SurfaceJet {
+        let back = |k: usize| match (self.period(k), self.domains()[k]) {
+            (Some(period), Some([lo, hi])) if !(lo..=hi).contains(&place[k]) => lo + (place[k] - lo).rem_euclid(period),
+            _ => place[k],
+        };
+        self.at([back(0), back(1)])
+    }
+
+    /// Places of a parameter at which the surface may have a tip: the ends of a curve or spline, and the radius zero of a cone.
+    pub(super) fn tips(&self, k: usize) -> Vec<f64> {
+        match self {
+            Self::Cone(_, radius, slope) if k == 1 && *slope != 0.0 => vec![-radius / slope],
+            Self::Revolution(..) | Self::Spline(..) => self.domains()[k].map_or_else(Vec::new, Vec::from),
+            _ => Vec::new(),
         }
     }
 

@@ -8,11 +8,12 @@ use super::fillet;
 use super::fitted::{self, FittedSections};
 use super::inlet::run_from_inlet;
 use super::looped::{self, LoopedSections};
-use super::meridian::{self, StepMeridian};
+use super::meridian::StepMeridian;
 use super::neighbours::EdgeFaces;
 use super::picks::{ListedFace, MOST_FACES, PickedFaces, missing};
 use super::placement::StepGeometry;
 use super::revolved;
+use super::turned_faces;
 use crate::diag::codes::import as codes;
 use crate::diag::{Diag, printable};
 use crate::import::found::Found;
@@ -57,7 +58,7 @@ impl<'a, 't> StepWheel<'a, 't> {
         self.geometry = frame.moved(&revolved::to_z(axis));
         let geometry = self.geometry;
         let hub_faces = self.all(&geometry, FaceRole::Hub)?;
-        let (hub, spread) = meridian::of_faces(&hub_faces)?;
+        let (hub, spread) = turned_faces::meridian(&hub_faces)?;
         revolved::check(&hub_faces, spread, "hub", self.end, found)?;
         let of_main = |face: BladeFace| self.all(&geometry, FaceRole::OfBlade(0, face));
         let main: Vec<StepFace> =
