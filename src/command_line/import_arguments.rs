@@ -51,7 +51,7 @@ pub(super) struct ImportArguments {
     #[arg(long, value_enum, value_name = "DIRECTION")]
     thickness: Option<ThicknessArgument>,
 
-    /// Edge at which the points of sections begin, where there is no hub
+    /// Edge at which the points of sections begin, where there is no hub; of a STEP file, the edge at the lower end along the axis
     #[arg(long, value_enum, value_name = "EDGE")]
     start: Option<StartArgument>,
 

@@ -166,7 +166,8 @@ pub struct Options {
     pub columns: Option<Vec<String>>,
     /// Direction in which thicknesses are measured.
     pub thickness: Option<ThicknessDirection>,
-    /// Edge at which loops begin, where there is no hub.
+    /// Edge at which loops begin, where there is no hub. Of the faces of a STEP file, the edge at the lower end of the blade along the
+    /// axis of rotation.
     pub start: Option<Start>,
     /// Side of the pressure face; without it that of a blade that takes up work, see [`crate::sections::outline`].
     pub side: Option<Side>,

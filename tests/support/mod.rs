@@ -10,6 +10,7 @@ pub mod jobs;
 pub mod round_trip;
 pub mod sources;
 pub mod squares;
+pub mod step_text;
 
 use impellerc::collide::{Cutter, Section, ToolSolid};
 use impellerc::contract::Scope;

@@ -48,34 +48,49 @@ impl StepBlade {
         angle(&self.sheets[0].jet(1.0, 0.5).point)
     }
 
+    /// Whether its faces meet in a line at an end.
+    pub(super) fn has_nose(&self) -> bool {
+        self.edges.iter().any(StepBladeEdge::is_nose)
+    }
+
     /// A closed loop round the blade at a height, without the first point again: along the suction face from the outlet, round the
     /// inlet, along the pressure face, round the outlet. It runs straight across an edge that is cut off. With it the leading and the
-    /// trailing edge.
-    pub(super) fn loop_at(&self, t: f64, steps: usize) -> (Vec<Point3<f64>>, LoopEdges) {
+    /// trailing edge; an edge at which both faces meet is the point in which they do. `shares` are the places on the pressure and on the
+    /// suction face, from inlet to outlet.
+    pub(super) fn loop_at(&self, t: f64, shares: [&[f64]; 2]) -> (Vec<Point3<f64>>, LoopEdges) {
         let [mut inlet, outlet] = self.edges.each_ref().map(|edge| edge.rounded_across(t));
-        // Along a face from its ends, at which the edges have these points.
-        let face = |face: usize| {
-            let sheet = &self.sheets[face];
-            let near = |edge: &[Point3<f64>]| if face == 0 { edge.first().copied() } else { edge.last().copied() };
-            let places = graded(
-                [(0.0, near(&inlet)), (1.0, near(&outlet))].map(|(end, next)| {
-                    let step = next.map_or(f64::INFINITY, |next| nalgebra::distance(&sheet.jet(end, t).point, &next));
-                    step / sheet.length(t)
-                }),
-                steps,
-            );
-            places.into_iter().map(|s| sheet.jet(s, t).point).collect::<Vec<_>>()
-        };
+        let face = |face: usize| shares[face].iter().map(|s| self.sheets[face].jet(*s, t).point).collect::<Vec<_>>();
         let [pressure, mut points] = [face(0), face(1)];
         inlet.reverse();
         points.reverse();
-        let inlet_from = points.len() - 1;
+        let [at_inlet, at_outlet] = self.edges.each_ref().map(StepBladeEdge::is_nose);
+        if at_inlet {
+            points.pop();
+        }
+        let inlet_from = points.len() - usize::from(!at_inlet);
         points.extend(inlet);
         let inlet_to = points.len();
         points.extend(pressure);
-        let outlet_from = points.len() - 1;
+        if at_outlet {
+            points.pop();
+        }
+        let outlet_from = if at_outlet { 0 } else { points.len() - 1 };
         points.extend(outlet);
         (points, [[inlet_from, inlet_to], [outlet_from, 0]])
+    }
+
+    /// Shares of the length of a face (0 pressure, 1 suction) at a height: the places of the points of a loop, in steps of at most one in
+    /// `most`.
+    pub(super) fn shares(&self, face: usize, t: f64, most: usize) -> Vec<f64> {
+        let sheet = &self.sheets[face];
+        let near = |edge: &[Point3<f64>]| if face == 0 { edge.first().copied() } else { edge.last().copied() };
+        // Along a face from its ends, at which the edges have these points.
+        let ends = [0, 1].map(|end| {
+            let next = near(&self.edges[end].rounded_across(t));
+            let at = sheet.jet(end as f64, t).point;
+            next.map_or(f64::INFINITY, |next| nalgebra::distance(&at, &next)) / sheet.length(t)
+        });
+        graded(ends, most)
     }
 
     /// The meridian of its tips: along the pressure face, and on to the ends of the edges.
@@ -86,7 +101,17 @@ impl StepBlade {
         let [before, behind] = [0, 1].map(|end| {
             let mut reached = *[first, last][end];
             let mut points = Vec::new();
-            for p in self.edges[end].across(1.0).iter().map(flat) {
+            let edge = &self.edges[end];
+            // Where both faces meet, the suction face may go on beyond the line in which they do.
+            let suction = || {
+                let mut row = self.sheets[1].row(1.0, steps);
+                if end == 1 {
+                    row.reverse();
+                }
+                row
+            };
+            let across = if edge.is_nose() { suction() } else { edge.across(1.0) };
+            for p in across.iter().map(flat) {
                 if (p - reached).dot(&outward[end]) <= 0.0 {
                     break;
                 }
@@ -167,8 +192,7 @@ impl BladeReader<'_, '_> {
             );
         }
         self.of_one_blade(&faces, &sheets)?;
-        let [inlet, outlet] = [0, 1].map(|end| self.edge(blade, end, places, &sheets));
-        let edges = [(inlet?, 0), (outlet?, 1)].map(|(edge, end)| StepBladeEdge::new(edge, &sheets, end));
+        let edges = [0, 1].map(|end| self.edge(blade, end, places, &sheets));
         let hub = self.picked.of(FaceRole::Hub);
         let below = sheets
             .iter()
@@ -197,22 +221,20 @@ impl BladeReader<'_, '_> {
             .help("pick the suction face of the same blade"))
     }
 
-    /// Faces of the edge at an end in order from the pressure to the suction face: those that are picked, and those that meet their
-    /// neighbours in one edge. None where such faces do not lead to the suction face.
-    fn edge(
-        &self,
-        blade: usize,
-        end: usize,
-        faces: [usize; 2],
-        sheets: &[StepSheet; 2],
-    ) -> Result<Vec<StepSheet>, Diag> {
+    /// The edge at an end. Its faces lead from the pressure to the suction face: those that are picked, and those that meet their
+    /// neighbours in one edge. It has none where such faces do not lead to the suction face, or where both meet.
+    fn edge(&self, blade: usize, end: usize, faces: [usize; 2], sheets: &[StepSheet; 2]) -> StepBladeEdge {
         let role = FaceRole::OfBlade(blade, [BladeFace::Inlet, BladeFace::Outlet][end]);
         let mut used = faces.to_vec();
         let mut chain: Vec<StepSheet> = Vec::new();
         while chain.len() < MOST_EDGE_FACES {
             let side = chain.last().map_or((&sheets[0], end), |sheet| (sheet, 1));
             if meet(side, (&sheets[1], end)) {
-                return if chain.is_empty() { Err(self.sharp(faces, end)) } else { Ok(chain) };
+                return if chain.is_empty() {
+                    StepBladeEdge::of_nose()
+                } else {
+                    StepBladeEdge::new(chain, sheets, end)
+                };
             }
             let start = side.0.jet(side.1 as f64, 0.0).point;
             let candidates = self.picked.of(role).into_iter().chain(self.meeting.at(side.0.edges(side.1)));
@@ -225,19 +247,6 @@ impl BladeReader<'_, '_> {
             used.push(k);
             chain.push(sheet);
         }
-        Ok(Vec::new())
-    }
-
-    fn sharp(&self, [pressure, suction]: [usize; 2], end: usize) -> Diag {
-        let [pressure, suction] = [pressure, suction].map(|k| &self.faces[k].entity);
-        Diag::error(
-            codes::NOT_READ,
-            format!("the pressure and the suction face meet at the {} without an edge between them", ENDS[end]),
-        )
-        .label(suction.span, format!("#{}", suction.number))
-        .label(pressure.span, format!("#{}", pressure.number))
-        .help(
-            "divide the faces before the export where the edge begins: an edge needs a thickness and faces of its own",
-        )
+        StepBladeEdge::new(Vec::new(), sheets, end)
     }
 }

@@ -14,8 +14,9 @@ const COMPARED: usize = 8;
 pub(super) struct StepBladeEdge {
     /// Its faces in order from the pressure to the suction face, s in this sense; none where the file has none.
     pub(super) sheets: Vec<StepSheet>,
-    /// Round, or cut off between two corners. An edge without faces counts as cut off.
-    pub(super) form: EdgeForm,
+    /// Round, or cut off between two corners. An edge without faces counts as cut off. `None` where the pressure and the suction face
+    /// meet in a line: then the edge is a part of both, and the curvature of closed sections tells it.
+    pub(super) form: Option<EdgeForm>,
 }
 
 /// Whether the side of a sheet is that of another one.
@@ -28,7 +29,17 @@ impl StepBladeEdge {
     /// The edge at an end of a blade (0 inlet, 1 outlet) with these pressure and suction faces.
     pub(super) fn new(sheets: Vec<StepSheet>, faces: &[StepSheet; 2], end: usize) -> Self {
         let cut = sheets.is_empty() || is_cut_off(&sheets, faces, end);
-        Self { sheets, form: if cut { EdgeForm::CutOff } else { EdgeForm::Round } }
+        Self { sheets, form: Some(if cut { EdgeForm::CutOff } else { EdgeForm::Round }) }
+    }
+
+    /// The edge of two faces that meet in a line.
+    pub(super) fn of_nose() -> Self {
+        Self { sheets: Vec::new(), form: None }
+    }
+
+    /// Whether both faces meet in a line.
+    pub(super) fn is_nose(&self) -> bool {
+        self.form.is_none()
     }
 
     /// Points across the edge at a height, from the pressure to the suction face, without those where it meets them.
@@ -44,7 +55,7 @@ impl StepBladeEdge {
 
     /// The same of an edge that is round; none of one that is cut off.
     pub(super) fn rounded_across(&self, t: f64) -> Vec<Point3<f64>> {
-        if self.form == EdgeForm::Round { self.across(t) } else { Vec::new() }
+        if self.form == Some(EdgeForm::Round) { self.across(t) } else { Vec::new() }
     }
 
     /// Largest distance of the edge and of the ends of both faces from a straight line through two places (r, z), mm.

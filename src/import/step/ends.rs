@@ -59,7 +59,7 @@ impl WheelEnds {
         let [root, tip] = gaps.map(|gap| trim(1e3 * gap, 2));
         found.note(place, format!("the faces end within {root} um of the hub and within {tip} um of the shroud"));
         let mut ends = Self { lines, ranges, extend: gaps[0].max(gaps[1]), turned: [false; 2] };
-        ends.turned = [0, 1].map(|end| ends.off_line(main, end) <= STRAIGHT);
+        ends.turned = [0, 1].map(|end| ends.is_turned(main, end));
         for (k, blade) in blades.iter().enumerate() {
             ends.tell(k, blade, found)?;
         }
@@ -72,6 +72,11 @@ impl WheelEnds {
         blade.edges[end].off_line(&blade.sheets, end, line)
     }
 
+    /// Whether the lathe makes an end of a blade. No lathe makes a nose.
+    fn is_turned(&self, blade: &StepBlade, end: usize) -> bool {
+        !blade.edges[end].is_nose() && self.off_line(blade, end) <= STRAIGHT
+    }
+
     /// Says what the ends of a blade are. Refuses an end that is not turned and has no faces.
     fn tell(&self, k: usize, blade: &StepBlade, found: &mut Found) -> Result<(), Diag> {
         let of = if k == 0 { String::new() } else { format!(" of splitter {k}") };
@@ -81,6 +86,9 @@ impl WheelEnds {
             let (off, edge) = (self.off_line(blade, end), &blade.edges[end]);
             let count = edge.sheets.len();
             let told = match edge.form {
+                None => format!(
+                    "both faces meet at the {name}{of} without a face between them: the curvature of closed sections tells the edge"
+                ),
                 _ if off <= STRAIGHT => format!(
                     "the {name} edge{of} is turned: it keeps to a straight line in the meridian plane within {} um",
                     trim(1e3 * off, 2)
@@ -99,7 +107,7 @@ impl WheelEnds {
                         "state `--face {role}{name}=#NUMBER` for each face of the edge; or export sections of the blade as points"
                     )));
                 }
-                EdgeForm::Round => format!("the {name} edge{of} is round: {count} faces lead round it"),
+                Some(EdgeForm::Round) => format!("the {name} edge{of} is round: {count} faces lead round it"),
                 _ => format!("the {name} edge{of} is cut off inside of the wheel, between two corners"),
             };
             found.note(place, told);
@@ -109,7 +117,7 @@ impl WheelEnds {
 
     /// Whether the lathe makes all ends of all blades.
     pub(super) fn all_turned(&self, blades: &[StepBlade]) -> bool {
-        blades.iter().all(|blade| [0, 1].into_iter().all(|end| self.off_line(blade, end) <= STRAIGHT))
+        blades.iter().all(|blade| [0, 1].into_iter().all(|end| self.is_turned(blade, end)))
     }
 
     /// Points (r, z) of hub and shroud from inlet to outlet, mm. They end with turned ends of the main blade. At another end the hub

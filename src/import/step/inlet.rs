@@ -1,10 +1,13 @@
-//! Which end of the hub is the inlet: by an edge that was picked, otherwise the end of the blade nearer to the axis.
+//! Which end of the hub is the inlet: by an edge that was picked, by the caller along the axis, otherwise the end of the blade nearer to
+//! the axis.
 
-use super::face::StepFace;
+use super::face::{APART, StepFace};
 use super::meridian::{StepMeridian, flat};
 use crate::diag::Diag;
 use crate::diag::codes::import as codes;
 use crate::import::found::Found;
+use crate::import::{Axis, Start};
+use crate::source::Span;
 use crate::units::trim;
 use nalgebra::Vector2;
 
@@ -25,52 +28,106 @@ fn mean(hub: &StepMeridian, faces: &[StepFace]) -> f64 {
 }
 
 /// The meridian of the hub from inlet to outlet. `blade` has the pressure and the suction face, `ends` the faces that are picked
-/// at inlet and outlet.
+/// at inlet and outlet; `start` is which edge the caller says to be first along the axis.
 pub(super) fn run_from_inlet(
     hub: StepMeridian,
     blade: &[StepFace],
     ends: [Vec<StepFace>; 2],
+    (start, axis): (Option<Start>, Axis),
     found: &mut Found,
 ) -> Result<StepMeridian, Diag> {
     let middle = mean(&hub, blade);
     let [inlet, outlet] = ends.each_ref().map(|faces| faces.first().map(|face| (mean(&hub, faces), face)));
     let forward = [inlet.map(|(at, face)| (at < middle, face)), outlet.map(|(at, face)| (at > middle, face))];
-    match forward {
+    let stated = BladeEnds::of(&hub, blade).stated(start, axis)?;
+    let forward = match forward {
         [Some((a, inlet)), Some((b, outlet))] if a != b => {
-            Err(Diag::error(codes::CONTRADICTS, "the edges at inlet and outlet are at one end of the blade")
+            return Err(Diag::error(codes::CONTRADICTS, "the edges at inlet and outlet are at one end of the blade")
                 .label(inlet.span, format!("#{} is the inlet edge", inlet.number))
                 .label(outlet.span, format!("#{} is the outlet edge", outlet.number))
-                .help("pick other edges with `--face inlet=` and `--face outlet=`"))
+                .help("pick other edges with `--face inlet=` and `--face outlet=`"));
         }
         [Some((forward, face)), _] | [None, Some((forward, face))] => {
+            if stated.is_some_and(|stated| stated != forward) {
+                let message = "the edge that is picked is at the other end of the blade than `--start` says";
+                return Err(Diag::error(codes::CONTRADICTS, message)
+                    .label(face.span, format!("#{} is picked as edge", face.number))
+                    .help("leave out `--start`, or pick the other edge"));
+            }
             found.note(face.span, format!("#{} `{}` tells the inlet", face.number, face.name));
-            Ok(if forward { hub } else { hub.reversed() })
+            forward
         }
-        [None, None] => by_radius(hub, blade, found),
-    }
+        [None, None] => match stated {
+            Some(forward) => {
+                found.note(
+                    None,
+                    format!("the inlet is at the {} end of the blade along {axis}, by `--start`", {
+                        if start == Some(Start::LeadingEdge) { "lower" } else { "upper" }
+                    }),
+                );
+                forward
+            }
+            None => BladeEnds::of(&hub, blade).by_radius(axis, found)?,
+        },
+    };
+    Ok(if forward { hub } else { hub.reversed() })
 }
 
-fn by_radius(hub: StepMeridian, blade: &[StepFace], found: &mut Found) -> Result<StepMeridian, Diag> {
-    let places: Vec<[f64; 2]> = blade.iter().flat_map(points).map(|p| [hub.nearest(&p)[0], p.x]).collect();
-    let by = |a: &&[f64; 2], b: &&[f64; 2]| a[0].total_cmp(&b[0]);
-    let ends = places.iter().min_by(by).zip(places.iter().max_by(by));
-    let [first, last] = ends.map_or([0.0; 2], |(a, b)| [a[1], b[1]]);
-    let span = blade.first().map(|face| face.span);
-    if first.min(last) >= SMALLER * first.max(last) {
-        return Err(Diag::error(codes::NOT_STATED, "nothing tells at which end of the blade the inlet is")
-            .label(
-                span.unwrap_or_default(),
-                format!("its ends have the radii {} and {} mm", trim(first, 3), trim(last, 3)),
-            )
-            .help("state `--face inlet=#NUMBER`: a face at the inlet, such as the edge of the blade"));
+/// Ends of a blade along the hub.
+struct BladeEnds {
+    /// Radius and height of the blade at the start and at the end of the hub, near the hub, mm.
+    at: [Vector2<f64>; 2],
+    span: Span,
+}
+
+impl BladeEnds {
+    fn of(hub: &StepMeridian, blade: &[StepFace]) -> Self {
+        /// What is nearer to an end than this share of the length of the blade belongs to it: an edge may stand across the hub.
+        const NEAR: f64 = 0.02;
+        let places: Vec<([f64; 2], Vector2<f64>)> =
+            blade.iter().flat_map(points).map(|p| (hub.nearest(&p), p)).collect();
+        let lengths = || places.iter().map(|([at, _], _)| *at);
+        let (first, last) = (lengths().fold(f64::INFINITY, f64::min), lengths().fold(f64::NEG_INFINITY, f64::max));
+        let lowest = |end: f64| {
+            let near = places.iter().filter(|([at, _], _)| (at - end).abs() <= NEAR * (last - first));
+            near.min_by(|a, b| a.0[1].total_cmp(&b.0[1])).map_or_else(Vector2::zeros, |(_, p)| *p)
+        };
+        Self { at: [lowest(first), lowest(last)], span: blade.first().map_or(Span::default(), |face| face.span) }
     }
-    found.note(
-        span,
-        format!(
-            "the end of the blade at the radius {} mm is taken for the inlet, the one at {} mm for the outlet; `--face inlet=` says otherwise",
-            trim(first.min(last), 3),
-            trim(first.max(last), 3)
-        ),
-    );
-    Ok(if first < last { hub } else { hub.reversed() })
+
+    /// Whether the hub runs from the inlet, by the edge that the caller says to be first along the axis.
+    fn stated(&self, start: Option<Start>, axis: Axis) -> Result<Option<bool>, Diag> {
+        let Some(start) = start else { return Ok(None) };
+        let [first, last] = self.at.map(|p| p.y);
+        if (first - last).abs() <= APART {
+            let message =
+                format!("`--start` does not tell the inlet: both ends of the blade are at one height along {axis}");
+            return Err(Diag::error(codes::CONTRADICTS, message)
+                .label(self.span, format!("both ends are at {axis} = {} mm", trim(first, 3)))
+                .help("leave out `--start`; state `--face inlet=#NUMBER` where the radii do not tell the inlet"));
+        }
+        Ok(Some((first < last) == (start == Start::LeadingEdge)))
+    }
+
+    fn by_radius(&self, axis: Axis, found: &mut Found) -> Result<bool, Diag> {
+        let [first, last] = self.at.map(|p| p.x);
+        if first.min(last) >= SMALLER * first.max(last) {
+            let [a, b] = self.at.map(|p| p.y);
+            let [lower, upper] = [a.min(b), a.max(b)].map(|z| trim(z, 3));
+            return Err(Diag::error(codes::NOT_STATED, "nothing tells at which end of the blade the inlet is")
+                .label(self.span, format!("its ends have the radii {} and {} mm", trim(first, 3), trim(last, 3)))
+                .help(format!(
+                    "state `--start leading` where the inlet is at {axis} = {lower} mm, `--start trailing` where it is at {axis} = {upper} mm; or `--face inlet=#NUMBER`, a face at the inlet"
+                )));
+        }
+        found.note(
+            self.span,
+            format!(
+                "the end of the blade at the radius {} mm is taken for the inlet, the one at {} mm for the outlet; `--start` or `--face inlet=` says otherwise",
+                trim(first.min(last), 3),
+                trim(first.max(last), 3)
+            ),
+        );
+        Ok(first < last)
+    }
 }

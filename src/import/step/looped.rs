@@ -1,11 +1,12 @@
 //! Closed sections of a blade whose edges are surfaces of their own, with the distance of the blade through them from the faces of
 //! the file.
 
-use super::blade::StepBlade;
+use super::blade::{ENDS, StepBlade};
 use super::fitted::from_surface;
+use super::nose;
 use super::sheet::StepSheet;
 use crate::geom::LoftedSurface;
-use crate::sections::loft::{LoftedBlade, loft};
+use crate::sections::loft::{LoftFault, LoftedBlade, loft};
 use crate::sections::outline::{DividedSection, Inlet, Known, outline};
 use crate::sections::{EdgeForm, LoopEdges, Outline, Section, SectionForm};
 use nalgebra::Point3;
@@ -26,6 +27,8 @@ pub(super) struct LoopedSections {
     pub(super) loops: Vec<(Vec<Point3<f64>>, LoopEdges)>,
     /// Largest distance of points of the faces of the file from the blade through the sections, mm.
     pub(super) distance: f64,
+    /// Forms of the leading and of the trailing edge.
+    pub(super) forms: [EdgeForm; 2],
 }
 
 /// Sections of a blade: as many as its surfaces need. `hub` has points (r, z) from inlet to outlet. The error says why there are
@@ -33,14 +36,20 @@ pub(super) struct LoopedSections {
 pub(super) fn sections(blade: &StepBlade, hub: &[[f64; 2]]) -> Result<LoopedSections, String> {
     let mut best: Option<LoopedSections> = None;
     for [rows, steps] in TRIED {
-        let loops: Vec<(Vec<Point3<f64>>, LoopEdges)> =
-            (0..=rows).map(|j| blade.loop_at(j as f64 / rows as f64, steps)).collect();
-        let outlines: Result<Vec<Outline>, String> =
+        let loops = loops(blade, hub, rows, steps)?;
+        let divided: Result<Vec<_>, String> =
             loops.iter().enumerate().map(|(k, section)| divided(blade, hub, k, section)).collect();
-        let made = loft(&outlines?, FIT).map_err(|_| "no surface goes through its sections".to_owned())?;
+        let (outlines, forms): (Vec<Outline>, Vec<[EdgeForm; 2]>) = divided?.into_iter().unzip();
+        let made = loft(&outlines, FIT).map_err(|fault| match fault {
+            LoftFault::EdgesDiffer { edge, .. } => {
+                format!("the {} edge is round in one section and cut off in another", ENDS[edge])
+            }
+            LoftFault::Points { .. } | LoftFault::Surface(_) => "no surface goes through its sections".to_owned(),
+        })?;
+        let forms = forms.first().copied().unwrap_or([EdgeForm::CutOff; 2]);
         let distance = off(blade, &made);
         if best.as_ref().is_none_or(|best| distance < best.distance) {
-            best = Some(LoopedSections { loops, distance });
+            best = Some(LoopedSections { loops, distance, forms });
         }
         if distance <= NEAR {
             break;
@@ -49,32 +58,60 @@ pub(super) fn sections(blade: &StepBlade, hub: &[[f64; 2]]) -> Result<LoopedSect
     best.ok_or_else(|| "it has no sections".to_owned())
 }
 
-/// Faces and edges of a section as a job divides it.
+/// Points of the sections with their edges.
+fn loops(
+    blade: &StepBlade,
+    hub: &[[f64; 2]],
+    rows: usize,
+    steps: usize,
+) -> Result<Vec<(Vec<Point3<f64>>, LoopEdges)>, String> {
+    // Where both faces meet, all sections have the same places.
+    let common = blade.has_nose().then(|| [0, 1].map(|face| nose::shares(blade, face, steps)));
+    let at = |k: usize| {
+        let t = k as f64 / rows as f64;
+        let Some([pressure, suction]) = &common else {
+            let [pressure, suction] = [0, 1].map(|face| blade.shares(face, t, steps));
+            return Ok(blade.loop_at(t, [&pressure, &suction]));
+        };
+        let (points, known) = blade.loop_at(t, [pressure, suction]);
+        let edges = nose::edges(blade, hub, &points, known).map_err(|why| of_section(k, &why))?;
+        Ok((points, edges))
+    };
+    (0..=rows).map(at).collect()
+}
+
+fn of_section(section: usize, why: &str) -> String {
+    format!("section {} from the root: {why}", section + 1)
+}
+
+/// Faces and edges of a section as a job divides it, and the forms of the edges.
 fn divided(
     blade: &StepBlade,
     hub: &[[f64; 2]],
     section: usize,
     (points, edges): &(Vec<Point3<f64>>, LoopEdges),
-) -> Result<Outline, String> {
+) -> Result<(Outline, [EdgeForm; 2]), String> {
     let known = Known { inlet: Inlet::Meridian(hub), pressure: blade.pressure_side() };
     let given = Section { span: None, form: SectionForm::DividedLoop { points: points.clone(), edges: *edges } };
-    let fault = |why: &str| format!("section {} from the root: {why}", section + 1);
+    let fault = |why: &str| of_section(section, why);
     let DividedSection { mut outline, edges, .. } =
         outline(&given, &known).map_err(|found| fault(&found.to_string()))?;
-    for ((points, found), edge) in outline.edges.iter_mut().zip(edges).zip(&blade.edges) {
+    for ((points, found), edge) in outline.edges.iter_mut().zip(&edges).zip(&blade.edges) {
         match (found.form, edge.form) {
-            (EdgeForm::Sharp, _) => return Err(fault("both faces meet in one point")),
-            (EdgeForm::Round, EdgeForm::CutOff) => return Err(fault("an edge that is cut off has no two corners")),
-            (EdgeForm::CutOff, EdgeForm::Round) if points.len() < 3 => {
+            (EdgeForm::Sharp, _) => return Err(fault(nose::SHARP)),
+            (EdgeForm::Round, Some(EdgeForm::CutOff)) => {
+                return Err(fault("an edge that is cut off has no two corners"));
+            }
+            (EdgeForm::CutOff, Some(EdgeForm::Round)) if points.len() < 3 => {
                 return Err(fault("an edge that is round is found as cut off"));
             }
-            (EdgeForm::CutOff, EdgeForm::CutOff) => {
+            (EdgeForm::CutOff, Some(EdgeForm::CutOff) | None) => {
                 *points = points.first().into_iter().chain(points.last()).copied().collect();
             }
             _ => {}
         }
     }
-    Ok(outline)
+    Ok((outline, edges.map(|edge| edge.form)))
 }
 
 /// Largest distance of places of the faces of the file from a blade, mm. Edges that are cut off are not compared.
@@ -84,15 +121,21 @@ fn off(blade: &StepBlade, made: &LoftedBlade) -> f64 {
     const ACROSS: usize = 11;
     const UP: usize = 35;
     let all: Vec<&LoftedSurface> = made.faces.iter().chain(made.edges.iter().flatten()).collect();
+    let heights: Vec<f64> = (0..=UP).map(|j| j as f64 / UP as f64).collect();
+    let starts: Vec<Vec<SearchStarts>> =
+        heights.iter().map(|t| all.iter().map(|surface| SearchStarts::new(surface, *t)).collect()).collect();
     let mut most = 0.0_f64;
     let mut compare = |sheet: &StepSheet, own: Option<&LoftedSurface>, along: usize| {
         for i in 0..=along {
-            for j in 0..=UP {
-                let [s, t] = [i as f64 / along as f64, j as f64 / UP as f64];
-                let p = sheet.jet(s, t).point;
-                let near = own.map_or(f64::INFINITY, |own| from_surface(&p, own, [s, t]));
+            for (t, starts) in heights.iter().zip(&starts) {
+                let s = i as f64 / along as f64;
+                let p = sheet.jet(s, *t).point;
+                let near = own.map_or(f64::INFINITY, |own| from_surface(&p, own, [s, *t]));
                 // Faces and edges of a section need not end where those of the file do.
-                let nearest = || all.iter().map(|surface| anywhere(&p, surface, t)).fold(near, f64::min);
+                let nearest = || {
+                    let beside = starts.iter().map(|starts| starts.distance(&p));
+                    beside.chain(across_cuts(blade, made, &p, *t)).fold(near, f64::min)
+                };
                 most = most.max(if near <= most { near } else { nearest() });
             }
         }
@@ -100,18 +143,43 @@ fn off(blade: &StepBlade, made: &LoftedBlade) -> f64 {
     for (sheet, face) in blade.sheets.iter().zip(&made.faces) {
         compare(sheet, Some(face), ALONG);
     }
-    for edge in blade.edges.iter().filter(|edge| edge.form == EdgeForm::Round) {
+    for edge in blade.edges.iter().filter(|edge| edge.form == Some(EdgeForm::Round)) {
         edge.sheets.iter().for_each(|sheet| compare(sheet, None, ACROSS));
     }
     most
 }
 
-/// Distance of a point at a height from a surface, mm.
-fn anywhere(p: &Point3<f64>, surface: &LoftedSurface, t: f64) -> f64 {
-    /// Places along u at which the search may begin.
-    const SEEDS: usize = 24;
-    let seeds = (0..=SEEDS).map(|k| k as f64 / SEEDS as f64);
-    let far = |u: f64| nalgebra::distance_squared(p, &surface.derivatives(u, t).point);
-    let seed = seeds.min_by(|a, b| far(*a).total_cmp(&far(*b))).unwrap_or(0.5);
-    from_surface(p, surface, [seed, t])
+/// Distances of a point at a height from the straight lines across edges that are cut off, mm, where both faces of the file meet there:
+/// the line is a part of them.
+fn across_cuts(blade: &StepBlade, made: &LoftedBlade, p: &Point3<f64>, t: f64) -> impl Iterator<Item = f64> {
+    let cut = (0..2).filter(|end| blade.edges[*end].is_nose() && made.edges[*end].is_none());
+    cut.map(move |end| {
+        let [from, to] = made.faces.each_ref().map(|face| face.derivatives(end as f64, t).point);
+        let way = to - from;
+        let share = ((p - from).dot(&way) / way.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        nalgebra::distance(p, &(from + way * share))
+    })
+}
+
+/// Places of a surface at a height at which a search for the nearest place may begin.
+struct SearchStarts<'a> {
+    surface: &'a LoftedSurface,
+    t: f64,
+    places: Vec<(f64, Point3<f64>)>,
+}
+
+impl<'a> SearchStarts<'a> {
+    fn new(surface: &'a LoftedSurface, t: f64) -> Self {
+        /// Places along u.
+        const SEEDS: usize = 24;
+        let seeds = (0..=SEEDS).map(|k| k as f64 / SEEDS as f64);
+        Self { surface, t, places: seeds.map(|u| (u, surface.derivatives(u, t).point)).collect() }
+    }
+
+    /// Distance of a point from the surface, mm.
+    fn distance(&self, p: &Point3<f64>) -> f64 {
+        let far = |place: &Point3<f64>| nalgebra::distance_squared(p, place);
+        let seed = self.places.iter().min_by(|a, b| far(&a.1).total_cmp(&far(&b.1))).map_or(0.5, |(u, _)| *u);
+        from_surface(p, self.surface, [seed, self.t])
+    }
 }

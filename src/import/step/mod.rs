@@ -15,6 +15,7 @@ mod lexer;
 mod looped;
 mod meridian;
 mod neighbours;
+mod nose;
 mod picks;
 mod placement;
 mod read_geometry;

@@ -68,7 +68,12 @@ impl StepSheet {
         for side in &sides {
             let mut places = Vec::with_capacity(side.points.len());
             for p in &side.points {
-                let (place, far) = face.surface.nearest(p, near);
+                let (mut place, mut far) = face.surface.nearest(p, near);
+                // From a place at which a parameter has no speed no search comes away. Round a closed surface it may jump.
+                let closed = (0..2).any(|k| face.surface.period(k).is_some());
+                if far > APART && near.is_some() && !closed {
+                    (place, far) = face.surface.nearest(p, None);
+                }
                 near = Some(place);
                 apart = apart.max(far);
                 places.push(Vector2::from(place));

@@ -64,7 +64,7 @@ impl<'a, 't> StepWheel<'a, 't> {
         let main: Vec<StepFace> =
             [of_main(BladeFace::Pressure)?, of_main(BladeFace::Suction)?].into_iter().flatten().collect();
         let ends = [of_main(BladeFace::Inlet)?, of_main(BladeFace::Outlet)?];
-        let hub = run_from_inlet(hub, &main, ends, found)?;
+        let hub = run_from_inlet(hub, &main, ends, (self.options.start, axis), found)?;
         let count = self.count(found)?;
         let blades = self.blades(&hub, count, found)?;
         let fillets = self.fillets(&hub, &blades, found)?;
@@ -257,7 +257,7 @@ fn of_loops(
     let mut read = Vec::with_capacity(blades.len());
     for (k, blade) in blades.iter().enumerate() {
         let span = blade.faces[0].span;
-        let LoopedSections { loops, distance } = looped::sections(blade, hub).map_err(|why| {
+        let LoopedSections { loops, distance, forms } = looped::sections(blade, hub).map_err(|why| {
             Diag::error(codes::NOT_READ, "the faces of a blade give no closed sections")
                 .label(span, why)
                 .help("export sections of the blade as points, such as a table of closed loops")
@@ -265,7 +265,7 @@ fn of_loops(
         told(distance, span, found);
         let divided = |(points, edges)| SectionForm::DividedLoop { points, edges };
         let sections = loops.into_iter().map(divided).collect();
-        let edges = blade.edges.each_ref().map(|edge| Some(edge.form));
+        let edges = forms.map(Some);
         read.push(ImportedBlade { edges, pressure: Some(blade.pressure_side()), ..imported(k, blade, sections) });
     }
     Ok((read, BladeSurfaces::Loops { extend, fit: looped::FIT }))

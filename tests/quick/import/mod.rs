@@ -13,6 +13,8 @@ mod sections;
 mod step;
 mod step_assembly;
 mod step_faces;
+mod step_hub;
+mod step_nose;
 mod step_wheel;
 mod table;
 mod turbogrid;
