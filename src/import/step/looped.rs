@@ -20,11 +20,14 @@ const TRIED: [[usize; 2]; 6] = [[8, 96], [12, 96], [16, 96], [24, 96], [24, 192]
 /// Largest distance of points from the curve of their section, mm: `fit` of the job.
 pub(super) const FIT: f64 = 5e-4;
 
+/// Points of a section round the blade, the first one not repeated, with its edges.
+type EdgedLoop = (Vec<Point3<f64>>, LoopEdges);
+
 /// Closed sections of a blade.
 #[derive(Clone, Debug)]
 pub(super) struct LoopedSections {
     /// Points of each section from the root to the tip, with its edges; the first one is not repeated.
-    pub(super) loops: Vec<(Vec<Point3<f64>>, LoopEdges)>,
+    pub(super) loops: Vec<EdgedLoop>,
     /// Largest distance of points of the faces of the file from the blade through the sections, mm.
     pub(super) distance: f64,
     /// Forms of the leading and of the trailing edge.
@@ -59,12 +62,7 @@ pub(super) fn sections(blade: &StepBlade, hub: &[[f64; 2]]) -> Result<LoopedSect
 }
 
 /// Points of the sections with their edges.
-fn loops(
-    blade: &StepBlade,
-    hub: &[[f64; 2]],
-    rows: usize,
-    steps: usize,
-) -> Result<Vec<(Vec<Point3<f64>>, LoopEdges)>, String> {
+fn loops(blade: &StepBlade, hub: &[[f64; 2]], rows: usize, steps: usize) -> Result<Vec<EdgedLoop>, String> {
     // Where both faces meet, all sections have the same places.
     let common = blade.has_nose().then(|| [0, 1].map(|face| nose::shares(blade, face, steps)));
     let at = |k: usize| {
@@ -89,7 +87,7 @@ fn divided(
     blade: &StepBlade,
     hub: &[[f64; 2]],
     section: usize,
-    (points, edges): &(Vec<Point3<f64>>, LoopEdges),
+    (points, edges): &EdgedLoop,
 ) -> Result<(Outline, [EdgeForm; 2]), String> {
     let known = Known { inlet: Inlet::Meridian(hub), pressure: blade.pressure_side() };
     let given = Section { span: None, form: SectionForm::DividedLoop { points: points.clone(), edges: *edges } };
