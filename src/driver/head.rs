@@ -94,13 +94,19 @@ pub(super) fn compare(
     sink: &mut Sink,
 ) -> String {
     let Some(text) = sources.get(source).map(|file| file.text.as_str()) else { return String::new() };
-    let stated = certificate_file::head_lines(text);
-    let Some(first) = stated.iter().position(|(_, line)| line.starts_with(MAKER)) else {
+    let all = certificate_file::head_lines(text);
+    let behind: Vec<(usize, &str)> =
+        certificate_file::comments_behind_head(text).filter(|(_, line)| sets_machine(line)).collect();
+    // Without its first line it is still what the machinist reads.
+    let begins = all.iter().position(|(_, line)| line.starts_with(MAKER) || sets_machine(line));
+    let Some(first) = begins.or((!behind.is_empty()).then_some(all.len())) else {
         return "the text has no head of impellerc: tool lengths, zero, conditions and figures are stated nowhere and not \
                 compared\n"
             .to_owned();
     };
-    let stated = &stated[first..];
+    // What stands elsewhere in the form of the head is read as the head is.
+    let (before, stated) = all.split_at(first);
+    let elsewhere = [before, &behind].concat();
     let library = certificate_text::library_lines(sources);
     let due: Vec<String> = lines(program, certificate, post, (inputs, &library))
         .iter()
@@ -109,7 +115,8 @@ pub(super) fn compare(
     let body = certificate_file::sha256(certificate_file::body(text).1.as_bytes());
     let [of_inputs, of_body, _] = HEAD;
     let same = |word: &str, hash: &str| certificate_file::named(text, word) == Some(hash);
-    let comparison = Comparison { stated, due: &due, current: same(of_inputs, &inputs.sha256) && same(of_body, &body) };
+    let current = same(of_inputs, &inputs.sha256) && same(of_body, &body);
+    let comparison = Comparison { stated, elsewhere: &elsewhere, due: &due, current };
     let differences = comparison.differences();
     let more = differences.len().saturating_sub(MOST_REPORTED);
     for difference in differences.into_iter().take(MOST_REPORTED) {
@@ -145,6 +152,8 @@ struct HeadDifference {
 struct Comparison<'a> {
     /// Lines of the head with their numbers, from the first one of this compiler on.
     stated: &'a [(usize, &'a str)],
+    /// Comments before and behind the head.
+    elsewhere: &'a [(usize, &'a str)],
     /// Lines that the compiler would write now.
     due: &'a [String],
     /// Neither text nor inputs were changed after the head was written.
@@ -173,20 +182,42 @@ impl Comparison<'_> {
             };
             found.push(HeadDifference { line, severity: self.severity(due), text });
         }
+        if self.stated.is_empty() {
+            found.clear();
+        }
         // Other comments come from the post file.
-        let own = |line: &str| OWN.iter().any(|start| line.starts_with(start)) || line.contains(REQUIRED);
-        for (number, stated) in open.into_iter().filter(|(_, line)| own(line)) {
+        let own = |line: &str| {
+            let line = in_one_spelling(line);
+            OWN.iter().any(|start| line.starts_with(&start.to_lowercase())) || line.contains(REQUIRED)
+        };
+        let wrong = |line: &str| sets_machine(line) && !self.due.iter().any(|due| agree(line, due));
+        let elsewhere = self.elsewhere.iter().copied().filter(|(_, line)| wrong(line));
+        for (number, stated) in open.into_iter().filter(|(_, line)| own(line)).chain(elsewhere) {
             let text = format!("the head states `{}`, which neither job nor measurement gives", printable(stated));
             found.push(HeadDifference { line: number, severity: self.severity(stated), text });
         }
-        found.sort_by_key(|difference| difference.line);
+        // Errors first: no number of warnings may hide one.
+        found.sort_by_key(|difference| (difference.severity != Severity::Error, difference.line));
         found
     }
 
     fn severity(&self, line: &str) -> Severity {
-        let sets = SET_BY.iter().any(|start| line.starts_with(start));
+        let sets = SET_BY.iter().any(|start| in_one_spelling(line).starts_with(start));
         if sets || self.current { Severity::Error } else { Severity::Warning }
     }
+}
+
+/// A line in small letters with single blanks, as a machinist reads it.
+fn in_one_spelling(line: &str) -> String {
+    line.split_whitespace().map(str::to_lowercase).collect::<Vec<_>>().join(" ")
+}
+
+/// Whether a comment states a tool or the zero as a head of this compiler does, wherever it stands.
+fn sets_machine(line: &str) -> bool {
+    let line = in_one_spelling(line);
+    let [tool, part] = SET_BY;
+    (line.starts_with(tool) && line.contains(" number ") && line.ends_with("from the tip to the gauge line"))
+        || (line.starts_with(part) && line.contains(" machine ") && line.contains(" zero "))
 }
 
 /// Whether a line holds hashes, or names a file: the hashes are compared as a whole.
@@ -255,7 +286,7 @@ mod tests {
     fn differences(stated: &[&str], due: &[&str], current: bool) -> Vec<(usize, bool)> {
         let stated: Vec<(usize, &str)> = (1..).zip(stated.iter().copied()).collect();
         let due: Vec<String> = due.iter().map(|line| (*line).to_owned()).collect();
-        let found = Comparison { stated: &stated, due: &due, current }.differences();
+        let found = Comparison { stated: &stated, elsewhere: &[], due: &due, current }.differences();
         found.into_iter().map(|d| (d.line, d.severity == Severity::Error)).collect()
     }
 
@@ -292,6 +323,27 @@ mod tests {
         assert_eq!(differences(&[due[0], due[1], due[3], due[4]], &due, true), [(4, true)]);
         let more = [due[0], due[1], due[2], "assumed: nothing else", due[3], due[4]];
         assert_eq!(differences(&more, &due, true), [(4, true)]);
+        // Ten figures of another state do not hide what the machine is set by.
+        let figures: Vec<String> = (0..10).map(|k| format!("clearance {k} mm, required >= 0.{k} mm")).collect();
+        let other: Vec<&str> = figures.iter().map(String::as_str).collect();
+        let found = differences(&[&due[..4], &other].concat(), &due, false);
+        assert_eq!((found.len(), found[0].1), (11, true));
+        // In another spelling, which a machinist reads all the same.
+        let more =
+            [&due[..], &["Tool  t1 number 1: ball radius 1 mm, length 95 mm from the tip to the gauge line"]].concat();
+        assert_eq!(differences(&more, &due, false), [(6, true)]);
+        // Before or behind the head.
+        let owned = due.map(str::to_owned);
+        let found = |line| {
+            let (stated, elsewhere) = ((2..).zip(due).collect::<Vec<_>>(), [(1, line)]);
+            let found =
+                Comparison { stated: &stated, elsewhere: &elsewhere, due: &owned, current: false }.differences();
+            found.into_iter().map(|d| (d.line, d.severity == Severity::Error)).collect::<Vec<_>>()
+        };
+        let line = "tool t1 number 1: ball radius 1 mm, length 95 mm from the tip to the gauge line";
+        assert_eq!(found(line), [(1, true)]);
+        assert_eq!(found(due[4]), []);
+        assert_eq!(found("tool t1 number 1 is short"), []);
         // Hashes are compared as a whole.
         assert_eq!(differences(&[due.as_slice(), &["inputs sha256 12"]].concat(), &due, true), []);
     }

@@ -199,6 +199,15 @@ pub fn head_lines(text: &str) -> Vec<(usize, &str)> {
     (1..starts).zip(text.lines()).filter_map(|(number, line)| Some((number, comment_of(line)?))).collect()
 }
 
+/// The comment lines behind the head of a text, with their numbers.
+pub fn comments_behind_head(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let (starts, _) = body(text);
+    (1..)
+        .zip(text.lines())
+        .skip(starts.saturating_sub(1))
+        .filter_map(|(number, line)| Some((number, comment_of(line)?)))
+}
+
 /// The text of a comment line.
 fn comment_of(line: &str) -> Option<&str> {
     let line = unnumbered(line.trim());
