@@ -157,6 +157,59 @@ fn only_ways_down_with_material_under_the_middle_are_ramps() {
     assert!((found.ramp.expect("a ramp").value - short).abs() < 1e-6, "{:?} {short}", found.ramp);
 }
 
+/// A flat tool goes down in the middle of the block, from its top, in parts: a way down with the first part of each, and level
+/// with the second.
+fn stairs(program: &Program, [down, level]: [[f64; 2]; 2], count: usize, peck: f64) -> Motion {
+    let to = |kind, [x, z]: [f64; 2]| JointMove {
+        kind,
+        joints: program.machine.joints(&Point3::new(x, 0.0, z), [0.0; 2]),
+        feed: Some(1.0),
+        time: 1.0,
+        pass: 0,
+        stop: false,
+    };
+    let mut at = [-1.0, 0.001];
+    let mut moves = vec![to(MoveKind::Rapid, [at[0], 9.0]), to(MoveKind::Link, at)];
+    for _ in 0..count {
+        for way in [down, level] {
+            at = [at[0] + way[0], at[1] - way[1]];
+            moves.push(to(MoveKind::Cut, at));
+        }
+        if peck > 0.0 {
+            moves.extend([peck, 0.0].map(|up| to(MoveKind::Rapid, [at[0], at[1] + up])));
+        }
+    }
+    moves.push(to(MoveKind::Rapid, [at[0], 9.0]));
+    of_one_operation(program, moves)
+}
+
+/// A stroke, or a steep way down, is one however its blocks divide it: here by 0.04 mm, less than a layer that counts alone.
+#[test]
+fn short_blocks_down_are_judged_together() {
+    let load = codes::verification::TOOL_LOAD.id();
+    let program = ramping(20.0);
+    let said = |down, level, count, peck| {
+        let (found, codes) = judged(&program, &stairs(&program, [down, level], count, peck), 0.1);
+        println!("{down:?} {level:?} {peck}: {:?} {:?}", found.middle.map(|m| m.value), found.ramp.map(|r| r.value));
+        (found, codes.contains(&load))
+    };
+    // Strokes in one, in parts, in parts with level blocks or ways up and down between them.
+    for (down, level, count, peck) in
+        [(1.0, 0.0, 1, 0.0), (0.04, 0.0, 25, 0.0), (0.04, 0.02, 25, 0.0), (0.04, 0.0, 25, 0.5), (0.02, 0.0, 50, 0.0)]
+    {
+        let (found, refused) = said([0.0, down], [level, 0.0], count, peck);
+        assert!(refused && found.middle.is_some_and(|m| m.value > 0.5), "{down} {level} {peck}");
+    }
+    // A way down at 60 deg between level blocks that are too short to matter.
+    let (found, refused) = said([0.02, 0.02 * 3f64.sqrt()], [0.004, 0.0], 60, 0.0);
+    let angle = (0.02 * 3f64.sqrt() / 0.024).atan().to_degrees();
+    let ramp = found.ramp.expect("a ramp").value;
+    assert!(refused && (ramp - angle).abs() < 2.0, "{ramp} {angle}");
+    // Gentle stairs, and one layer that a ridge can be.
+    assert!(!said([0.0, 0.01], [0.05, 0.0], 40, 0.0).1);
+    assert!(!said([0.0, 0.02], [0.0, 0.02], 2, 0.0).1);
+}
+
 /// Angles at which the tool goes down in the first cut of each pass of the second operation, degrees.
 fn entries(program: &Program, motion: &Motion) -> Vec<f64> {
     let moves = &motion.operations[1].moves;

@@ -4,6 +4,7 @@
 //! Findings are errors where the tool breaks, otherwise remarks. The limits come from the tool and the job.
 
 use super::cells::{cell_of, default_cell};
+use super::strokes::INTO_MIDDLE;
 use super::{DEEPEST_SLOT, FULL_ARC, OperationStock, Peak};
 use crate::diag::{Diag, Sink, codes::verification};
 use crate::ir::{Allowed, ContractKind, Motion, MotionOperation, MoveKind, Operation, OperationId, Program, Tool};
@@ -16,9 +17,6 @@ use std::collections::BTreeSet;
 
 /// Depth of a slot from which finishing in full material gives a remark, as a share of the diameter of the cutter.
 const FULL_DEPTH: f64 = 0.25;
-
-/// Depth of material in the middle of the end that counts as rubbing on the floor of the stroke before, mm.
-const INTO_MIDDLE: f64 = 0.05;
 
 /// Excess over the largest chip or the largest angle of a ramp that rounding may add, as a share.
 const ROUNDING: f64 = 1e-3;

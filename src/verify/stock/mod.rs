@@ -7,6 +7,7 @@ mod load;
 mod ramp;
 mod removal;
 mod report;
+mod strokes;
 
 pub use arcs::{ArcBound, ArcTimes};
 pub use cells::{default_cell, memory, usual_cell};
@@ -506,8 +507,6 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
         None => arcs.get(c.block as usize).map_or(0.0, |a| a.full_depth / diameter),
         Some(_) => 0.0,
     };
-    let toothless = program.tools[declared.tool].toothless_radius().unwrap_or(0.0);
-    let into_middle = |c: &BlockCut| c.lune.as_ref().map_or(0.0, |lune| (toothless - lune.inner()).max(0.0));
     let link = removal::fastest_link(places, &outcome.cuts, window);
     let at_feed = |p: &StepPlace| p.kind != MoveKind::Rapid;
     OperationStock {
@@ -530,7 +529,8 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
         slot_depth: milled.slot_depth(&arcs),
         ramp: ramp::steepest(&program.tools[declared.tool], places, &outcome.cuts)
             .and_then(|(value, step)| milled.peak_at(value, step)),
-        middle: milled.peak(&into_middle).filter(|p| p.value > 0.0),
+        middle: strokes::deepest(&program.tools[declared.tool], places, &outcome.cuts)
+            .and_then(|(value, step)| milled.peak_at(value, step)),
         slot: milled.peak(&slot).filter(|p| p.value > 0.0 && declared.kind.finishes()),
         rate: removal.rate.and_then(|(value, step)| milled.peak_at(value, u32::try_from(step).unwrap_or(u32::MAX))),
         power: removal::power(program, declared, &removal).and_then(|(value, step)| milled.peak_at(value, step)),
@@ -576,6 +576,13 @@ struct StepPlace {
     down: f64,
     /// Time, s.
     time: f64,
+}
+
+impl StepPlace {
+    /// Part of the tip motion square to the axis, mm.
+    fn across(&self) -> f64 {
+        (self.way * self.way - self.down * self.down).max(0.0).sqrt()
+    }
 }
 
 /// The steps of a move, with turn and tip motion within the limits of the stock simulation.
