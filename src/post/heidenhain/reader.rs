@@ -429,7 +429,9 @@ impl<'a> ProgramReader<'a> {
         let (number, rest) = words.split_first().ok_or("CYCL DEF without a number")?;
         let smoothing = |smoothing| Ok(Some(NcBlock { smoothing: Some(smoothing), ..NcBlock::default() }));
         let is_name = |word: &&&str| word.bytes().all(|b| b.is_ascii_alphabetic());
-        let rest = &rest[rest.iter().take_while(is_name).count()..];
+        // The first block of a cycle has its name, in the language of the control.
+        let named = if matches!(*number, "32.1" | "32.2") { 0 } else { rest.iter().take_while(is_name).count() };
+        let rest = &rest[named..];
         match (*number, before, rest) {
             ("32.0", None, []) => {
                 self.cycle = Some(Cycle::Named);

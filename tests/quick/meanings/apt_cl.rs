@@ -140,6 +140,7 @@ fn change() -> Vec<Kind> {
         (C, Last("LOADTL/2,LENGTH,105.0000\n", ""), Refused, "the operation before goes on"),
         (C, First("SPINDL/RPM,12000,CLW\n", ""), Refused, "the spindle stands since the tool change"),
         (C, First(START, "SPINDL/OFF"), Refused, "standstill"),
+        (C, Last("\nRAPID\n", "\nSPINDL/RPM,1,CLW\nRAPID\n"), Refused, "it nearly stands in the part"),
         (C, First(START, "SPINDL/ON"), Refused, "the speed is left over"),
         (C, First(START, "SPINDL/RPM,12000"), Refused, "no direction"),
         (C, First(START, "SPINDL/12000,CLW"), Refused, "no unit: surface speed or rpm"),

@@ -432,6 +432,7 @@ fn path() -> Vec<Kind> {
         (C, Cut("\nG1 X", "\nG43.4 H2\nG1 X"), Refused, "another length"),
         (C, Cut("\nG1 X", "\nG43.5 H1 P0\nG1 X"), Refused, "vectors are due"),
         (C, Cut("\nG1 X", "\nM5\nG1 X"), Refused, "the spindle stands"),
+        (C, First("\nG49\nG05.1 Q0", "\nS1\nG49\nG05.1 Q0"), Refused, "it nearly stands in the part"),
         (C, Cut("\nG1 X", "\nM4\nG1 X"), Refused, "the wrong way round"),
         (C, Cut("\nG1 X", "\nM3\nG1 X"), Harmless, "as before"),
         (C, Cut("\nG1 X", "\nM9\nG1 X"), Refused, "no coolant"),

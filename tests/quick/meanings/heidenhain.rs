@@ -400,6 +400,18 @@ fn path() -> Vec<Kind> {
         (C, Cut("\nL X", "\nM127\nL X"), Refused, "the long way round"),
         (C, Cut("\nL X", "\nM126\nL X"), Harmless, "said again"),
         (C, Cut("\nL X", "\nM5\nL X"), Refused, "the spindle stands"),
+        (
+            C,
+            First("\nFUNCTION RESET TCPM\nCYCL DEF", "\nFUNCTION RESET TCPM\nTOOL CALL Z S1\nCYCL DEF"),
+            Refused,
+            "it nearly stands in the part",
+        ),
+        (
+            C,
+            First("CYCL DEF 32.1 T", "CYCL DEF 32.1 TOLERANCE T"),
+            Refused,
+            "only the first block of a cycle has a name",
+        ),
         (C, Cut("\nL X", "\nM4\nL X"), Refused, "the wrong way round"),
         (C, Cut("\nL X", "\nM9\nL X"), Refused, "no coolant"),
         (C, Cut("\nL X", "\nM0\nL X"), Refused, "the tool rubs while the program waits"),

@@ -345,6 +345,7 @@ fn path() -> Vec<Kind> {
         (C, Cut("\nG1 X", "\nG64 P0.9 Q0\nG1 X"), Refused, "more than the job allows"),
         (C, Cut("\nG1 X", "\nG61\nG1 X"), Harmless, "exact path"),
         (C, Cut("\nG1 X", "\nM5\nG1 X"), Refused, "the spindle stands"),
+        (C, First("\nM429\nG49\nG53", "\nS1\nM429\nG49\nG53"), Refused, "it nearly stands in the part"),
         (C, Cut("\nG1 X", "\nM4\nG1 X"), Refused, "the wrong way round"),
         (C, Cut("\nG1 X", "\nM9\nG1 X"), Refused, "no coolant"),
         (C, Cut("\nG1 X", "\nM7\nG1 X"), Harmless, "mist"),

@@ -326,6 +326,7 @@ fn path() -> Vec<Kind> {
         (C, Cut("\nG1 X", "\nCYCLE832(0.9,_ORI_ROUGH,0.1000)\nG1 X"), Refused, "more than the job allows"),
         (C, Cut("\nG1 X", "\nCYCLE832(0,_OFF,1)\nG1 X"), Refused, "settings of the machine"),
         (C, Cut("\nG1 X", "\nM5\nG1 X"), Refused, "the spindle stands"),
+        (C, First("\nTRAFOOF\nCYCLE832", "\nS1\nTRAFOOF\nCYCLE832"), Refused, "it nearly stands in the part"),
         (C, Cut("\nG1 X", "\nM4\nG1 X"), Refused, "the wrong way round"),
         (C, Cut("\nG1 X", "\nM9\nG1 X"), Refused, "no coolant"),
         (C, Cut("\nG1 X", "\nS1\nG1 X"), Refused, "another speed than that of the job"),

@@ -1,8 +1,8 @@
 //! The spindle: it turns from the first cut to the retract, since no cutter touches stock while it stands or turns round.
 
 use super::{ControlState, Transformation};
-use crate::post::control::NcBlock;
 use crate::post::control::modal::{ModalGroup, Setting};
+use crate::post::control::{NcBlock, figure};
 
 /// Words that stop spindle and coolant.
 const STOPS: [&str; 2] = ["M5", "M9"];
@@ -47,6 +47,14 @@ impl ControlState<'_> {
     pub(super) fn set_speed(&mut self, block: &NcBlock) {
         if block.speed == Some(0.0) && self.open && self.speed.is_some_and(|speed| speed > 0.0) {
             return self.report_stopped("S0");
+        }
+        let cuts = self.open && self.sections.last().is_some_and(|section| !section.moves.is_empty());
+        if let Some(speed) = block.speed.filter(|speed| cuts && self.speed.is_some_and(|now| now != *speed)) {
+            self.fault(format!(
+                "`S{}` changes the speed of the spindle with the tool in the part: write {} before it",
+                figure(speed),
+                self.retract_words()
+            ));
         }
         self.speed = block.speed.or(self.speed);
     }
