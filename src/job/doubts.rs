@@ -26,6 +26,12 @@ const WIDEST: f64 = 5.0;
 /// Longest usual machining time, s: 1000 h.
 const LONGEST_TIME: f64 = 3.6e6;
 
+/// Largest usual removal rate, mm3/min: 2 l/min, what large machines take of aluminium.
+const LARGEST_RATE: f64 = 2e6;
+
+/// Largest usual volume beside the part, mm3: a litre.
+const LARGEST_VOLUME: f64 = 1e6;
+
 /// Least usual clearance, mm: machines and set-ups are not more exact.
 const CLOSEST: f64 = 0.02;
 
@@ -193,6 +199,10 @@ fn loose(contract: &ContractSpec, kind: ContractKind, sink: &mut Sink) {
         // Above it, an axis is refused without a contract.
         ContractKind::AxisSpeed => (value >= 1.0, "a share below 100 %".to_owned()),
         ContractKind::Air => (value >= 1.0, "a share below 100 %".to_owned()),
+        // A deeper slot is refused without a contract.
+        ContractKind::Slot => (value >= 1.0, "a share below 100 % of the diameter".to_owned()),
+        ContractKind::RemovalRate => (value > LARGEST_RATE, "a rate of at most 2000 cm3/min".to_owned()),
+        ContractKind::RestVolume => (value > LARGEST_VOLUME, "a volume of at most 1000 cm3".to_owned()),
         ContractKind::Time => (value > LONGEST_TIME, "a time of at most 1000 h".to_owned()),
         _ => (false, String::new()),
     };

@@ -6,7 +6,8 @@ use super::place::describe;
 use super::stock::DEEPEST_SLOT;
 use super::surface::FAR;
 use crate::contract::{ContractKind, Cuts, Guarded, OfOperations, Region, Relation, Scope};
-use crate::diag::{Code, Diag, Sink, codes::verification};
+use crate::diag::codes::{self, verification};
+use crate::diag::{Code, Diag, Sink};
 use crate::entity::EntityId;
 use crate::ir::{Allowed, Contract, Motion, OperationId, Program};
 use crate::units::trim;
@@ -87,6 +88,14 @@ impl Judge<'_> {
             && !beyond_measure(contract.kind, figure.value);
         if !holds {
             sink.push(self.failure(contract, &figure));
+        }
+        let blank = self.certificate.stock.as_ref().map(|stock| stock.blank);
+        if contract.kind == ContractKind::RestVolume && blank.is_some_and(|blank| contract.bound.value() >= blank) {
+            sink.push(
+                Diag::warning(codes::job::DOUBTFUL, "the rest volume may be as large as the whole blank")
+                    .label(contract.span, "this contract forbids nothing")
+                    .help(format!("write a bound near what is left: {}", amount(contract.kind, figure.value))),
+            );
         }
         Some(ContractReport {
             kind: contract.kind.name(),
