@@ -464,8 +464,11 @@ fn find_post(program: &Program, sink: &mut Sink) -> Result<&'static dyn Post, Ab
         let known: Vec<&str> = post::POSTS.iter().map(|p| p.name()).collect();
         sink.push(
             Diag::error(post_codes::UNKNOWN_POST, format!("there is no dialect `{name}`"))
-                .label(program.post.dialect_span, "required here")
-                .help(format!("the dialects are {}", known.join(", "))),
+                .label(program.post.dialect_span, "not one of the dialects")
+                .help(format!(
+                    "write one of {}",
+                    known.iter().map(|k| format!("\"{k}\"")).collect::<Vec<_>>().join(", ")
+                )),
         );
         Aborted
     })
@@ -640,7 +643,12 @@ const MAX_JOB: u64 = 64 << 20;
 /// Text of the job file.
 fn read_job(path: &Path, sink: &mut Sink) -> Result<String, Aborted> {
     let shown = path.display();
-    let due = "a job is a text file such as jobs/wei2021/wei2021.imp";
+    let beside = path.with_extension("imp");
+    let due = if path.extension().is_none() && beside.is_file() {
+        format!("there is a job `{}`", beside.display())
+    } else {
+        "a job is a text file; `impellerc new part.imp` writes one".to_owned()
+    };
     let diag = match reading::read(path, MAX_JOB).map(|bytes| bytes.map(String::from_utf8)) {
         Ok(Some(Ok(text))) => match post::recognise(&text).filter(|_| !text.contains("edition")) {
             None => return Ok(text),
@@ -648,11 +656,11 @@ fn read_job(path: &Path, sink: &mut Sink) -> Result<String, Aborted> {
                 .help("give the job file: `impellerc job.imp`, or `impellerc verify part.nc --job job.imp`"),
         },
         Ok(Some(Err(error))) => Diag::error(syntax::NOT_TEXT, format!("{shown} is not a text file"))
-            .note(format!("byte {} is not UTF-8", error.utf8_error().valid_up_to()))
-            .help("give the job file itself, a text file such as jobs/wei2021/wei2021.imp"),
+            .note(reading::no_text(&error))
+            .help("give the job file itself, a text file; `impellerc new part.imp` writes one"),
         Ok(None) => Diag::error(syntax::TOO_LARGE, format!("{shown} has more than {} MB", MAX_JOB >> 20))
             .help(format!("give the job file itself: {due}")),
-        Err(error) => reading::unreadable(path, &error, due),
+        Err(error) => reading::unreadable(path, &error, &due),
     };
     sink.push(diag);
     Err(Aborted)

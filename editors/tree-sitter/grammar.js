@@ -96,9 +96,9 @@ module.exports = grammar({
         ),
       ),
 
-    spline: ($) => seq('spline', choice(seq('from', $.text, 'curve', field('curve', $.name)), $._points), optional($.unit)),
+    spline: ($) => seq('spline', choice(seq('from', $.text, 'curve', field('curve', $.name)), $._points), optional(choice($.unit, 'm'))),
     // A closed curve, or all curves of a file, each of them closed.
-    loop: ($) => seq(choice(seq('loops', 'from', $.text), seq('loop', $._points)), optional($.unit)),
+    loop: ($) => seq(choice(seq('loops', 'from', $.text), seq('loop', $._points)), optional(choice($.unit, 'm'))),
     revolve: ($) => seq('revolve', choice($.spline, $.path)),
     list: ($) => $._points,
     _points: ($) => seq('[', repeat(seq($.point, optional(','))), ']'),

@@ -114,6 +114,10 @@ fn report(program: &Program, fits: Option<&Progress>, sink: &mut Sink) {
     requirements::check(program, sink);
     retract::check(program, sink);
     stock_height::check(program, sink);
+    let before = sink.errors();
     reach::check(program, &throats, sink);
-    beside::check(program, sink);
+    // Where the fillets fill the channel, they are the cause that is told, and not each ball.
+    if sink.errors() == before || !reach::fillets_fill(program, &throats) {
+        beside::check(program, sink);
+    }
 }

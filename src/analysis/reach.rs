@@ -234,6 +234,12 @@ pub fn check(program: &Program, throats: &[(Passage, Throat)], sink: &mut Sink) 
     reaches
 }
 
+/// Whether two fillets are wider than the narrowest channel.
+pub(super) fn fillets_fill(program: &Program, throats: &[(Passage, Throat)]) -> bool {
+    let most = program.part.main().fillet.as_ref().map_or(0.0, |fillet| fillet.most().get());
+    throats.iter().any(|(_, throat)| throat.narrowest.distance < 2.0 * most)
+}
+
 /// The error for a part whose fillets leave no room between two vanes: no tool fits, so it is no fault of a tool.
 fn no_room(program: &Program, throat: &Throat, reaches: &[Reach]) -> Option<Diag> {
     let fillet = program.part.main().fillet.as_ref()?;

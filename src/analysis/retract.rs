@@ -3,7 +3,7 @@
 
 use crate::diag::codes::verification::RETRACT_TOO_LOW;
 use crate::diag::{Diag, Sink};
-use crate::ir::Program;
+use crate::ir::{Program, ToolId};
 use crate::units::length;
 
 /// Reports an error for each tool in use that is too low.
@@ -11,24 +11,36 @@ pub(super) fn check(program: &Program, sink: &mut Sink) {
     let (what, height) = program.highest();
     let [.., first, second] = program.machine.names();
     let head = program.machine.chain.has_head();
-    let mut seen = Vec::new();
+    // With the stock above the gauge line no tool helps: one message, at the longest tool.
+    let hopeless = height > program.machine.retract;
+    let lowest = |of: &ToolId| program.tools[*of].lowest(&program.machine);
+    let mut used: Vec<ToolId> = Vec::new();
     for (_, operation) in program.operations.iter() {
-        if seen.contains(&operation.tool) {
-            continue;
+        if !used.contains(&operation.tool) {
+            used.push(operation.tool);
         }
-        seen.push(operation.tool);
-        let tool = &program.tools[operation.tool];
-        let clearance = program.machine.retract + tool.lowest(&program.machine) - height;
+    }
+    if hopeless {
+        used.sort_by(|a, b| lowest(a).total_cmp(&lowest(b)));
+        used.truncate(1);
+    }
+    for of in used {
+        let tool = &program.tools[of];
+        let clearance = program.machine.retract + lowest(&of) - height;
         let missing = program.clearance.get() - clearance;
         if missing > 0.0 {
             sink.push(
                 Diag::error(
                     RETRACT_TOO_LOW,
                     format!(
-                        "at the retract height the {} of {} is {} above the highest place that the {what} can reach; required {}",
+                        "at the retract height the {} of {} is {} the highest place that the {what} can reach; required {}",
                         if head { "lowest point" } else { "tip" },
                         tool.name,
-                        length(clearance),
+                        if clearance < 0.0 {
+                            format!("{} below", length(-clearance))
+                        } else {
+                            format!("{} above", length(clearance))
+                        },
                         length(program.clearance.get())
                     ),
                 )
@@ -40,12 +52,17 @@ pub(super) fn check(program: &Program, sink: &mut Sink) {
                 .note(format!(
                     "before and after an operation X, Y, {first} and {second} move at this height, from unknown positions"
                 ))
-                .help(format!(
+                .help(if hopeless {
+                    "the part stands above the highest place of the gauge line: correct `[part] origin` or `[retract] z` of the \
+                     machine file"
+                        .to_owned()
+                } else {
+                    format!(
                     "use a retract height {} higher (`[retract] z` of the machine file), a shorter tool or holder, or mount the part \
                      lower{}",
                     length(missing),
                     if head { String::new() } else { format!(" or nearer to the axis of {first}") }
-                )),
+                )}),
             );
         }
     }

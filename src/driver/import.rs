@@ -219,8 +219,7 @@ fn fetch(name: &str, most: usize) -> Result<SourceFile, NoFile> {
     let most = u64::try_from(most).unwrap_or(u64::MAX);
     let bytes = reading::read(path, most).map_err(|e| reading::reason(&e))?;
     let bytes = bytes.ok_or(NoFile::TooLarge)?;
-    let text = String::from_utf8(bytes)
-        .map_err(|e| format!("it is not a text file: byte {} is not UTF-8", e.utf8_error().valid_up_to()))?;
+    let text = String::from_utf8(bytes).map_err(|e| reading::no_text(&e))?;
     Ok(SourceFile { disk: path.canonicalize().ok(), ..SourceFile::text(printable(name), text) })
 }
 

@@ -211,9 +211,7 @@ fn read_bytes(path: &Path, most: u64) -> Result<Vec<u8>, MissingFile> {
 }
 
 fn read(path: &Path, name: &str, most: u64, origin: Origin) -> Result<SourceFile, MissingFile> {
-    let text = String::from_utf8(read_bytes(path, most)?).map_err(|e| {
-        unreadable(format!("it is not a text file: byte {} is not UTF-8", e.utf8_error().valid_up_to()))
-    })?;
+    let text = String::from_utf8(read_bytes(path, most)?).map_err(|e| unreadable(reading::no_text(&e)))?;
     Ok(SourceFile { origin, disk: Some(itself(path)), ..SourceFile::text(printable(name), text) })
 }
 

@@ -32,6 +32,18 @@ pub(super) fn reason(error: &Error) -> String {
     }
 }
 
+/// Why bytes are no text.
+pub(super) fn no_text(error: &std::string::FromUtf8Error) -> String {
+    let at = error.utf8_error().valid_up_to();
+    match error.as_bytes() {
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => "it is a text in UTF-16: save it as UTF-8".to_owned(),
+        bytes if bytes.starts_with(b"PK\x03\x04") => {
+            "it is no text but an archive, such as a file of Excel or Word".to_owned()
+        }
+        _ => format!("it is not a text file: byte {at} is not UTF-8"),
+    }
+}
+
 /// The diagnostic for a file that cannot be read; `due` says what the user should give.
 pub(super) fn unreadable(path: &Path, error: &Error, due: &str) -> Diag {
     Diag::error(files::CANNOT_READ, format!("{} cannot be read: {}", path.display(), reason(error)))

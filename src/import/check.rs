@@ -1,11 +1,13 @@
 //! What must hold of every imported blade, whatever its format.
 
+use super::frame::LengthUnit;
 use super::short_ends::nearest;
-use super::{Imported, ImportedBlade};
+use super::{Imported, ImportedBlade, Options};
 use crate::diag::codes::import as codes;
 use crate::diag::{Diag, printable};
 use crate::sections::{Section, SectionForm};
 use crate::source::Span;
+use crate::units::length;
 use nalgebra::Point3;
 
 /// Sections run from hub to shroud: the first is nearer to the hub than the last.
@@ -21,6 +23,38 @@ pub(super) fn order(imported: &Imported, at: Span) -> Result<(), Diag> {
         }
     }
     Ok(())
+}
+
+/// Largest coordinate below which a wheel is none that a tool cuts, mm.
+const LEAST_SIZE: f64 = 1.0;
+
+/// Coordinates from which on a wheel is larger than all that are made, mm.
+const MOST_SIZE: f64 = 15_000.0;
+
+/// The option `--unit` gives a wheel that can be one: coordinates in metres that are read as millimetres make a wheel of some
+/// hundredths of a millimetre. A unit that the file states is taken as it is.
+pub(super) fn size(imported: &Imported, options: &Options, at: Span) -> Result<(), Diag> {
+    let Some(unit) = options.unit else { return Ok(()) };
+    let blades = imported.rows.iter().flat_map(|row| &row.blades);
+    let all = blades.flat_map(|blade| &blade.sections).flat_map(points);
+    let size = all.map(|p| p.x.abs().max(p.y.abs()).max(p.z.abs())).fold(0.0, f64::max);
+    // Size in the number of the file, taken for another unit.
+    let as_unit = |other: LengthUnit| (LEAST_SIZE * 5.0..1000.0).contains(&(size / unit.mm() * other.mm()));
+    let other = match size {
+        s if s > 0.0 && s < LEAST_SIZE => LengthUnit::Metre,
+        s if s > MOST_SIZE => LengthUnit::Millimetre,
+        _ => return Ok(()),
+    };
+    let help = if as_unit(other) { format!("state `--unit {other}`") } else { "state the unit of the file".to_owned() };
+    Err(Diag::error(codes::CONTRADICTS, format!("the blades reach {} from the origin", length(size)))
+        .label(
+            at,
+            format!(
+                "the numbers look like {}, and `--unit` says {unit}",
+                if other == LengthUnit::Metre { "metres" } else { "millimetres" }
+            ),
+        )
+        .help(help))
 }
 
 fn from_shroud(blade: &ImportedBlade, [first, last]: [f64; 2], at: Span) -> Diag {

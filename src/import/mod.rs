@@ -17,6 +17,7 @@ pub mod faced_part;
 mod found;
 mod frame;
 mod geomturbo;
+pub(crate) mod header_unit;
 mod ibl;
 pub mod job_frame;
 mod left_out;
@@ -208,6 +209,28 @@ const READERS: &[Reader] = &[
     Reader { name: "table", endings: &["csv", "txt", "dat"], several: true, bytes: limits::BYTES, read: table::read },
 ];
 
+/// Endings of files that are not read, and what to give in their place.
+const OTHER_ENDINGS: &[(&[&str], &str)] = &[
+    (
+        &["curve", "crv"],
+        "give the `.inf` file of the set alone: it names the files of hub, shroud and profile; a profile of points in columns is read \
+         with `--format table`",
+    ),
+    (
+        &["igs", "iges", "x_t", "x_b", "sat", "sldprt", "prt", "catpart", "ipt", "3dm", "f3d", "par"],
+        "export the part from your CAD system as a STEP file, and give this",
+    ),
+    (
+        &["stl", "3mf", "obj", "ply"],
+        "triangles have no faces of a blade: export the part from your CAD system as a STEP file, or its sections as points",
+    ),
+    (&["xls", "xlsx", "ods"], "save the sheet as CSV, and give this"),
+    (
+        &["cfdb", "cft-batch", "cft", "bgd"],
+        "export the blades from the program, such as `.inf` with its curve files, `.bgi` or `.geomTurbo`",
+    ),
+];
+
 /// Names of the formats with the endings of their files.
 pub fn formats() -> impl Iterator<Item = (&'static str, &'static [&'static str])> {
     READERS.iter().map(|reader| (reader.name, reader.endings))
@@ -232,6 +255,7 @@ pub fn read(
     let made = loaded.and_then(|ids| {
         let mut imported = (reader.read)(&ids, &mut loader, options, &mut found)?;
         let at = ids.first().map_or(Span::default(), |id| loader.text(*id).end());
+        check::size(&imported, options, at)?;
         check::order(&imported, at)?;
         repeated::leave_out(&mut imported, &mut found);
         Ok(imported)
@@ -261,7 +285,10 @@ fn reader(names: &[String], options: &Options) -> Result<&'static Reader, Diag> 
             let mut readers = names.iter().map(|name| {
                 READERS.iter().find(|r| r.endings.contains(&ending(name).as_str())).ok_or_else(|| {
                     Diag::error(codes::UNKNOWN_FORMAT, format!("the ending of `{}` tells no format", printable(name)))
-                        .help(format!("the endings are {}; or state `--format` ({})", endings(), known()))
+                        .help(match OTHER_ENDINGS.iter().find(|(others, _)| others.contains(&ending(name).as_str())) {
+                            Some((_, help)) => (*help).to_owned(),
+                            None => format!("the endings are {}; or state `--format` ({})", endings(), known()),
+                        })
                 })
             });
             let first = readers.next().unwrap_or_else(|| {

@@ -3,6 +3,7 @@
 use super::context::Context;
 use super::curves::curve;
 use super::distributions::{at_spans, distribution, share, single};
+use super::eval::nearest;
 use super::model::{AnglesAtSpan, AnglesSpec, CamberSpec, DistributionSpec, EdgePlace, Looks, MeridianPlace, SpanSpec};
 use super::properties::{Properties, Range, name_of};
 use super::quantity::Dimension;
@@ -220,7 +221,8 @@ impl<'a> AnglesGiven<'a> {
     /// Beta to the meridian.
     fn beta(&self, word: &Name, values: &[&Value], cx: &mut Context<'_>) -> Option<DistributionSpec> {
         let Some(from) = self.beta_from else {
-            cx.sink.push(
+            // Each span of the blade asks for it.
+            cx.sink.push_first(
                 Diag::error(codes::MISSING_PROPERTY, "it is not said from where beta is measured")
                     .label(word.span, "`beta-from` is missing in this blade")
                     .help("add `beta-from meridian` for angles to the meridian, or `beta-from tangent` for angles to the direction round the axis"),
@@ -378,6 +380,21 @@ fn edge_shape(p: &mut Properties<'_, '_>, edge: &str) -> Option<EdgeShape> {
             p.value_of(ratio, edge, Dimension::NONE, range).map(EdgeShape::Elliptic)
         }
         _ => {
+            let given = match values.first() {
+                Some(Value::Expr(Expr { kind: ExprKind::Path(path), .. })) => path.text(),
+                Some(Value::Labelled(label, _)) => label.text.clone(),
+                _ => String::new(),
+            };
+            let near = nearest(&given, ["round", "cut-off", "elliptic"].into_iter());
+            let example = match near {
+                Some("elliptic") | None => example,
+                Some(form) => format!("{edge} {form}"),
+            };
+            let example = if near == Some("round") && values.len() == 1 && given == "round" {
+                format!("{example}`: the thickness of the blade gives the radius; or `{edge} elliptic 2")
+            } else {
+                example
+            };
             p.wrong_form(values.first().map_or(word.span, |v| v.span()), edge, due, &example);
             None
         }

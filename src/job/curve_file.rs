@@ -246,8 +246,11 @@ fn no_table(text: &str) -> Option<String> {
         }
     }
     let separated = text.lines().filter(|line| line.matches(';').count() >= 4).count();
+    let few = text.lines().filter(|line| !line.starts_with('#') && line.matches(',').count() == 3).count();
     let cause = if separated > good {
         ": columns are separated by `;`; here commas separate them, and the decimal sign is a point"
+    } else if few > good {
+        ": they have 4 values, so that the curve or the number of the point in it is missing"
     } else {
         ""
     };

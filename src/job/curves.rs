@@ -8,8 +8,11 @@ use super::model::{CurveSpec, LoopSpec};
 use super::quantity::{Dimension, Quantity};
 use crate::diag::Diag;
 use crate::diag::codes::{files as file_codes, geometry, job as codes};
+use crate::import::LengthUnit;
+use crate::import::header_unit;
 use crate::source::{SourceId, Span};
 use crate::syntax::ast::{Name, Spline, SplinePoints, Text};
+use crate::units::length;
 
 /// Most text of curve files in which the curves of a job are looked up, in total, bytes: some ten seconds. Each curve
 /// takes one pass through its file.
@@ -23,6 +26,7 @@ pub(super) fn curve(spline: &Spline, cx: &mut Context<'_>) -> Option<CurveSpec> 
         SplinePoints::File { file, curve } => {
             let source = source_of(file, cx)?;
             let found = curve_file::read(source, cx.sources, file, curve, cx.sink)?;
+            unit_is_right(file, source, spline.unit.as_ref(), &found.points, cx)?;
             (found.points, found.spans)
         }
     };
@@ -41,6 +45,8 @@ pub(super) fn closed_from(file: &Text, unit: Option<&Name>, span: Span, cx: &mut
     let scale = unit_scale(unit, span, cx);
     let source = source_of(file, cx)?;
     let found = curve_file::read_all(source, cx.sources, file, cx.sink)?;
+    let points: Vec<[f64; 3]> = found.iter().flat_map(|curve| &curve.points).copied().collect();
+    unit_is_right(file, source, unit, &points, cx)?;
     if found.len() > MAX_LOOPS {
         cx.sink.push(
             Diag::error(geometry::POINTS, format!("the blade has more than {MAX_LOOPS} sections, the limit"))
@@ -55,6 +61,52 @@ pub(super) fn closed_from(file: &Text, unit: Option<&Name>, span: Span, cx: &mut
         Some(LoopSpec { name: curve.name, points, spans: curve.spans, edges, span })
     };
     found.into_iter().map(closed).collect()
+}
+
+/// Largest coordinate below which points are hardly those of a wheel, mm.
+const LEAST_SIZE: f64 = 1.0;
+
+/// Checks the unit that the job states for the points of a file: it is that of the head of the file, and points that are taken for
+/// millimetres have the size of a wheel. One message a file.
+fn unit_is_right(
+    file: &Text,
+    source: SourceId,
+    unit: Option<&Name>,
+    points: &[[f64; 3]],
+    cx: &mut Context<'_>,
+) -> Option<()> {
+    let Some(unit) = unit else { return Some(()) };
+    let head = header_unit::stated(&cx.sources.get(source)?.text);
+    if let Some((of_head, line)) = head
+        && LengthUnit::named(&unit.text).is_some_and(|of_job| of_job != of_head)
+    {
+        cx.sink.push_first(
+            Diag::error(
+                codes::CURVE_FILE,
+                format!("the points of `{}` are in {of_head}, and the job says {}", file.text, unit.text),
+            )
+            .label(unit.span, format!("`{of_head}` is expected"))
+            .label(Span::new(source, line), "the head of the file says so")
+            .help(format!(
+                "write `{of_head}` in the place of `{}` behind each curve of this file, or correct its head",
+                unit.text
+            )),
+        );
+        return None;
+    }
+    let size = points.iter().flatten().map(|x| x.abs()).fold(0.0, f64::max);
+    if unit.text == "mm" && size > 0.0 && size < LEAST_SIZE {
+        cx.sink.push_first(
+            Diag::error(
+                codes::CURVE_FILE,
+                format!("the points of `{}` look like metres, and the job says mm", file.text),
+            )
+            .label(unit.span, format!("the points reach only {} from the origin", length(size)))
+            .help("write `m` in the place of `mm` behind each curve of this file"),
+        );
+        return None;
+    }
+    Some(())
 }
 
 /// Points in mm, unless they are too many; without a scale its fault is told already.
@@ -82,6 +134,9 @@ fn unit_scale(unit: Option<&Name>, span: Span, cx: &mut Context<'_>) -> Option<f
         );
         return None;
     };
+    if unit.text == "m" {
+        return Some(1000.0);
+    }
     match Quantity::new(1.0, &unit.text) {
         Some(q) if q.dimension == Dimension::LENGTH => Some(q.value),
         Some(q) => {
@@ -106,12 +161,11 @@ fn inline(points: &[crate::syntax::ast::Point], cx: &mut Context<'_>) -> Option<
     let mut good = true;
     for point in points {
         let [x, y, z] = point.coordinates.as_slice() else {
-            cx.sink.push(
-                Diag::error(codes::WRONG_FORM, format!("a point has 3 coordinates, not {}", point.coordinates.len()))
-                    .label(point.span, "x, y and z are expected")
-                    .help("write it like `(15.0578, -38.5221, 0)`"),
-            );
-            good = false;
+            // One message a list: its points mostly have the same form.
+            let first = std::mem::replace(&mut good, false);
+            if first {
+                cx.sink.push(coordinates_missing(point, points));
+            }
             continue;
         };
         let coordinates = [x, y, z].map(|e| {
@@ -137,13 +191,31 @@ fn inline(points: &[crate::syntax::ast::Point], cx: &mut Context<'_>) -> Option<
     good.then_some(out)
 }
 
+/// The fault of a point that has not three coordinates, the first one of a list.
+fn coordinates_missing(point: &crate::syntax::ast::Point, points: &[crate::syntax::ast::Point]) -> Diag {
+    let count = point.coordinates.len();
+    let more = points.iter().filter(|p| p.coordinates.len() != 3).count() - 1;
+    let diag = Diag::error(codes::WRONG_FORM, format!("a point has 3 coordinates, not {count}"))
+        .label(point.span, "x, y and z are expected");
+    let diag =
+        if more > 0 { diag.note(format!("so it is with {more} more of the {} points", points.len())) } else { diag };
+    diag.help(if count == 2 {
+        "write a point of a meridian as `(RADIUS, 0, HEIGHT)`: Z is the axis of rotation"
+    } else {
+        "write it like `(15.0578, -38.5221, 0)`"
+    })
+}
+
 /// The fault of a file that the job names and that cannot be read.
 pub(super) fn not_read(kind: &str, file: &Text, missing: MissingFile) -> Diag {
     let (code, help) = match missing.fault {
         Fault::Outside => {
             (file_codes::OUTSIDE, "put the file into the folder of the job, or name its folder with `--curves`")
         }
-        _ => (file_codes::CANNOT_READ, "give its path relative to the job file"),
+        Fault::Unreadable => {
+            (file_codes::CANNOT_READ, "correct the file: a table of points is a text in UTF-8, such as a CSV file")
+        }
+        Fault::Absent => (file_codes::CANNOT_READ, "give its path relative to the job file"),
     };
     let mut diag = Diag::error(code, format!("the {kind} file `{}` cannot be read", file.text));
     if !missing.known.is_empty() {
@@ -157,7 +229,8 @@ fn source_of(file: &Text, cx: &mut Context<'_>) -> Option<SourceId> {
     let found = match cx.files.curves(&file.text) {
         Ok(found) => found,
         Err(missing) => {
-            cx.sink.push(not_read("curve", file, missing));
+            // Several curves are read from one file.
+            cx.sink.push_first(not_read("curve", file, missing));
             return None;
         }
     };

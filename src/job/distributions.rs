@@ -7,7 +7,7 @@ use crate::diag::codes::{geometry, job as codes};
 use crate::diag::{Code, Diag};
 use crate::sections::angles::limits;
 use crate::source::Span;
-use crate::syntax::ast::{Expr, Name, Value};
+use crate::syntax::ast::{Expr, ExprKind, Name, Value};
 
 /// The value of an entry that takes one.
 pub(super) fn single<'a>(word: &Name, values: &[&'a Value], cx: &mut Context<'_>) -> Option<&'a Value> {
@@ -31,7 +31,12 @@ pub(super) fn share(expr: &Expr, what: &str, code: Code, cx: &mut Context<'_>) -
     cx.sink.push(
         Diag::error(code, format!("{what} must be from 0 % to 100 %"))
             .label(expr.span, format!("this is {} %", crate::units::trim(value * 100.0, 4)))
-            .help("give a share from 0 % to 100 %"),
+            .help(match &expr.kind {
+                ExprKind::Number(number, None) if (1.0..=100.0).contains(number) => {
+                    format!("write `{} %`: a number without `%` is a share of 1", crate::units::trim(*number, 4))
+                }
+                _ => "give a share from 0 % to 100 %".to_owned(),
+            }),
     );
     None
 }

@@ -13,6 +13,8 @@ use std::collections::BTreeMap;
 #[derive(Debug, Default)]
 pub(super) struct LetScope {
     names: BTreeMap<String, Binding>,
+    /// Places of the names that are declared farther below.
+    below: BTreeMap<String, Span>,
     /// Number of unknown names so far.
     unknown: usize,
     /// True when items are missing from the tree: an unknown name may be declared in one of them.
@@ -30,7 +32,7 @@ struct Binding {
 impl LetScope {
     /// An empty scope.
     pub(super) fn new(damaged: bool) -> Self {
-        Self { names: BTreeMap::new(), unknown: 0, damaged }
+        Self { damaged, ..Self::default() }
     }
 
     /// Binds a name.
@@ -45,6 +47,11 @@ impl LetScope {
             return;
         }
         self.names.insert(name.text.clone(), Binding { value, span: name.span, used: false });
+    }
+
+    /// States which names are declared below the place that is read next.
+    pub(super) fn declared_below(&mut self, names: impl Iterator<Item = (String, Span)>) {
+        self.below = names.collect();
     }
 
     /// The values that are readable.
@@ -88,6 +95,15 @@ impl LetScope {
             let diag = Diag::error(codes::UNKNOWN_NAME, format!("`{text}` is a word, not a number"));
             let diag = diag.label(path.span, "a number is expected").help(format!("write `{digits}`"));
             sink.push(diag.fix(path.span, digits.to_string()));
+            return None;
+        }
+        if let Some(below) = self.below.get(&text) {
+            sink.push(
+                Diag::error(codes::UNKNOWN_NAME, format!("`{text}` is used before it is declared"))
+                    .label(path.span, "used here")
+                    .label(*below, "declared here")
+                    .help(format!("move `let {text}` above this line; a value cannot depend on itself")),
+            );
             return None;
         }
         self.unknown += 1;
@@ -287,7 +303,7 @@ fn apply(
 pub(super) fn unknown_unit(unit: &Name) -> Diag {
     let units = unit_names();
     let diag = Diag::error(codes::UNKNOWN_UNIT, format!("`{}` is not a unit", unit.text)).known(units.iter().copied());
-    if let Some((_, due)) = OTHER_SIZES.iter().find(|(other, _)| *other == unit.text) {
+    if let Some((_, due)) = OTHER_SIZES.iter().find(|(other, _)| unit.text.eq_ignore_ascii_case(other)) {
         return diag
             .label(unit.span, "not known")
             .help(format!("write the value in another unit: 1 {} is {due}", unit.text));
@@ -311,6 +327,10 @@ const OTHER_SIZES: &[(&str, &str)] = &[
     ("thou", "0.001 in"),
     ("ft", "12 in"),
     ("ms", "0.001 s"),
+    ("ipm", "25.4 mm/min"),
+    ("ipt", "25.4 mm/tooth"),
+    ("sfm", "0.3048 m/min"),
+    ("hz", "60 rpm"),
     ("gon", "0.9 deg"),
 ];
 
@@ -354,7 +374,13 @@ pub(super) fn suggest(diag: Diag, text: &str, span: Span, kind: &str, known: &[&
         None if diag.code == codes::NOT_IN_LANGUAGE => {
             diag.label(span, "not available").help(format!("available: {}", listed(known)))
         }
-        None => diag.label(span, "not known").help(format!("known: {}", listed(known))),
+        None => {
+            let diag = diag.label(span, "not known").help(format!("known: {}", listed(known)));
+            match other_names::instead(text) {
+                Some(instead) => diag.note(instead),
+                None => diag,
+            }
+        }
     }
 }
 
@@ -364,6 +390,8 @@ pub(super) fn nearest<'a>(text: &str, known: impl Iterator<Item = &'a str>) -> O
     if let Some(meant) = other_names::meant(text, &known) {
         return Some(meant);
     }
+    // Files of the library are named without their ending.
+    let text = text.strip_suffix(".toml").unwrap_or(text);
     if let Some(same) = known.iter().copied().find(|k| k.eq_ignore_ascii_case(text)) {
         return Some(same);
     }

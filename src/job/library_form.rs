@@ -138,9 +138,11 @@ impl Form<'_> {
         } else {
             said.to_owned()
         };
-        let help =
-            format!("write each value as `key = value`, with quotes round texts and quantities; {}", self.shown());
         let at = error.span().unwrap_or(0..0);
+        let (reason, help) = foreign_form(self.text, at.start, said).unwrap_or_else(|| {
+            (reason, "write each value as `key = value`, with quotes round texts and quantities".to_owned())
+        });
+        let help = format!("{help}; {}", self.shown());
         self.fault(String::new(), at, format!("the library file {name} is not TOML"), reason, help);
     }
 
@@ -341,6 +343,34 @@ impl Form<'_> {
         let help = format!("write `[{place}.NAME]` with a name of your own, and the keys below");
         self.fault(format!("nameless {place}"), at, message, format!("behind `[{place}]` without a name"), help);
     }
+}
+
+/// What is wrong at a place of a text that is not TOML, and what to write, where the form is one of another language.
+fn foreign_form(text: &str, at: usize, said: &str) -> Option<(String, String)> {
+    let begin = text.get(..at)?.rfind('\n').map_or(0, |end| end + 1);
+    let line = text[begin..].lines().next().unwrap_or_default();
+    let rest = text.get(at..).unwrap_or_default();
+    let found = |reason: &str, help: String| Some((reason.to_owned(), help));
+    if text.trim_start().starts_with(['{', '<']) {
+        let help = "write the file as TOML, with `[axes.X]` before the keys of a table and `key = value` on each line";
+        return found("the file is written in another form, such as JSON or XML", help.to_owned());
+    }
+    if rest.starts_with("//") || rest.starts_with(';') || rest.starts_with("/*") {
+        return found("a comment begins with `#`", "write `#` before the comment".to_owned());
+    }
+    if said.starts_with("duplicate key") {
+        let name = if line.trim_start().starts_with('[') { line.trim() } else { line.split('=').next()?.trim() };
+        return found("it stands above already", format!("keep one `{name}`, or correct the name of this one"));
+    }
+    let head = line.trim().strip_prefix('[').and_then(|head| head.strip_suffix(']'));
+    if let Some(head) = head.filter(|head| head.contains(' ') && !head.contains('"')) {
+        return found("a name has no blank in it", format!("write `[{}]`", head.trim().replace(' ', "-")));
+    }
+    if line.matches('"').count() > 2 && said.contains("missing comma") {
+        let help = "write a text that has `\"` in it in single quotes: 'T=\"{tool.name}\" M6'";
+        return found("a `\"` inside of the text ends it", help.to_owned());
+    }
+    None
 }
 
 /// The beginning of a sentence on a table.

@@ -136,14 +136,91 @@ const OTHER_NAMES: &[(&str, &[&str])] = &[
     ("m700", &["mitsubishi"]),
     ("emc2", &["linuxcnc"]),
     ("apt", &["apt-cl"]),
+    ("direction", &["milling"]),
+    ("cut-direction", &["milling"]),
+    ("cutting-mode", &["milling"]),
+    ("climb", &["milling"]),
+    ("axial", &["meridian"]),
+    ("meridional", &["meridian"]),
+    ("tangential", &["tangent"]),
+    ("circumferential", &["tangent"]),
+    ("blunt", &["cut-off"]),
+    ("square", &["cut-off"]),
+    ("cut", &["cut-off"]),
+    ("circular", &["round"]),
+    ("ellipse", &["elliptic"]),
+    ("elliptical", &["elliptic"]),
+    ("alu", &["aluminium"]),
+    ("al", &["aluminium"]),
+    ("al7075", &["aluminium"]),
+    ("al2618", &["aluminium"]),
+    ("al6061", &["aluminium"]),
+    ("ti", &["titanium"]),
+    ("ti6al4v", &["titanium"]),
+    ("ti-6al-4v", &["titanium"]),
+    ("tial6v4", &["titanium"]),
+    ("inconel", &["nickel"]),
+    ("inconel-718", &["nickel"]),
+    ("inconel718", &["nickel"]),
+    ("in718", &["nickel"]),
+    ("waspaloy", &["nickel"]),
+    ("stainless-steel", &["stainless"]),
+    ("inox", &["stainless"]),
+    ("aisi304", &["stainless"]),
+    ("aisi316l", &["stainless"]),
+    ("x5crni18-10", &["stainless"]),
+    ("c45", &["steel"]),
+    ("42crmo4", &["steel"]),
     ("cldata", &["apt-cl"]),
 ];
+
+/// Words of other systems that have no word here, and what stands in their place.
+const INSTEAD: &[(&str, &str)] = &[
+    (
+        "coolant",
+        "the post writes the coolant: its frames have `M8` and `M9`; `impellerc posts siemens-840d` prints them",
+    ),
+    ("tilt", AXES),
+    ("lead", AXES),
+    ("lead-angle", AXES),
+    ("tilt-angle", AXES),
+    ("tool-axis", AXES),
+    ("safe-z", HEIGHTS),
+    ("safety", HEIGHTS),
+    ("clearance-height", HEIGHTS),
+    ("clearance-plane", HEIGHTS),
+    ("retract-height", HEIGHTS),
+    ("direction", SENSE),
+    ("climb", SENSE),
+    ("cutting-direction", SENSE),
+    (
+        "deflection",
+        "no check covers deflection, vibration or wear; `require engagement` and `require removal-rate` keep loads small",
+    ),
+    (
+        "chatter",
+        "no check covers deflection, vibration or wear; `require engagement` and `require removal-rate` keep loads small",
+    ),
+    ("compensation", "paths are those of the stated diameter: the program has no radius compensation"),
+    ("work-offset", "the post has the work offset: `post siemens-840d { work-offset \"G55\" }`"),
+];
+const AXES: &str =
+    "the compiler finds the tool axes itself; `method` says how, and `require clearance` how far all stays away";
+const HEIGHTS: &str = "the compiler finds safe heights itself: `[retract] z` of the machine file, and over the stock by `require clearance`";
+const SENSE: &str = "`flank`, `point` and `fillet` take `milling climb` or `milling conventional`";
+
+/// What stands in the place of a word of another system that has no word here.
+pub(super) fn instead(word: &str) -> Option<&'static str> {
+    let word = word.to_ascii_lowercase().replace('_', "-");
+    INSTEAD.iter().find(|(of, _)| *of == word).map(|(_, instead)| *instead)
+}
 
 /// Words whose values have another form than those of other systems.
 const FORMS: &[(&str, &str)] = &[
     ("allowance", "allowance vane 0.3 mm, hub 0.3 mm"),
     ("speed", "speed 12000 rpm` or `speed 75 m/min"),
     ("feed", "feed 150 mm/min` or `feed 0.02 mm/tooth"),
+    ("milling", "milling climb` or `milling conventional"),
     ("turned", "stock turned { over shroud 0 mm  bore 10 mm  back -40 mm }"),
 ];
 

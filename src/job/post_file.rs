@@ -1,5 +1,6 @@
 //! Post files: TOML through serde, with the properties of the `post` item of a job over them.
 
+use super::eval::nearest;
 use super::library::{LibraryReader, SpannedText};
 use super::library_form;
 use super::library_schema::LibraryFile;
@@ -109,11 +110,23 @@ impl LibraryReader<'_> {
         let found = all.iter().copied().find(|value| name(*value) == text.get_ref());
         if found.is_none() {
             let names: Vec<String> = all.iter().map(|value| format!("\"{}\"", name(*value))).collect();
+            let given = text.get_ref();
+            let escaped = given.escape_debug().to_string();
+            // `"\r\n"` are the characters themselves.
+            let meant = match given.as_str() {
+                "\r\n" => nearest("crlf", all.iter().map(|value| name(*value))),
+                "\n" => nearest("lf", all.iter().map(|value| name(*value))),
+                _ => nearest(given, all.iter().map(|value| name(*value))),
+            };
+            let help = match meant {
+                Some(word) => format!("write \"{word}\""),
+                None => format!("write {}", names.join(" or ")),
+            };
             self.fault(
                 self.span(text),
-                format!("`{}` is not {what}", text.get_ref()),
+                format!("`{escaped}` is not {what}"),
                 format!("{} is expected", names.join(" or ")),
-                "correct the word",
+                &help,
             );
         }
         found

@@ -137,6 +137,19 @@ impl<'a, 'c> Properties<'a, 'c> {
         if took.is_some_and(|value| matches!(value, Value::Expr(Expr { kind: ExprKind::Path(path), .. }) if known.contains(&path.text().as_str()))) {
             return;
         }
+        if name.text == "let" {
+            let what = match entry.values.as_slice() {
+                [Value::Labelled(declared, _), ..] => format!("let {}", declared.text),
+                _ => "let".to_owned(),
+            };
+            self.sink.push(
+                Diag::error(codes::UNKNOWN_PROPERTY, format!("`{what}` stands inside of {}", self.owner))
+                    .label(name.span, "not in a block")
+                    .help(format!("move `{what} = ...` out of the block, to a line above it")),
+            );
+            self.damaged = true;
+            return;
+        }
         if let Some(diag) = nc_entry(&name.text, name.span) {
             self.sink.push(diag);
             self.damaged = true;

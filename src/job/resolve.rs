@@ -126,10 +126,39 @@ fn edition(file: &File, cx: &mut Context<'_>) {
 
 /// Names are declared before they are used, so that a reader meets the value first.
 fn lets(file: &File, cx: &mut Context<'_>) {
-    for item in &file.items {
+    for (at, item) in file.items.iter().enumerate() {
         if let ItemKind::Let { name, value } = &item.kind {
+            cx.scope.declared_below(file.items[at..].iter().filter_map(|item| match &item.kind {
+                ItemKind::Let { name, .. } => Some((name.text.clone(), name.span)),
+                _ => None,
+            }));
             let value = cx.scope.value(value, cx.sink);
             cx.scope.bind(name, value, cx.sink);
+        }
+    }
+    cx.scope.declared_below(std::iter::empty());
+    for item in &file.items {
+        if let ItemKind::Part { body, .. } | ItemKind::Stock { body, .. } | ItemKind::Operation { body, .. } =
+            &item.kind
+        {
+            misplaced_lets(body, cx);
+        }
+    }
+}
+
+/// Names that are declared inside of a block. The block refuses the line; the names are known, so that their use is no
+/// second fault.
+fn misplaced_lets(body: &Block, cx: &mut Context<'_>) {
+    for entry in &body.entries {
+        for value in &entry.values {
+            match value {
+                Value::Labelled(name, value) if entry.name.text == "let" => {
+                    let value = cx.scope.value(value, cx.sink);
+                    cx.scope.bind(name, value, cx.sink);
+                }
+                Value::Block(_, inner) | Value::Placed(_, inner) => misplaced_lets(inner, cx),
+                _ => {}
+            }
         }
     }
 }

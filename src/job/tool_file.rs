@@ -173,7 +173,13 @@ fn library_tool(
             None if library.alone => None,
             None => {
                 let message = format!("no holder is called `{}`", holder.get_ref());
-                reader.fault(reader.span(holder), message, "not in this library".to_owned(), "add [holder.NAME] above");
+                let known: Vec<&str> = library.holders.keys().map(String::as_str).collect();
+                let own = holder.get_ref();
+                let help = match nearest(own, known.iter().copied()) {
+                    Some(near) => format!("write \"{near}\", or add `[holder.{own}]` with its sections"),
+                    None => format!("write one of {}, or add `[holder.{own}]` with its sections", known.join(", ")),
+                };
+                reader.fault(reader.span(holder), message, "not in this library".to_owned(), &help);
                 return None;
             }
         },

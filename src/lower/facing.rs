@@ -32,6 +32,33 @@ fn mean_normal(hub: &Revolution) -> Vector2<f64> {
     sum / length
 }
 
+/// Checks that hub and shroud run the same way: otherwise the blades between them cross over.
+pub(super) fn same_way(spec: &PartSpec, [hub, shroud]: [&NurbsCurve; 2], sink: &mut Sink) -> Result<(), Aborted> {
+    let end = |curve: &NurbsCurve, at: f64| {
+        let p = curve.point(at);
+        Point3::new(libm::hypot(p.x, p.y), 0.0, p.z)
+    };
+    let gap = |of_shroud: [f64; 2]| {
+        (end(hub, 0.0) - end(shroud, of_shroud[0])).norm() + (end(hub, 1.0) - end(shroud, of_shroud[1])).norm()
+    };
+    if gap([0.0, 1.0]) <= gap([1.0, 0.0]) {
+        return Ok(());
+    }
+    // The inlet of most wheels is nearer to the axis: there begins the curve that is right.
+    let (wrong, name) =
+        if end(hub, 0.0).x > end(hub, 1.0).x { (spec.hub.span(), "hub") } else { (spec.shroud.span(), "shroud") };
+    let (other, other_name) = if name == "hub" { (spec.shroud.span(), "shroud") } else { (spec.hub.span(), "hub") };
+    sink.push(
+        Diag::error(geometry::DIRECTION, "hub and shroud run in opposite directions")
+            .label(wrong, format!("the {name}"))
+            .label(other, format!("the {other_name}"))
+            .help(format!(
+                "give the points of both from inlet to outlet; here those of the {name} are the other way round"
+            )),
+    );
+    Err(Aborted)
+}
+
 /// Checks that the shroud lies outside of the hub: otherwise they are exchanged.
 pub(super) fn exchanged(spec: &PartSpec, [hub, shroud]: [&Revolution; 2], sink: &mut Sink) -> Result<(), Aborted> {
     let stations = (0..=STATIONS).map(|i| shroud.meridian(i as f64 / STATIONS as f64).point);

@@ -35,6 +35,7 @@ pub(super) fn part(spec: &PartSpec, tools: &[ToolSpec], sink: &mut Sink) -> Resu
     checks::directions(&faces, sink)?;
     let [hub, shroud] = generators.ok_or(Aborted)?;
     checks::own_meridians(spec, [&hub, &shroud], sink)?;
+    facing::same_way(spec, [&hub, &shroud], sink)?;
     let doubt = facing::size([&hub, &shroud], tools);
     let mut blades: Vec<Option<Blade>> = Vec::new();
     let mut side = None;

@@ -44,7 +44,7 @@ pub fn parse_again(text: &str, source: SourceId, known: &mut KnownItems, sink: &
         sink.push(
             Diag::error(codes::NOT_TEXT, "the job is not a text file")
                 .label(Span::new(source, at..at + c.len_utf8()), format!("control character U+{:04X}", u32::from(c)))
-                .help("give the job file itself, a text file such as jobs/wei2021/wei2021.imp"),
+                .help("give the job file itself, a text file; `impellerc new part.imp` writes one"),
         );
         return broken;
     }
@@ -129,6 +129,9 @@ fn read_piece(text: &str, source: SourceId, piece: &ItemText, sink: &mut Sink) -
     }
 }
 
+/// Words of other languages that take another file in.
+const INCLUDES: [&str; 6] = ["import", "include", "load", "read", "require_file", "call"];
+
 fn unknown_item(source: SourceId, piece: &ItemText, slice: &str, word: &str) -> Diag {
     let start = piece.range.start;
     let length = if word.is_empty() { slice.chars().next().map_or(0, char::len_utf8) } else { word.len() };
@@ -143,6 +146,13 @@ fn unknown_item(source: SourceId, piece: &ItemText, slice: &str, word: &str) -> 
         _ if is_of_nc(shown, slice) => Diag::error(codes::MISWRITTEN, format!("`{shown}` is of NC text, not of a job"))
             .label(span, "not of this language")
             .help("remove the line: the post writes head, modes and end of the program"),
+        _ if INCLUDES.contains(&word) => diag.label(span, "a job is one file").help(
+            "write all items into this file; curves come by `spline from`, machines and tools by `use`, and `impellerc import` \
+             writes blades of other files as a part",
+        ),
+        _ if ["unit", "units"].contains(&word) => {
+            diag.label(span, "each value has its unit").help("remove the line, and write values like `2 mm`")
+        }
         _ => diag
             .label(span, "an item is expected here")
             .help(format!("items are {}; a comment begins with `//`", ITEMS.join(", "))),
@@ -193,7 +203,7 @@ fn expectation(rule: Rule) -> Option<&'static str> {
         Rule::target => "a surface or an operation",
         Rule::from_file | Rule::points | Rule::kw_from => "`[` or `from`",
         Rule::add_op | Rule::mul_op => "an operator",
-        Rule::unit => "a unit",
+        Rule::unit | Rule::metre => "a unit",
         Rule::end | Rule::EOI => "the end",
         _ => return None,
     })
@@ -264,6 +274,10 @@ impl Builder<'_> {
             "write a digit before the point: 0.5"
         } else if base == 0 && rest.starts_with('{') && scan::first_word(input) == "require" {
             "write each requirement as an item of its own: `require gouge <= 2 um`"
+        } else if words.as_slice() == ["`)`"] && !rest.starts_with(['{', '}', ']']) {
+            "a comma stands between the values in a bracket: `(0 %, 30 deg)`, `(15, -38.5, 0)`"
+        } else if base == 0 && scan::first_word(input) == "require" && input[..at].contains(['<', '>']) {
+            "write each requirement as an item on a line of its own: `require gouge <= 2 um`; places follow `on`"
         } else if words.as_slice() == ["the end"] {
             "begin each item on its own line"
         } else {

@@ -35,6 +35,10 @@ enum Form {
     Unit,
     PerSecond,
     FileName,
+    UsePost,
+    Faces,
+    /// `let` in a block; the reader of the block tells it.
+    Let,
 }
 
 impl Form {
@@ -63,6 +67,9 @@ impl Form {
             Self::Unit => "the unit has another name here",
             Self::PerSecond => "feeds are in `mm/min` or `m/min`, and speeds in `rpm`",
             Self::FileName => "the name of a file stands in quotes",
+            Self::UsePost => "the post is an item of its own",
+            Self::Faces => "`faces` takes `pressure` and `suction`",
+            Self::Let => "a name is declared outside of blocks",
             Self::NcWord => "a number has no letter before it, as in NC text",
         }
     }
@@ -95,7 +102,7 @@ pub(super) fn repaired(text: &str, source: SourceId, sink: &mut Sink) -> Option<
         return None;
     }
     let mut forms: Vec<(&Repair, usize)> = Vec::new();
-    for repair in &repairs {
+    for repair in repairs.iter().filter(|r| r.form != Form::Let) {
         match forms.iter_mut().find(|(first, _)| first.form == repair.form && first.help == repair.help) {
             Some((_, times)) => *times += 1,
             None => forms.push((repair, 1)),
@@ -250,6 +257,13 @@ impl FormFinder {
             return;
         }
         match tokens {
+            [(LinePiece::Word("use"), from), (LinePiece::Word("post"), _), (LinePiece::Text(text), to), ..] => {
+                let range = start + from.start..start + to.end;
+                let due = format!("post {}", text.trim_matches('"'));
+                if let Some(read) = padded(&due, &range) {
+                    self.push(Form::UsePost, range, read, format!("write `{due}`"), Some(&due));
+                }
+            }
             [(LinePiece::Word("post" | "edition"), _), (LinePiece::Text(text), range), ..] => {
                 let name = text.trim_matches('"');
                 let help = format!("write `{name}`");
@@ -427,6 +441,34 @@ impl FormFinder {
                 ..,
             ] => {
                 self.sectors(at(a, c), at(b, c), (from, to));
+            }
+            [
+                (LinePiece::Word("sectors"), a),
+                (LinePiece::Number(from), b),
+                (LinePiece::Word("to" | "through" | "bis"), _),
+                (LinePiece::Number(to), c),
+                ..,
+            ] => {
+                self.sectors(at(a, c), at(b, c), (from, to));
+            }
+            [
+                (LinePiece::Word("faces"), a),
+                (LinePiece::Word(word @ ("hub" | "shroud" | "vane")), c),
+                (LinePiece::Word(_), _),
+                ..,
+            ] if self.depth > 0 => {
+                let range = at(a, c);
+                let help = match *word {
+                    "hub" => "leave `faces` out: `channel` finishes the hub, `fillet` its border with the vanes",
+                    "shroud" => "leave `faces` out: the lathe makes the shroud, and no operation cuts it",
+                    _ => "write `faces pressure, suction`",
+                };
+                self.push(Form::Faces, range.clone(), blank(&range), help, None);
+            }
+            [(LinePiece::Word("let"), a), (LinePiece::Word(_), _), (LinePiece::Sign('='), c), ..] if self.depth > 0 => {
+                let range = at(a, c);
+                let read = format!("{} ", &line[a.start..c.start]);
+                self.push(Form::Let, range, read, "", None);
             }
             [(LinePiece::Word("sectors"), a), (LinePiece::Word("all"), c), ..] => {
                 let range = at(a, c);

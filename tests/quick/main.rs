@@ -52,6 +52,7 @@ mod machines;
 mod meanings;
 mod messages;
 mod milling;
+mod mistaken_commands;
 mod mistakes;
 mod mutations;
 mod nc_diff;

@@ -2,6 +2,7 @@
 
 use super::super::found::Found;
 use super::super::frame::{Axis, Frame};
+use super::super::header_unit;
 use super::super::lines::Line;
 use super::super::stated::not_stated;
 use crate::diag::codes::import as codes;
@@ -92,6 +93,8 @@ impl Columns {
     /// Columns of the header of a file.
     pub(super) fn of_header(line: Line<'_>, found: &mut Found) -> Result<Self, Diag> {
         let column = |word: &str, found: &mut Found| {
+            // `x [m]` is the column `x`: the unit is that of the file.
+            let (word, _) = header_unit::column(word);
             let known = WORDS.iter().find(|(w, _)| *w == plain(word)).map(|(_, column)| *column);
             match known {
                 None if plain(word) == "theta" => Err(not_stated("unit of the angle", "--columns", VALUES, line.span)),

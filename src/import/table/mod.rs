@@ -8,6 +8,7 @@ mod columns;
 
 use super::found::{Found, within};
 use super::frame::Frame;
+use super::header_unit;
 use super::lines::{Line, Text, ends};
 use super::loader::Loader;
 use super::loops::{self, ReadLoop};
@@ -61,7 +62,11 @@ pub(super) fn read(
         }
     }
     let mut asked = Asked::of(options, found, of_first.at());
-    let unit = asked.unit(None)?;
+    let in_head = files.iter().find_map(|(id, _)| {
+        let (unit, line) = header_unit::stated(loader.text(*id).whole().1)?;
+        Some(Spanned::new(unit, Span::new(*id, line)))
+    });
+    let unit = asked.unit(in_head)?;
     let axis = asked.axis(named)?;
     let handedness = asked.handedness(None)?;
     let count = asked.blades(None)?;
