@@ -200,7 +200,7 @@ fn coordinates_missing(point: &crate::syntax::ast::Point, points: &[crate::synta
     let diag =
         if more > 0 { diag.note(format!("so it is with {more} more of the {} points", points.len())) } else { diag };
     diag.help(if count == 2 {
-        "write a point of a meridian as `(RADIUS, 0, HEIGHT)`: Z is the axis of rotation"
+        "write it like `(15.0578, -38.5221, 0)`; a meridian of hub or shroud has points `(RADIUS, 0, HEIGHT)`"
     } else {
         "write it like `(15.0578, -38.5221, 0)`"
     })
