@@ -60,6 +60,41 @@ fn sectors_are_given_in_any_order() {
     assert_ne!(lowered("sectors 3, 1"), lowered("sectors 1"));
 }
 
+/// A limit that hardly forbids anything is a warning; one that a shop would write is none. The first of each pair is loose.
+#[test]
+fn loose_limits_are_told() {
+    let doubts = |text: &str| {
+        let found = understand(text);
+        assert!(found.job.whole, "{:?}", found.sink.diags());
+        let told = found.sink.diags().iter().filter(|d| d.code == codes::job::DOUBTFUL);
+        told.map(|d| d.message.clone()).collect::<Vec<_>>()
+    };
+    assert_eq!(doubts(REDUCED), [""; 0]);
+    for [loose, usual] in [
+        ["excess <= 100 mm", "excess <= 0.2 mm"],
+        ["rest <= 100 mm", "rest <= 1 mm"],
+        ["contour-error <= 5 mm", "contour-error <= 5 um"],
+        ["orientation-error <= 45 deg", "orientation-error <= 0.2 deg"],
+        ["engagement <= 180 deg", "engagement <= 120 deg"],
+        ["axis-speed <= 100 %", "axis-speed <= 80 %"],
+        ["air <= 100 %", "air <= 30 %"],
+        ["slot <= 100 %", "slot <= 50 %"],
+        ["removal-rate <= 1000000 cm3/min", "removal-rate <= 20 cm3/min"],
+        ["rest-volume <= 5000 cm3", "rest-volume <= 100 cm3"],
+        ["time <= 9999 h", "time <= 2 h"],
+        ["clearance holder >= 1 um", "clearance holder >= 1 mm"],
+    ] {
+        let with =
+            |limit: &str| doubts(&REDUCED.replace("\npost siemens", &format!("\nrequire {limit}\npost siemens")));
+        assert_eq!(with(loose).len(), 1, "{loose}: {:?}", with(loose));
+        assert_eq!(with(usual), [""; 0], "{usual}");
+    }
+    for (limit, told) in [("12 mm", 0), ("18 mm", 0), ("18.1 mm", 1), ("100 mm", 1)] {
+        let text = REDUCED.replacen("max-depth 12 mm", &format!("max-depth {limit}"), 1);
+        assert_eq!(doubts(&text).len(), told, "{limit}");
+    }
+}
+
 #[test]
 fn a_file_that_is_not_there_is_a_fault_with_what_is_there() {
     let found = understand(&REDUCED.replace("vane_curves.csv", "vane_curve.csv"));
