@@ -7,6 +7,7 @@ use super::{BladeSurfaces, left_out, short_ends};
 use super::{Imported, ImportedBlade};
 use crate::diag::Diag;
 use crate::sections::angles::EdgeShape;
+use crate::sections::foot::{WideFoot, wide_foot};
 use crate::sections::outline::{DividedSection, Side};
 use crate::sections::{EdgeForm, LOOP_EDGES, Outline, SectionForm};
 use crate::units::trim;
@@ -323,6 +324,7 @@ pub fn summary(source: &PartSource<'_>) -> Vec<String> {
         };
         lines.push(format!("{}{named}: {} sections.", blade_name(k), blade.sections.len()));
         lines.extend(of_blade(divided));
+        lines.extend(wide_foot(divided).map(|foot| in_sections(&foot)));
         if whole {
             lines.extend(short_ends::told(source, k));
         }
@@ -335,6 +337,18 @@ pub fn summary(source: &PartSource<'_>) -> Vec<String> {
 /// Largest distance from the axis, mm.
 fn radius<'a>(points: impl Iterator<Item = &'a Point3<f64>>) -> f64 {
     points.map(|p| libm::hypot(p.x, p.y)).fold(0.0, f64::max)
+}
+
+/// What is told of sections that seem to hold the fillet.
+fn in_sections(foot: &WideFoot) -> String {
+    let [wide, above] = foot.thickness.map(|mm| trim(mm, 3));
+    format!(
+        "  The sections seem to hold the fillet: {wide} mm thick at section 1, {above} mm at section {}, {} mm higher. State no \
+         `fillet` beside them, or leave the {} lowest out and state it.",
+        foot.above + 1,
+        trim(foot.height, 3),
+        foot.above
+    )
 }
 
 /// Figures of a blade.

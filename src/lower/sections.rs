@@ -4,11 +4,12 @@ use super::face_curves::no_surface;
 use super::limits::{MAX_COORDINATE, MIN_RADIUS, SAME_POINT};
 use super::names::blade_name;
 use super::pressure::{self, looks};
-use crate::diag::codes::geometry as codes;
+use crate::diag::codes::{geometry as codes, job};
 use crate::diag::{Diag, Sink};
 use crate::geom::NurbsCurve;
 use crate::job::model::{BladeSpec, Looks, LoopSpec, PartSpec, SectionsSpec};
 use crate::part::{Blade, FaceSurface};
+use crate::sections::foot::{WideFoot, wide_foot};
 use crate::sections::loft::{LoftFault, LoftedBlade, loft};
 use crate::sections::outline::{DividedSection, Inlet, Known, Side, outline};
 use crate::sections::{EdgeForm, Outline, Section, SectionForm};
@@ -37,9 +38,13 @@ pub(super) fn fitted(given: &SectionBlade<'_>, sink: &mut Sink) -> Option<(Blade
     }
     let divided = divided(given, &name, sink)?;
     let side = pressure_side(given, &name, &divided, sink)?;
+    let doubled = wide_foot(&divided).map(|foot| fillet_in_sections(given, &name, &foot));
     let mut outlines: Vec<Outline> = divided.into_iter().map(|section| section.outline).collect();
     if side == Side::Smaller {
         outlines.iter_mut().for_each(exchange);
+    }
+    if let Some(doubled) = doubled.filter(|_| given.blade.fillet.is_some()) {
+        sink.push(doubled);
     }
     let made = match loft(&outlines, given.sections.fit.get()) {
         Ok(made) => made,
@@ -177,6 +182,22 @@ fn not_lofted(name: &str, given: &SectionBlade<'_>, fault: &LoftFault) -> Diag {
             .note(no_surface(fault, "sections"))
             .help("give the sections in order from hub to shroud, each at another height"),
     }
+}
+
+/// Sections that seem to hold the fillet which the job states as well.
+fn fillet_in_sections(given: &SectionBlade<'_>, name: &str, foot: &WideFoot) -> Diag {
+    let [wide, above] = foot.thickness.map(length);
+    let section = |k: usize| given.sections.loops.get(k).map_or("", |section| section.name.as_str());
+    Diag::warning(
+        job::DOUBTFUL,
+        format!("the sections of {name} seem to hold its fillet, and the job states one as well"),
+    )
+    .label(given.sections.span, format!("{wide} thick in section {}, {above} in section {}", section(0), section(foot.above)))
+    .note(format!("the two sections are {} apart; above them the blade widens far less", length(foot.height)))
+    .help(format!(
+        "leave the {} lowest sections out and keep `fillet`; or keep them and take `fillet` out: then the foot is cut as they say",
+        foot.above
+    ))
 }
 
 /// Reports what was found; `false` when the curves do not keep `fit`.

@@ -9,6 +9,7 @@ pub mod angles;
 mod edges;
 pub mod facts;
 mod fold;
+pub mod foot;
 mod joined;
 pub mod loft;
 mod mean_line;

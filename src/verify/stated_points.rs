@@ -5,15 +5,12 @@
 
 use crate::geom::proximity::Patch;
 use crate::ir::{Program, StatedPoints};
-use crate::part::{Blade, Surface};
+use crate::part::{Blade, FaceSurface, Surface};
 use crate::units::length;
 use nalgebra::Point3;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::fmt::Write;
-
-/// Share of the length of a face from its ends within which a point is before an edge that has no surface of its own.
-const AT_END: f64 = 1e-6;
 
 /// Points of a vane against its surfaces.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -39,19 +36,33 @@ pub fn check(program: &Program) -> Vec<StatedReport> {
     program.stated.iter().filter_map(report).collect()
 }
 
-/// Distance of a point from faces and edges. Where the lathe makes an edge, or it is cut off, it lies between the ends of the
-/// faces.
+/// Distance of a point from faces and edges. Where the lathe makes an edge, or it is cut off, straight lines between the ends of the
+/// faces count as surface.
 fn distance(blade: &Blade, p: &Point3<f64>) -> f64 {
-    let on = blade.faces.each_ref().map(|face| face.surface.closest(p, Patch::WHOLE));
-    let edges = blade.edges.iter().flatten().map(|edge| edge.surface.closest(p, Patch::WHOLE).distance);
-    let mut least = edges.fold(on[0].distance.min(on[1].distance), f64::min);
-    for (end, edge) in blade.edges.iter().enumerate() {
-        let ends = on.iter().all(|at| (at.u - end as f64).abs() < AT_END);
-        if edge.is_none() && ends {
-            least = least.min(from_segment(p, on.each_ref().map(|at| at.point)));
+    let surfaces = blade.faces.iter().chain(blade.edges.iter().flatten());
+    let mut least = surfaces.map(|face| face.surface.closest(p, Patch::WHOLE).distance).fold(f64::INFINITY, f64::min);
+    for (u, edge) in [0.0, 1.0].into_iter().zip(&blade.edges) {
+        if edge.is_none() {
+            least = least.min(from_segment(p, blade.faces.each_ref().map(|face| on_end(&face.surface, u, p))));
         }
     }
     least
+}
+
+/// The point of an end of a face that is nearest to a point.
+fn on_end(face: &FaceSurface, u: f64, p: &Point3<f64>) -> Point3<f64> {
+    /// Places from which the nearest one is looked for, and divisions by two of the distance between them.
+    const PLACES: [u32; 2] = [64, 40];
+    let from = |v: f64| (face.point(u, v) - p).norm_squared();
+    let mut step = 1.0 / f64::from(PLACES[0]);
+    let places = (0..=PLACES[0]).map(|k| f64::from(k) * step);
+    let mut v = places.min_by(|a, b| from(*a).total_cmp(&from(*b))).unwrap_or(0.0);
+    for _ in 0..PLACES[1] {
+        step *= 0.5;
+        let beside = [v - step, v, v + step].map(|v| v.clamp(0.0, 1.0));
+        v = beside.into_iter().min_by(|a, b| from(*a).total_cmp(&from(*b))).unwrap_or(v);
+    }
+    face.point(u, v)
 }
 
 /// Distance of a point from a line between two points.

@@ -6,7 +6,7 @@ use impellerc::compare::{ComparedMotion, compare};
 use impellerc::diag::Sink;
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::entity::PrimaryMap;
-use impellerc::ir::{OperationKind, Program};
+use impellerc::ir::{OperationKind, Program, Tool};
 use impellerc::kin::{Chain, Joints, Machine, RotaryPose};
 use impellerc::method::{AxisMethod, LengthTo, ModuloWay};
 use impellerc::passes::pipeline;
@@ -378,6 +378,12 @@ fn text_on(machine: &str, operations: &[&str]) -> (Program, String) {
     }
     assert_eq!(program.operations.iter().count(), operations.len());
     program.allowed.push(support::deep_slots());
+    // Less is roughed than in the whole job, and coarse cells show more depth than there is.
+    let mut tools = PrimaryMap::new();
+    for (_, tool) in program.tools.iter() {
+        tools.push(Tool { max_depth: impellerc::units::Mm(30.0), ..tool.clone() });
+    }
+    program.tools = tools;
     // The largest cells that a job may have: the stock has no part in what is compared.
     let (mut sink, mut settings) = (Sink::default(), Settings { cell: Some(1.0), after: None });
     let motion = pipeline::run(&program, &mut sink).unwrap_or_else(|_| panic!("{:?}", sink.diags())).motion;
@@ -449,6 +455,8 @@ fn flank_on(text: &str) -> (tempfile::TempDir, Outcome) {
     let mut options = job_on(folder.path(), "limited", text);
     let job =
         include_str!("../../jobs/reduced/reduced.imp").replace("5mc850-c", "limited").replace("sectors 1", "sectors 3");
+    // Nothing is roughed.
+    let job = job.replace("max-depth 18 mm", "max-depth 30 mm");
     let (head, rest) = job.split_once("operation groove").unwrap();
     let (_, flank) = rest.split_once("operation flank").unwrap();
     let (flank, _) = flank.split_once("operation channel").unwrap();

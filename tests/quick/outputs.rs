@@ -597,7 +597,7 @@ fn a_library_is_there_and_is_named() {
     }
     // A file that is there and cannot be read is told, and not passed over for the shipped one.
     place.file("shop/tools/carbide.toml", [0xff, 0xfe]);
-    place.run(&["job.imp", "--library", "shop"]).fails(3, &["IMP0901", "not a text file"]);
+    place.run(&["job.imp", "--library", "shop"]).fails(3, &["IMP0901", "it is a text in UTF-16: save it as UTF-8"]);
     std::fs::remove_file(place.at("shop/tools/carbide.toml")).unwrap();
     place.run(&["job.imp", "--library", "shop", "-o", "part.nc"]).holds();
     let text = std::fs::read_to_string(place.at("part.nc")).unwrap();

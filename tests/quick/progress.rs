@@ -16,7 +16,7 @@ const JOB: &str = "jobs/reduced/reduced.imp";
 
 #[test]
 fn pipes_see_nothing() {
-    let output = Command::new(env!("CARGO_BIN_EXE_impellerc")).args([JOB, "--stock-cell", "1"]).output().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_impellerc")).arg(JOB).output().unwrap();
     assert!(output.status.success());
     let (said, made) = (String::from_utf8(output.stderr).unwrap(), String::from_utf8(output.stdout).unwrap());
     assert!(!said.contains(['\u{1b}', '\r']), "control signs in {said:?}");

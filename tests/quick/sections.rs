@@ -58,14 +58,12 @@ fn surfaces_go_through_the_points() {
 #[test]
 fn a_stated_point_off_the_surfaces_is_found() {
     let face = FREE.part.face(BladeId::MAIN.faces()[0]);
-    let ends = BladeId::MAIN.faces().map(|id| FREE.part.face(id).surface.point(1.0, 0.5));
-    let middle = nalgebra::center(&ends[0], &ends[1]);
-    let outward = (middle
-        - nalgebra::center(
-            &face.surface.point(0.8, 0.5),
-            &FREE.part.face(BladeId::MAIN.faces()[1]).surface.point(0.8, 0.5),
-        ))
-    .normalize();
+    let on = |u: f64, v: f64| BladeId::MAIN.faces().map(|id| FREE.part.face(id).surface.point(u, v));
+    let between = |u: f64, v: f64| nalgebra::center(&on(u, v)[0], &on(u, v)[1]);
+    // Normal of the surface between the ends of the faces, away from the blade.
+    let middle = between(1.0, 0.5);
+    let normal = (on(1.0, 0.5)[1] - on(1.0, 0.5)[0]).cross(&(between(1.0, 0.6) - between(1.0, 0.4))).normalize();
+    let outward = normal * normal.dot(&(middle - between(0.8, 0.5))).signum();
     for (off, tolerance) in [(0.05, 1e-6), (0.5, 1e-3)] {
         for (point, tolerance) in [
             (face.surface.point(0.4, 0.5) + face.normal(0.4, 0.5) * off, tolerance),
