@@ -17,7 +17,7 @@ const REDUCED: &str = include_str!("../../jobs/reduced/reduced.imp");
 
 /// Its first tool.
 const FLAT: &str =
-    "tool t1 = flat { diameter 6 mm  flutes 4  flute 25 mm  reach 45 mm  max-depth 12 mm  holder \"er16-mini\" }";
+    "tool t1 = flat { diameter 6 mm  flutes 4  flute 25 mm  reach 45 mm  max-depth 18 mm  holder \"er16-mini\" }";
 const CURVES: &str = include_str!("../../jobs/reduced/vane_curves.csv");
 
 fn files() -> InMemory {
@@ -90,7 +90,7 @@ fn loose_limits_are_told() {
         assert_eq!(with(usual), [""; 0], "{usual}");
     }
     for (limit, told) in [("12 mm", 0), ("18 mm", 0), ("18.1 mm", 1), ("100 mm", 1)] {
-        let text = REDUCED.replacen("max-depth 12 mm", &format!("max-depth {limit}"), 1);
+        let text = REDUCED.replacen("max-depth 18 mm", &format!("max-depth {limit}"), 1);
         assert_eq!(doubts(&text).len(), told, "{limit}");
     }
 }
