@@ -236,14 +236,19 @@ pub fn check(program: &Program, throats: &[(Passage, Throat)], sink: &mut Sink) 
 
 /// Whether two fillets are wider than the narrowest channel.
 pub(super) fn fillets_fill(program: &Program, throats: &[(Passage, Throat)]) -> bool {
-    let most = program.part.main().fillet.as_ref().map_or(0.0, |fillet| fillet.most().get());
-    throats.iter().any(|(_, throat)| throat.narrowest.distance < 2.0 * most)
+    let needed = two_fillets(program);
+    throats.iter().any(|(_, throat)| throat.narrowest.distance < needed)
+}
+
+/// Width that two fillets beside each other take, mm; zero without fillets.
+fn two_fillets(program: &Program) -> f64 {
+    program.part.main().fillet.as_ref().map_or(0.0, |fillet| 2.0 * fillet.most().get())
 }
 
 /// The error for a part whose fillets leave no room between two vanes: no tool fits, so it is no fault of a tool.
 fn no_room(program: &Program, throat: &Throat, reaches: &[Reach]) -> Option<Diag> {
     let fillet = program.part.main().fillet.as_ref()?;
-    let needed = 2.0 * fillet.most().get();
+    let needed = two_fillets(program);
     let (narrow, vanes) = (&throat.narrowest, program.part.vane_count);
     if needed <= narrow.distance || reaches.iter().all(|r| r.fits) {
         return None;

@@ -4,6 +4,7 @@
 pub mod angle;
 pub mod basis;
 pub mod bezier;
+pub mod chords;
 pub mod curvature;
 pub mod curve;
 pub mod dual;

@@ -26,7 +26,7 @@ pub(super) fn order(imported: &Imported, at: Span) -> Result<(), Diag> {
 }
 
 /// Largest coordinate below which a wheel is none that a tool cuts, mm.
-const LEAST_SIZE: f64 = 1.0;
+pub(crate) const LEAST_SIZE: f64 = 1.0;
 
 /// Coordinates from which on a wheel is larger than all that are made, mm.
 const MOST_SIZE: f64 = 15_000.0;

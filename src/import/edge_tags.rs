@@ -5,6 +5,7 @@ use super::ImportedBlade;
 use super::lines::{Line, separates};
 use crate::diag::codes::import as codes;
 use crate::diag::{Diag, printable};
+use crate::geom::chords::from_chords;
 use crate::sections::EdgeForm;
 use crate::sections::outline::DividedSection;
 use crate::source::Span;
@@ -108,17 +109,4 @@ pub(super) fn check(blade: &ImportedBlade, divided: &[DividedSection]) -> Result
         return Err(Diag::error(codes::CONTRADICTS, message).label(tag.place, what).help(help));
     }
     Ok(())
-}
-
-/// Distance of a point from a line of chords, mm.
-fn from_chords(p: &Point3<f64>, line: &[Point3<f64>]) -> f64 {
-    let ends = line.first().map_or(f64::INFINITY, |a| nalgebra::distance(p, a));
-    let chords = line.windows(2).filter_map(|w| <&[Point3<f64>; 2]>::try_from(w).ok());
-    let distances = chords.map(|[a, b]| {
-        let way = b - a;
-        let square = way.norm_squared();
-        let t = if square > 0.0 { ((p - a).dot(&way) / square).clamp(0.0, 1.0) } else { 0.0 };
-        (p - a - way * t).norm()
-    });
-    distances.fold(ends, f64::min)
 }

@@ -39,6 +39,7 @@ mod table;
 mod turbogrid;
 mod wheel_ends;
 
+pub(crate) use check::LEAST_SIZE;
 pub use face_choice::{BladeFace, FaceChoice, FaceRole};
 pub use frame::{Axis, Handedness, LengthUnit};
 pub use loader::{Fetch, NoFile};

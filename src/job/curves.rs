@@ -8,8 +8,7 @@ use super::model::{CurveSpec, LoopSpec};
 use super::quantity::{Dimension, Quantity};
 use crate::diag::Diag;
 use crate::diag::codes::{files as file_codes, geometry, job as codes};
-use crate::import::LengthUnit;
-use crate::import::header_unit;
+use crate::import::{LEAST_SIZE, LengthUnit, header_unit};
 use crate::source::{SourceId, Span};
 use crate::syntax::ast::{Name, Spline, SplinePoints, Text};
 use crate::units::length;
@@ -62,9 +61,6 @@ pub(super) fn closed_from(file: &Text, unit: Option<&Name>, span: Span, cx: &mut
     };
     found.into_iter().map(closed).collect()
 }
-
-/// Largest coordinate below which points are hardly those of a wheel, mm.
-const LEAST_SIZE: f64 = 1.0;
 
 /// Checks the unit that the job states for the points of a file: it is that of the head of the file, and points that are taken for
 /// millimetres have the size of a wheel. One message a file.

@@ -193,20 +193,16 @@ const INSTEAD: &[(&str, &str)] = &[
     ("direction", SENSE),
     ("climb", SENSE),
     ("cutting-direction", SENSE),
-    (
-        "deflection",
-        "no check covers deflection, vibration or wear; `require engagement` and `require removal-rate` keep loads small",
-    ),
-    (
-        "chatter",
-        "no check covers deflection, vibration or wear; `require engagement` and `require removal-rate` keep loads small",
-    ),
+    ("deflection", LOADS),
+    ("chatter", LOADS),
     ("compensation", "paths are those of the stated diameter: the program has no radius compensation"),
     ("work-offset", "the post has the work offset: `post siemens-840d { work-offset \"G55\" }`"),
 ];
 const AXES: &str =
     "the compiler finds the tool axes itself; `method` says how, and `require clearance` how far all stays away";
 const HEIGHTS: &str = "the compiler finds safe heights itself: `[retract] z` of the machine file, and over the stock by `require clearance`";
+const LOADS: &str =
+    "no check covers deflection, vibration or wear; `require engagement` and `require removal-rate` keep loads small";
 const SENSE: &str = "`flank`, `point` and `fillet` take `milling climb` or `milling conventional`";
 
 /// What stands in the place of a word of another system that has no word here.

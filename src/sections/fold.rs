@@ -6,7 +6,8 @@
 //! sharper: near each of the two, the nose is the centre of the turns of that part of the loop which turns the most over a
 //! length of five quarters of the thickness of the blade.
 
-use super::ring::{Ring, from_chords};
+use super::ring::Ring;
+use crate::geom::chords::from_chords;
 use nalgebra::Point3;
 
 /// Points with even steps that stand for the loop in the search.

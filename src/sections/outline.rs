@@ -9,9 +9,10 @@
 
 use super::edges::{self, FoundEdge};
 use super::fold::{Fold, fold};
-use super::ring::{Ring, from_chords};
+use super::ring::Ring;
 use super::stream::{self, Camber};
 use super::{LoopEdges, MeanPoint, Outline, Section, SectionForm, ThicknessDirection, mean_line};
+use crate::geom::chords::from_chords;
 use nalgebra::Point3;
 use std::fmt;
 

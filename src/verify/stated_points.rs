@@ -3,6 +3,7 @@
 //! The points are those of the files or lists of the job, as they were read. They are projected to the surfaces of the part, so the
 //! distance shows what fitting, extending and turning did, and a curve that was read as another one.
 
+use crate::geom::chords::from_chords;
 use crate::geom::proximity::Patch;
 use crate::ir::{Program, StatedPoints};
 use crate::part::{Blade, FaceSurface, Surface};
@@ -43,7 +44,7 @@ fn distance(blade: &Blade, p: &Point3<f64>) -> f64 {
     let mut least = surfaces.map(|face| face.surface.closest(p, Patch::WHOLE).distance).fold(f64::INFINITY, f64::min);
     for (u, edge) in [0.0, 1.0].into_iter().zip(&blade.edges) {
         if edge.is_none() {
-            least = least.min(from_segment(p, blade.faces.each_ref().map(|face| on_end(&face.surface, u, p))));
+            least = least.min(from_chords(p, &blade.faces.each_ref().map(|face| on_end(&face.surface, u, p))));
         }
     }
     least
@@ -63,14 +64,6 @@ fn on_end(face: &FaceSurface, u: f64, p: &Point3<f64>) -> Point3<f64> {
         v = beside.into_iter().min_by(|a, b| from(*a).total_cmp(&from(*b))).unwrap_or(v);
     }
     face.point(u, v)
-}
-
-/// Distance of a point from a line between two points.
-fn from_segment(p: &Point3<f64>, [a, b]: [Point3<f64>; 2]) -> f64 {
-    let along = b - a;
-    let square = along.norm_squared();
-    let t = if square > 0.0 { ((p - a).dot(&along) / square).clamp(0.0, 1.0) } else { 0.0 };
-    (p - (a + along * t)).norm()
 }
 
 /// Writes a line a vane.
