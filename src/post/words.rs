@@ -40,15 +40,16 @@ pub fn inverse_time(time: f64) -> String {
 
 /// A text with only such characters as are allowed in a comment of every dialect.
 pub fn comment(text: &str) -> String {
-    text.chars()
+    // The sign ends a program of the Fanuc family.
+    let spelt = text.replace('%', "percent");
+    spelt
+        .chars()
         .map(|c| match c {
             '(' | '[' | '{' => '<',
             ')' | ']' | '}' => '>',
             ';' => ',',
             // Klartext goes on in the next line after it.
             '~' => '-',
-            // It ends a program of the Fanuc family.
-            '%' => '?',
             c if c.is_ascii() && !c.is_ascii_control() => c,
             _ => '?',
         })

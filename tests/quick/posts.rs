@@ -186,6 +186,11 @@ fn the_work_offset_is_stated_once() {
     assert!(sink.diags()[0].message.contains("has no work offset"), "{:?}", sink.diags());
 }
 
+/// A line as a comment shows it: whole, with the signs that controls take in comments.
+fn words_of_comment(line: &str) -> String {
+    line.replace('%', "percent").replace(['(', '['], "<").replace([')', ']'], ">").replace(';', ",")
+}
+
 /// What no word of a text excludes is named for each control: settings, offsets and interventions of the operator that would
 /// change what the text does. The sources stand in the pages of the dialects.
 #[test]
@@ -200,8 +205,14 @@ fn conditions_that_no_word_excludes_are_named() {
         ("linuxcnc", &["WRAPPED_ROTARY", "conventional-directions", "REMAP", "eoffset", "X, Y, A, B, C"]),
     ];
     for post in post::POSTS {
-        let (program, _) = program(*post);
-        let assumed = post::assumptions(*post, &program).join("\n");
+        let (program, motion) = program(*post);
+        let assumed = post::assumptions(*post, &program);
+        let head: Vec<String> = assumed.iter().map(|line| format!("assumed: {line}")).collect();
+        let text = post::emit(*post, &program, motion, &head).text();
+        for line in head.iter().map(|line| words_of_comment(line)) {
+            assert!(text.contains(&line), "{}: {line} is cut off or altered in\n{text}", post.name());
+        }
+        let assumed = assumed.join("\n");
         let own = cases.iter().find(|(name, _)| *name == post.name()).map(|(_, own)| *own);
         let due =
             everywhere.iter().chain(own.map(|_| &of_controls).into_iter().flatten()).chain(own.unwrap_or_default());
