@@ -48,6 +48,7 @@ fn replace(program: &Program, motion: &mut Motion, operation: usize, poses: &[(P
     let feed = program.operations[motion.operations[operation].operation].feed.get();
     let moves = &mut motion.operations[operation].moves;
     let first = moves[0];
+    let mut from = None;
     *moves = poses
         .iter()
         .map(|(tip, axis, kind)| {
@@ -58,7 +59,9 @@ fn replace(program: &Program, motion: &mut Motion, operation: usize, poses: &[(P
                 MoveKind::Cut => Some(feed),
                 MoveKind::Link => Some(20.0 * feed),
             };
-            impellerc::ir::JointMove { kind: *kind, joints, feed, time: 1.0, ..first }
+            let way = from.replace(*tip).map_or(0.0, |from: Point3<f64>| (tip - from).norm());
+            let time = feed.map_or(1.0, |feed| way / feed * 60.0);
+            impellerc::ir::JointMove { kind: *kind, joints, feed, time, ..first }
         })
         .collect();
 }
@@ -344,7 +347,8 @@ fn load_is_judged_by_tool_and_feed() {
         assert!(found.len() == 1 && right(&found[0]), "{allows}: {found:?}");
     }
     // The same with chips of 0.25 mm: the tool breaks, also by the chip alone.
-    motion.operations[0].moves[2].feed = Some(8000.0);
+    let cut = &mut motion.operations[0].moves[2];
+    (cut.feed, cut.time) = (Some(8000.0), cut.time * cut.feed.unwrap() / 8000.0);
     let found = told(&program, &motion);
     assert!(found.iter().any(|f| f.1 && f.2.contains("full material")), "{found:?}");
     let thick = |f: &&(&str, bool, String)| f.2.contains("feed per tooth of");
@@ -364,12 +368,13 @@ fn load_is_judged_by_tool_and_feed() {
     let deep = |f: &(&str, bool, String)| f.0 == "IMP0739" && f.1 && f.2.contains("its limit is 4.000 mm");
     assert!(found.iter().any(deep), "{found:?}");
     // The deepest section of the slot: the width of the ball, 6 mm, by the height of the blank over the tip, where the
-    // line crosses the meridian nearest to the axis, less the corners beside the hemisphere.
+    // line crosses the meridian nearest to the axis, less the corners beside the hemisphere. The mean over some cells, which
+    // the simulation finds, is smaller.
     let blank = program.stock.profile.iter().filter(|p| p[0] >= 40.0).map(|p| p[1]).fold(f64::NEG_INFINITY, f64::max);
     let section = 6.0 * (blank + 20.0 - 3.0) + PI * 9.0 / 2.0;
     let rate = section * 8000.0;
     let fast = |f: &(&str, bool, String)| f.0 == "IMP0739" && f.1 && f.2.contains("mm3/min");
-    for (share, fails) in [(0.9, true), (1.1, false)] {
+    for (share, fails) in [(0.85, true), (1.1, false)] {
         let found = told(&stiff(f64::INFINITY, Some(Mm3PerMin(share * rate))), &motion);
         assert_eq!(found.iter().any(fast), fails, "{share} {rate} {found:?}");
     }
@@ -380,12 +385,12 @@ fn load_is_judged_by_tool_and_feed() {
         let help = told.help.unwrap();
         help.split_once("a feed of at most ").unwrap().1.split_once(" mm/min").unwrap().0.parse::<f64>().unwrap()
     };
-    let slow = stiff(f64::INFINITY, Some(Mm3PerMin(0.9 * rate)));
+    let slow = stiff(f64::INFINITY, Some(Mm3PerMin(0.85 * rate)));
     let mut thin = Program { tools: PrimaryMap::new(), ..slow.clone() };
     for (_, tool) in slow.tools.iter() {
         thin.tools.push(Tool { max_chip: Mm(0.2), ..tool.clone() });
     }
-    for (of, expected) in [("feed per tooth of", 0.2 * 8000.0 * 4.0), ("mm3/min", 0.9 * 8000.0)] {
+    for (of, expected) in [("feed per tooth of", 0.2 * 8000.0 * 4.0), ("mm3/min", 0.85 * 8000.0)] {
         let feed = told_feed(&thin, &motion, of);
         assert!((0.95 * expected..1.1 * expected).contains(&feed), "{of}: {feed} {expected}");
         let mut slower = motion.clone();
@@ -397,7 +402,7 @@ fn load_is_judged_by_tool_and_feed() {
     // Aluminium: 500 N/mm2 for a chip of 1 mm. Here the mean chip is 2/pi of 8000 / (8000 * 4) mm.
     let power = 500.0 * (8000.0 / (8000.0 * 4.0) * 2.0 / PI).powf(-0.25) * rate / 6e7;
     let strong = |f: &(&str, bool, String)| f.0 == "IMP0739" && f.1 && f.2.contains("kW at the cutter");
-    for (share, fails) in [(0.9, true), (1.1, false)] {
+    for (share, fails) in [(0.85, true), (1.1, false)] {
         let mut program = stiff(f64::INFINITY, None);
         program.machine.power = Some(share * power);
         assert!(!told(&program, &motion).iter().any(strong), "the material is unknown");

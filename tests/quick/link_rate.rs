@@ -2,8 +2,10 @@
 
 use crate::plunge::{block, findings, of_one_operation};
 use impellerc::diag::Severity;
-use impellerc::ir::{JointMove, Motion, MoveKind, Program};
-use nalgebra::Point3;
+use impellerc::entity::PrimaryMap;
+use impellerc::ir::{JointMove, Motion, MoveKind, Program, Tool};
+use impellerc::units::Mm;
+use nalgebra::{Point3, Vector3};
 
 /// Speed of links and of cuts, mm/s.
 const LINK: f64 = 100.0;
@@ -102,5 +104,82 @@ fn short_blocks_are_judged_by_what_they_remove_together() {
         assert!(!harmed(3.0, &|_| (Cut, CUT), parts), "{parts}");
         // A link as slow as the cuts harms nothing.
         assert!(!harmed(3.0, &|k| (if k == 0 { Link } else { Cut }, 0.9 * CUT), parts), "{parts}");
+    }
+}
+
+/// A full slot of a finishing tool counts as one however short its blocks are, straight or to and fro within a micrometre.
+#[test]
+fn a_slot_in_blocks_of_a_micrometre_is_a_slot() {
+    let program = block(2.0, 1.4);
+    let slot = |length: f64, across: f64| {
+        let at = |x: f64, y: f64, z: f64| program.machine.joints(&Point3::new(x, y, z), [0.0; 2]);
+        let to = |kind, at, time: f64| JointMove { kind, joints: at, feed: Some(1200.0), time, pass: 0, stop: false };
+        let mut moves =
+            vec![to(MoveKind::Rapid, at(-8.5, 0.0, 10.0), 1.0), to(MoveKind::Link, at(-8.5, 0.0, -1.0), 0.55)];
+        let count = (4.0 / length) as usize;
+        moves.extend((1..=count).map(|k| {
+            let y = if k % 2 == 1 { across } else { 0.0 };
+            to(MoveKind::Cut, at(-8.5 + length * k as f64, y, -1.0), length / 20.0)
+        }));
+        moves.push(to(MoveKind::Rapid, at(-8.5 + length * count as f64, 0.0, 10.0), 0.55));
+        findings(&program, &of_one_operation(&program, moves), 0.2).0
+    };
+    let whole = slot(4.0, 0.0);
+    let [depth, arc] = [whole.slot_depth.expect("a depth").value, whole.arc.expect("an arc").value];
+    assert!((165.0..181.0).contains(&arc) && depth > 0.9, "{arc} deg, {depth} mm");
+    for (length, across) in [(0.1, 0.0), (0.015, 0.0), (0.005, 0.0), (0.0015, 0.0), (0.0004, 0.0), (0.001, 0.0005)] {
+        let divided = slot(length, across);
+        let [d, a] = [divided.slot_depth.map_or(0.0, |p| p.value), divided.arc.map_or(0.0, |p| p.value)];
+        println!(
+            "blocks of {length} mm, {across} mm across: {a:.1} deg, {d:.3} mm; whole: {arc:.1} deg, {depth:.3} mm"
+        );
+        assert!((160.0..181.0).contains(&a) && d > 0.9 * depth, "{length}: {a} deg, {d} mm");
+        let removed = [whole.removed, divided.removed];
+        assert!((removed[0] - removed[1]).abs() < 2e-3 * removed[0], "{length}: {removed:?}");
+    }
+}
+
+/// A tool whose tip is slow and whose flutes are fast, since it turns: the chip counts where it is cut.
+#[test]
+fn a_fast_turn_with_a_slow_tip_is_a_thick_chip() {
+    let program = block(2.0, 1.4);
+    let run = |largest: f64, turn: f64| {
+        let mut program = program.clone();
+        let mut tools = PrimaryMap::new();
+        for (_, tool) in program.tools.iter() {
+            tools.push(Tool { max_chip: Mm(largest), ..tool.clone() });
+        }
+        program.tools = tools;
+        let declared = program.operations.ids().next().unwrap();
+        let teeth = program.operations[declared].speed.get()
+            * f64::from(program.tools[program.operations[declared].tool].flutes);
+        // 5 mm deep beside the block, and over the way of 0.2 mm the tool turns into it about its tip.
+        let tip = Point3::new(0.0, -8.1, -5.0);
+        let at = |y: f64, angle: f64| program.machine.joints(&(tip + Vector3::y() * y), [angle, 0.0]);
+        let time = 0.2 / 20.0;
+        let to = |kind, joints, time| JointMove { kind, joints, feed: Some(1200.0), time, pass: 0, stop: false };
+        let mut moves = vec![
+            to(MoveKind::Rapid, program.machine.joints(&Point3::new(0.0, -20.0, -5.0), [0.0; 2]), 1.0),
+            to(MoveKind::Cut, at(0.0, 0.0), 0.6),
+        ];
+        moves.extend(
+            (1..=20).map(|k| to(MoveKind::Cut, at(0.01 * f64::from(k), turn * f64::from(k) / 20.0), time / 20.0)),
+        );
+        let (found, said) = findings(&program, &of_one_operation(&program, moves), 0.2);
+        (found.chip, said.contains(&(Severity::Error, "IMP0739")), 1200.0 / teeth)
+    };
+    let tip = run(1e6, 0.0);
+    let straight = tip.0.expect("a cut").value;
+    assert!((straight - tip.2).abs() < 1e-9 * straight, "without a turn {straight} is that of the tip, {}", tip.2);
+    for turn in [0.4_f64, -0.4] {
+        let (chip, harmed, feed) = run(1e6, turn);
+        let Some(chip) = chip else { continue };
+        // The axis at a height moves by the way of the tip and by the height times the turn; the tool meets the block up to
+        // 6.5 mm over its tip.
+        let most = feed * (1.0 + 6.5 * turn.abs() / 0.2);
+        println!("turn of {turn}: {:.4} mm at {:.2} mm; tip {feed:.4} mm", chip.value, chip.height);
+        assert!(chip.value > 3.0 * feed && chip.value < most && !harmed, "{chip:?}");
+        assert!(run(1.5 * feed, turn).1, "1.5 times the feed of the tip is the limit");
+        assert!(!run(1.5 * feed, 0.0).1);
     }
 }

@@ -131,7 +131,7 @@ than the sum of the tolerance and the chord error of the path, or a smaller tole
 of the cutter is engaged. These cases are reported: a motion down along the axis with material in the middle of the \
 end, which has no teeth (`plunge-width`), a way down with material under this middle that is steeper than `ramp` \
 of the tool, a cut deeper than `max-depth` of the tool, a feed per tooth above \
-`max-chip` of the tool, a removal rate above `max-rate` of the tool, more power than the spindle of the machine has, and \
+`max-chip` of the tool (also over the tip, where a tool that turns is faster), a removal rate above `max-rate` of the tool, more power than the spindle of the machine has, and \
 a finishing operation that cuts a slot of full width deeper than a quarter of the diameter. All but \
 three are errors. A way down that is steeper than the default of `ramp`, which no one stated, is a remark. So is a cut that loads \
 the tool as a slot deeper than its diameter, which only a stated `max-depth` permits. The last is an error \

@@ -246,24 +246,58 @@ fn report_chip(program: &Program, motion: &Motion, o: &OperationStock, sink: &mu
     let Some(operation) = motion.operations.get(o.operation as usize) else { return };
     let declared = &program.operations[operation.operation];
     let tool = &program.tools[declared.tool];
+    let limit = tool.max_chip.get() * (1.0 + ROUNDING);
     let chip = thickest_chip(declared, operation).map(|(turn, i)| (turn / f64::from(tool.flutes), i));
-    let too_thick = chip.filter(|(chip, _)| *chip > tool.max_chip.get() * (1.0 + ROUNDING));
-    if let Some((chip, index)) = too_thick {
-        let text = match chip.is_finite() {
-            true => format!("the feed per tooth of {} is {}, {}", tool.name, length(chip), share(tool, chip)),
-            false => format!("{} cuts with a spindle that stands still", tool.name),
-        };
-        let tip = operation.moves.get(index).map(|m| program.machine.forward(&m.joints).tip).unwrap_or_default();
-        let at = At { operation: o.operation, index: u32::try_from(index).unwrap_or(u32::MAX) };
-        sink.push(
-            Diag::error(verification::TOOL_LOAD, text)
-                .label(declared.span, "in this operation")
-                .place(describe(program, motion, Some(at)), tip)
-                .block(at.operation, at.index)
-                .note(format!("the limit of the tool is {}", length(tool.max_chip.get())))
-                .help(thinner(program, declared, chip)),
-        );
+    let Some((chip, index)) = chip.filter(|(chip, _)| *chip > limit) else {
+        return report_turned_chip(program, motion, o, limit, sink);
+    };
+    let text = match chip.is_finite() {
+        true => format!("the feed per tooth of {} is {}, {}", tool.name, length(chip), share(tool, chip)),
+        false => format!("{} cuts with a spindle that stands still", tool.name),
+    };
+    let tip = operation.moves.get(index).map(|m| program.machine.forward(&m.joints).tip).unwrap_or_default();
+    let at = At { operation: o.operation, index: u32::try_from(index).unwrap_or(u32::MAX) };
+    sink.push(
+        Diag::error(verification::TOOL_LOAD, text)
+            .label(declared.span, "in this operation")
+            .place(describe(program, motion, Some(at)), tip)
+            .block(at.operation, at.index)
+            .note(format!("the limit of the tool is {}", length(tool.max_chip.get())))
+            .help(thinner(program, declared, chip)),
+    );
+}
+
+/// Finding on a tool that turns so fast while it cuts that its chips are too thick above the tip, where the feed of the tip
+/// is not.
+fn report_turned_chip(program: &Program, motion: &Motion, o: &OperationStock, limit: f64, sink: &mut Sink) {
+    let Some((chip, operation)) = o.chip.zip(motion.operations.get(o.operation as usize)) else { return };
+    if chip.value <= limit {
+        return;
     }
+    let declared = &program.operations[operation.operation];
+    let tool = &program.tools[declared.tool];
+    let feed = operation.moves.get(chip.at.index as usize).and_then(|m| m.feed).unwrap_or_default();
+    let slower = MmPerMin((feed * tool.max_chip.get() / chip.value).floor());
+    sink.push(
+        Diag::error(
+            verification::TOOL_LOAD,
+            format!(
+                "{} turns while it cuts: {} over the tip its feed per tooth is {}, {}",
+                tool.name,
+                length(chip.height),
+                length(chip.value),
+                share(tool, chip.value)
+            ),
+        )
+        .label(declared.span, "in this operation")
+        .place(describe(program, motion, Some(chip.at)), Point3::from(chip.tip))
+        .block(chip.at.operation, chip.at.index)
+        .note(format!("the limit of the tool is {}", length(tool.max_chip.get())))
+        .help(match slower.get() >= 1.0 {
+            true => format!("use a feed of at most {slower} in this block, or a higher `speed`"),
+            false => "turn the tool over a longer way, or use a higher `speed`".to_owned(),
+        }),
+    );
 }
 
 /// The remedy for a chip: the feed and the spindle speed that keep the limit of the tool, rounded to whole numbers.

@@ -7,6 +7,7 @@ mod load;
 mod ramp;
 mod removal;
 mod report;
+mod steps;
 mod strokes;
 
 pub use arcs::{ArcBound, ArcTimes};
@@ -16,20 +17,16 @@ pub use report::report;
 use super::proof::piece::At;
 use crate::contract::clock;
 use crate::diag::{Diag, Sink, codes::verification};
-use crate::ir::{ContractKind, JointMove, Motion, MotionOperation, MoveKind, Program};
-use crate::kin::between;
+use crate::ir::{ContractKind, Motion, MotionOperation, MoveKind, Program};
 use crate::progress::{Progress, Work};
-use crate::stock::{self, BlockCut, Field, FieldError, Outcome, Slices, Step, StepKind, Touched};
+use crate::stock::{self, BlockCut, Field, FieldError, Outcome, Slices, Step, Touched};
 use crate::units::trim;
-use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 use std::fmt::Write as _;
 
 use arcs::{Circle, StepArc};
 use removal::StepRemoval;
-
-/// Longest tip motion of a step, mm; this is the resolution of air cuts and engagement.
-const STEP_LENGTH: f64 = 2.0;
+use steps::{StepPlace, steps};
 
 /// Steps that are simulated between two reports of progress.
 const PIECE: usize = 1 << 11;
@@ -84,6 +81,20 @@ pub struct SlotDepth {
     pub depth: f64,
     /// Arc that the rays show at the height with the largest one, degrees.
     pub arc: f64,
+    /// Move.
+    pub at: At,
+    /// Tool tip at this move, part frame, mm.
+    pub tip: [f64; 3],
+}
+
+/// Feed per tooth at the height over the tip at which it is largest: a tool that turns while it cuts is faster there than at
+/// its tip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToothFeed {
+    /// Way of the axis of the tool at this height for each tooth, mm.
+    pub value: f64,
+    /// Height over the tip, mm.
+    pub height: f64,
     /// Move.
     pub at: At,
     /// Tool tip at this move, part frame, mm.
@@ -158,6 +169,9 @@ pub struct OperationStock {
     /// cutter is in full material, over an arc of 150 degrees.
     #[serde(skip)]
     pub slot: Option<Peak>,
+    /// Largest feed per tooth where the cutter meets material, mm.
+    #[serde(skip)]
+    pub chip: Option<ToothFeed>,
     /// Collisions, the deepest of each move and part of the tool.
     pub collisions: Vec<StockCollision>,
     /// Engagement in each move, for plots.
@@ -394,7 +408,7 @@ impl Milled {
         let solid = &program.tools[program.operations[operation.operation].tool].solid;
         let mut places: Vec<StepPlace> = Vec::new();
         let mut outcome = Outcome::default();
-        let stream = operation.moves.windows(2).enumerate().flat_map(|(i, pair)| steps(program, pair, i + 1));
+        let stream = steps(program, &operation.moves, solid.flute_length);
         let before = |(place, _): &(StepPlace, Step)| (place.index as usize).saturating_sub(1);
         work.in_pieces(stream, PIECE, before, |piece| {
             let first = places.len();
@@ -438,6 +452,20 @@ impl Milled {
         let (value, depth, arc, step) = loads.max_by(|a, b| a.0.total_cmp(&b.0))?;
         let Peak { at, tip, .. } = self.peak_at(value, step)?;
         Some(SlotDepth { value, depth, arc, at, tip })
+    }
+
+    /// The largest feed per tooth of the cuts that remove material, where they do, at `teeth` each minute.
+    fn chip(&self, removal: &StepRemoval, teeth: f64) -> Option<ToothFeed> {
+        let cuts = self.outcome.cuts.iter().filter(|c| c.height[0] <= c.height[1]);
+        let feeds = cuts.flat_map(|c| {
+            let place = self.places.get(c.block as usize);
+            let cuts = removal.cuts.get(c.block as usize).is_some_and(|cuts| *cuts);
+            let place = place.filter(|p| cuts && p.kind == MoveKind::Cut && p.time > 0.0);
+            place.map(|p| c.height.map(|h| (p.way_at(h) / p.time * 60.0 / teeth, h, c.block)))
+        });
+        let (value, height, step) = feeds.flatten().max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let Peak { at, tip, .. } = self.peak_at(value, step)?;
+        Some(ToothFeed { value, height, at, tip })
     }
 
     /// The largest upper bound of the arc over the chosen steps.
@@ -534,6 +562,7 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
         slot: milled.peak(&slot).filter(|p| p.value > 0.0 && declared.kind.finishes()),
         rate: removal.rate.and_then(|(value, step)| milled.peak_at(value, u32::try_from(step).unwrap_or(u32::MAX))),
         power: removal::power(program, declared, &removal).and_then(|(value, step)| milled.peak_at(value, step)),
+        chip: milled.chip(&removal, declared.speed.get() * f64::from(program.tools[declared.tool].flutes)),
         collisions: milled.collisions(),
         moves: engagement(operation.moves.len(), places, &removal, &arcs),
         removal: removal.shares(program, declared, places, (window, operation.moves.len())),
@@ -545,7 +574,7 @@ fn engagement(count: usize, places: &[StepPlace], removal: &StepRemoval, arcs: &
     let mut moves = vec![Engagement::default(); count];
     let mut times = vec![0.0; count];
     for (p, rate) in places.iter().zip(&removal.rates) {
-        if let (Some(m), Some(time)) = (moves.get_mut(p.index as usize), times.get_mut(p.index as usize)) {
+        for (m, time) in moves[p.moves()].iter_mut().zip(&mut times[p.moves()]) {
             m.rate += rate * p.time;
             *time += p.time;
         }
@@ -554,65 +583,11 @@ fn engagement(count: usize, places: &[StepPlace], removal: &StepRemoval, arcs: &
         m.rate = if time > 0.0 { m.rate / time } else { 0.0 };
     }
     for (p, arc) in places.iter().zip(arcs) {
-        if let Some(m) = moves.get_mut(p.index as usize) {
+        for m in &mut moves[p.moves()] {
             (m.arc, m.arc_bound) = (m.arc.max(arc.found), m.arc_bound.max(arc.bound));
         }
     }
     moves
-}
-
-/// Place of a step.
-struct StepPlace {
-    /// Index of its move.
-    index: u32,
-    kind: MoveKind,
-    /// Tip at the end of the step.
-    tip: Point3<f64>,
-    /// Tip motion, mm.
-    step: Vector3<f64>,
-    /// Length of the tip motion, mm.
-    way: f64,
-    /// Part of the tip motion along the axis, mm, positive towards the tip.
-    down: f64,
-    /// Time, s.
-    time: f64,
-}
-
-impl StepPlace {
-    /// Part of the tip motion square to the axis, mm.
-    fn across(&self) -> f64 {
-        (self.way * self.way - self.down * self.down).max(0.0).sqrt()
-    }
-}
-
-/// The steps of a move, with turn and tip motion within the limits of the stock simulation.
-fn steps<'a>(
-    program: &'a Program,
-    pair: &'a [JointMove],
-    index: usize,
-) -> impl Iterator<Item = (StepPlace, Step)> + use<'a> {
-    let (from, to) = (pair[0].joints, pair[1].joints);
-    let (kind, time) = (pair[1].kind, pair[1].time);
-    let tips = [program.machine.forward(&from).tip, program.machine.forward(&to).tip];
-    let way = tips[1] - tips[0];
-    let turn = program.machine.turn(from.rotary, to.rotary);
-    let count = (turn / stock::MOST_TURN).max(way.norm() / STEP_LENGTH).ceil().max(1.0);
-    let axis = move |t: f64| program.machine.chain.tool_axis(between(from.rotary, to.rotary, t));
-    (0..count as usize).map(move |k| {
-        let (a, b) = (k as f64 / count, (k + 1) as f64 / count);
-        let ends = [tips[0] + way * a, tips[0] + way * b];
-        let index = u32::try_from(index).unwrap_or(u32::MAX);
-        let (step, time) = (way / count, time / count);
-        let axes = [axis(a), axis(0.5 * (a + b)), axis(b)];
-        let down = -step.dot(&axes[1]);
-        let place = StepPlace { index, kind, tip: ends[1], step, way: step.norm(), down, time };
-        let kind = match kind {
-            MoveKind::Cut => StepKind::Cut,
-            MoveKind::Link => StepKind::Link,
-            MoveKind::Rapid => StepKind::Rapid,
-        };
-        (place, Step { block: 0, kind, tips: ends, axes })
-    })
 }
 
 fn refusal(error: FieldError, cell: f64) -> Diag {

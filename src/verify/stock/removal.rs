@@ -111,7 +111,7 @@ impl StepRemoval {
             let largest = largest_feed(self.rates[end] / self.speeds[end]);
             let mut way = 0.0;
             for place in places[..=end].iter().rev().filter(|p| p.time > 0.0) {
-                if let Some(share) = shares.get_mut(place.index as usize) {
+                for share in &mut shares[place.moves()] {
                     *share = share.max(60.0 * place.way / place.time / largest);
                 }
                 way += place.way;
