@@ -90,10 +90,17 @@ pub(super) const OTHER_CELLS: &str = "of the certificate, contracts, surfaces, c
                                       compared; not compared: stock, which has other cells there, places, and what limits the \
                                       speed of each move\n";
 
-/// Whether the stock of both was simulated in cells of one size.
+/// Edge of the cells in which the stock of a certificate was simulated, mm.
+pub(super) fn cell(says: &Value) -> Option<f64> {
+    says.pointer("/stock/cell").and_then(Value::as_f64)
+}
+
+/// Whether the stock of both was simulated in cells of one size, or one of them has none at all.
 pub(super) fn same_cells(says: &Value, found: &Value) -> bool {
-    let cell = |all: &Value| all.pointer("/stock/cell").and_then(Value::as_f64);
-    cell(says) == cell(found)
+    match [says, found].map(cell) {
+        [Some(said), Some(found)] => said == found,
+        _ => true,
+    }
 }
 
 /// The first figure that differs from the measured one in a sentence, and the number of the others; `None` where all agree.
@@ -179,5 +186,7 @@ mod tests {
         let stock = |cell: f64, blank: f64| json!({ "stock": { "cell": cell, "blank": blank } });
         assert!(difference(&stock(0.5, 100.0), &stock(0.5, 200.0)).is_some());
         assert_eq!(difference(&stock(0.25, 100.0), &stock(0.5, 200.0)), None);
+        let (text, _) = difference(&json!({ "stock": null }), &stock(0.5, 200.0)).unwrap();
+        assert!(text.contains("states nothing for stock blank"), "{text}");
     }
 }

@@ -15,6 +15,7 @@ use crate::output::Outputs;
 use crate::post::motion_of::{NcMotion, READ_PASS};
 use crate::post::{self, Post};
 use crate::source::{SourceFile, SourceId, SourceMap, Span};
+use crate::units::trim;
 use crate::verify::{self, Certificate};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -190,7 +191,7 @@ fn measure(
     let mut stock = Vec::from_iter(rest_stock::at_start(program).filter(|_| check.run.report.is_some()));
     let stages_asked = check.run.report.is_some().then_some(&mut stock);
     let asked = rest_stock::Asked {
-        cell: check.run.stock_cell,
+        cell: check.run.stock_cell.or_else(|| cell_of_certificate(program, stated?.1)),
         usual: verify::stock::usual_cell(&program.stock.profile),
         folder: check.run.stock.as_deref(),
         outputs: &mut outputs,
@@ -214,6 +215,9 @@ fn measure(
     *operations = judged_operations(program, &certificate);
     let mut compared = head::compare((program, &certificate, post), inputs, sources, source, sink);
     if let Some((path, file)) = stated {
+        if check.run.stock_cell.is_none() {
+            refuse_cells(path, file, program, sink);
+        }
         compared.push_str(compare_figures(path, file, &certificate, sink));
         compare_conditions(path, file, (post, program), sink);
     }
@@ -236,6 +240,35 @@ fn measure(
     *emitted = Some(text + &done(check, &motion, post, &compared));
     Ok(())
 }
+
+/// The cells of the stock of a certificate, mm, so that its figures can be compared: unless they are much finer or coarser than
+/// those of this check, which could not be simulated here, or would show nothing.
+fn cell_of_certificate(program: &Program, file: &CertificateFile) -> Option<f64> {
+    let usual = verify::stock::default_cell(program);
+    let taken = usual / FINER..=usual * COARSER;
+    certificate_figures::cell(&file.measured).filter(|cell| taken.contains(cell))
+}
+
+/// Refuses a certificate whose stock this check does not simulate as it was simulated there.
+fn refuse_cells(shown: &str, file: &CertificateFile, program: &Program, sink: &mut Sink) {
+    let stated = certificate_figures::cell(&file.measured);
+    let Some(cell) = stated.filter(|_| cell_of_certificate(program, file).is_none()) else { return };
+    let default = verify::stock::default_cell(program);
+    sink.push(
+        Diag::error(
+            codes::CERTIFICATE_FIGURES,
+            format!(
+                "{shown} has stock in cells of {cell} mm, where {} mm are the default: its stock is not compared",
+                trim(default, 4)
+            ),
+        )
+        .help(format!("state `--stock-cell {cell}` where the job was compiled so")),
+    );
+}
+
+/// Least and largest share of the default cell at which the cells of a certificate are taken.
+const FINER: f64 = 2.0;
+const COARSER: f64 = 16.0;
 
 /// What was read, compared and written, in lines.
 fn done(check: &NcCheck, motion: &NcMotion, post: &dyn Post, compared: &str) -> String {

@@ -208,11 +208,14 @@ pub fn comments_behind_head(text: &str) -> impl Iterator<Item = (usize, &str)> {
         .filter_map(|(number, line)| Some((number, comment_of(line)?)))
 }
 
-/// The text of a comment line.
+/// The text of a comment line, or of a message to the machinist: `MSG("..")`, `(MSG, ..)`, `PPRINT/..`.
 fn comment_of(line: &str) -> Option<&str> {
     let line = unnumbered(line.trim());
-    let bare = line.strip_prefix("$$").or_else(|| line.strip_prefix(';'));
-    Some(bare.or_else(|| line.strip_prefix('(')?.strip_suffix(')'))?.trim())
+    let bare = line.strip_prefix("$$").or_else(|| line.strip_prefix(';')).or_else(|| line.strip_prefix("PPRINT/"));
+    let message = || line.strip_prefix("MSG")?.trim().strip_prefix("(\"")?.split_once("\")").map(|(text, _)| text);
+    let text = bare.or_else(message).or_else(|| line.strip_prefix('(')?.strip_suffix(')'))?.trim();
+    let shown = text.split_once(',').filter(|(word, _)| matches!(*word, "MSG" | "PRINT" | "DEBUG"));
+    Some(shown.map_or(text, |(_, shown)| shown.trim()))
 }
 
 /// The rest of a line after the word with which its comment begins.
@@ -451,6 +454,25 @@ mod tests {
         // FIPS 180-4, examples of one block and of the empty text.
         assert_eq!(sha256(b"abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
         assert_eq!(sha256(b""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+    }
+
+    #[test]
+    fn what_a_machinist_reads_are_comments_and_messages() {
+        for (line, text) in [
+            ("; tool t1", Some("tool t1")),
+            ("N20 ; tool t1", Some("tool t1")),
+            ("(tool t1)", Some("tool t1")),
+            ("$$ tool t1", Some("tool t1")),
+            ("MSG(\"tool t1\")", Some("tool t1")),
+            ("N20 MSG (\"tool t1\") ; note", Some("tool t1")),
+            ("(MSG, tool t1)", Some("tool t1")),
+            ("(PRINT,tool t1)", Some("tool t1")),
+            ("PPRINT/tool t1", Some("tool t1")),
+            ("G1 X1", None),
+            ("T=\"t1\" M6", None),
+        ] {
+            assert_eq!(comment_of(line), text, "{line}");
+        }
     }
 
     #[test]

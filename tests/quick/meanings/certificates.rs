@@ -655,6 +655,34 @@ fn sealed_again() -> Vec<Kind> {
         ),
         kind!(
             C,
+            "no stock at all",
+            Found,
+            "IMP0829",
+            "another figure is measured",
+            forged(|g| {
+                let mut all: Value = serde_json::from_str(&g.certificate).unwrap();
+                all["measured"]["stock"] = Value::Null;
+                g.certificate = all.to_string();
+            })
+        ),
+        kind!(
+            C,
+            "a stock in other cells",
+            Found,
+            "IMP0829",
+            "another figure is measured in these cells",
+            forged(|g| scale(g, "/measured/stock/cell", 0.8))
+        ),
+        kind!(
+            C,
+            "a stock in cells that show nothing",
+            Found,
+            "IMP0829",
+            "such cells are not taken from a certificate",
+            forged(|g| scale(g, "/measured/stock/cell", 100.0))
+        ),
+        kind!(
+            C,
             "gouge lowered",
             Found,
             "IMP0829",
@@ -815,7 +843,8 @@ fn sealed_again() -> Vec<Kind> {
 fn judged(given: &Given) -> (Verdict, String) {
     let folder = placed(given);
     let arguments = ["verify", "part.nc", "--certificate", "part.json", "--error-format", "json"];
-    let measured = [&["--job", JOB], &CELLS[..]].concat();
+    // The cells are those of the certificate.
+    let measured = ["--job", JOB];
     let run = impellerc(folder.path(), &[&arguments[..], if given.measured { &measured } else { &[] }].concat());
     let said = format!("{}{}", String::from_utf8_lossy(&run.stdout), String::from_utf8_lossy(&run.stderr));
     assert!(!said.contains("panicked"), "{said}");

@@ -365,6 +365,7 @@ fn turns_lower(text: &str) -> String {
 fn transformation() -> Vec<Kind> {
     const C: &str = "transformation";
     vec![
+        (C, First("G43.4 H1\n", "G43.4 H1\nG69\n"), Refused, "no manual has it under tool centre point control"),
         (C, First("G43.4 H1\n", ""), Refused, "words of the part are those of the machine then"),
         (C, First("G43.4 H1\n", "G43.4 H1\nG53 G0 Z650.\n"), Refused, "machine frame under G43.4"),
         (C, First("G43.4 H1\n", "G43.4 H1\nG0 Z10.\n"), Refused, "X and Y are no longer what they were"),

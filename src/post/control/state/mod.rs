@@ -297,6 +297,12 @@ impl<'a> ControlState<'a> {
         if group == ModalGroup::Spindle && self.stops_in_part(word) {
             return;
         }
+        // No manual that the project knows lets the work frame turn, or end a turn, under tool centre point control.
+        if group == ModalGroup::Rotation && self.transformation == Transformation::On {
+            let [_, off] = self.control.transformation;
+            self.fault(format!("`{word}` with the transformation on: write {off} before this block"));
+            return;
+        }
         let before = self.modal[group as usize];
         // A control forgets the feed when the feed mode changes.
         if group == ModalGroup::FeedMode
