@@ -9,6 +9,7 @@ pub mod curvature;
 pub mod curve;
 pub mod dual;
 pub mod elliptic_cone;
+mod envelope_cholesky;
 pub mod geodesic;
 pub mod interpolate;
 pub mod knots;

@@ -7,6 +7,7 @@
 
 use super::NurbsCurve;
 use super::basis::{self, MAX_DEGREE};
+use super::envelope_cholesky;
 use nalgebra::{DMatrix, Point3, Vector3, Vector4};
 use rayon::prelude::*;
 
@@ -277,7 +278,7 @@ impl RowFit {
                 (0..3).for_each(|k| right[(j, k)] = end[k]);
             }
         }
-        let solved = normal.cholesky()?.solve(&right);
+        let solved = envelope_cholesky::factor(normal)?.solve(&right);
         let control: Vec<_> = (0..count).map(|j| Vector3::from_fn(|k, _| solved[(j, k)])).collect();
         control.iter().all(|c| c.iter().all(|x| x.is_finite())).then_some(control)
     }
