@@ -68,7 +68,7 @@ pub(super) struct ImportArguments {
     #[arg(long, value_enum, default_value = "file", value_name = "PLACE")]
     zero: ZeroArgument,
 
-    /// Write faces ruled from the first to the last section, however far the sections between them lie beside
+    /// Write faces ruled from the first to the last section, however far sections, edges, hub and shroud of the file lie beside
     #[arg(long)]
     ruled: bool,
 

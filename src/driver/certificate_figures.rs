@@ -4,6 +4,7 @@
 //! edited. Each kind of figure has its largest difference below; measured on `small` in four dialects, on `point` and on
 //! `reduced`, the differences are a quarter of it at most. Places are not compared: where two places are almost equally bad, the digits decide between them.
 
+use crate::diag::printable;
 use serde_json::Value;
 use std::collections::BTreeMap;
 
@@ -106,6 +107,9 @@ pub(super) fn same_cells(says: &Value, found: &Value) -> bool {
 /// The first figure that differs from the measured one in a sentence, and the number of the others; `None` where all agree.
 pub(super) fn difference(says: &Value, measured: &Value) -> Option<(String, usize)> {
     let with_stock = same_cells(says, measured);
+    if let Some(text) = other_import(says, measured) {
+        return Some((text, 0));
+    }
     let (says, found) = (figures(says, with_stock), figures(measured, with_stock));
     let same = |(what, (value, apart)): &(&String, &(f64, Apart))| {
         says.get(*what).is_some_and(|(said, _)| (said - value).abs() <= apart.0 + apart.1 * value.abs())
@@ -117,6 +121,29 @@ pub(super) fn difference(says: &Value, measured: &Value) -> Option<(String, usiz
     }
     let mut more = says.keys().filter(|what| !found.contains_key(*what));
     more.next().map(|what| (format!("has a figure for {what}, which is not measured on the text"), more.count()))
+}
+
+/// Files and distance of an import: the job states them, so no digit explains a difference.
+fn other_import(says: &Value, measured: &Value) -> Option<String> {
+    /// Share by which numbers differ that were written and read.
+    const WRITTEN: f64 = 1e-12;
+    let of = |all: &Value| {
+        let imported = all.get("imported")?;
+        let files = imported.get("files").and_then(Value::as_str).map(str::to_owned);
+        Some((files, imported.get("within").and_then(Value::as_f64)))
+    };
+    let same = |[a, b]: [Option<f64>; 2]| a.zip(b).is_some_and(|(a, b)| (a - b).abs() <= WRITTEN * b.abs());
+    let words = |(files, within): (Option<String>, Option<f64>)| {
+        let files = files.map_or_else(|| "no files".to_owned(), |files| printable(&files).into_owned());
+        within.map_or_else(|| files.clone(), |within| format!("{files} within {within} mm"))
+    };
+    match (of(says), of(measured)) {
+        (None, None) => None,
+        (Some(says), Some(job)) if says.0 == job.0 && same([says.1, job.1]) => None,
+        (Some(says), None) => Some(format!("states an import of {}; the job states none", words(says))),
+        (None, Some(job)) => Some(format!("states no import; the job states {}", words(job))),
+        (Some(says), Some(job)) => Some(format!("states an import of {}; the job states {}", words(says), words(job))),
+    }
 }
 
 /// All figures by name. A value that is no number is left out, and so differs from every measured value.
@@ -179,6 +206,21 @@ mod tests {
             let (text, _) = difference(&with(place, 100.0), &json!({})).unwrap_or_else(|| panic!("{place}"));
             assert!(text.contains("which is not measured on the text"), "{text}");
         }
+    }
+
+    #[test]
+    fn an_import_is_compared() {
+        let import = |files: &str, within: f64| json!({ "imported": { "files": files, "within": within } });
+        let due = import("wheel.step", 0.0114);
+        assert_eq!(difference(&import("wheel.step", 0.0114), &due), None);
+        for said in
+            [import("wheel.step", 0.0113), import("wheel.stp", 0.0114), json!({}), json!({ "imported": "wheel.step" })]
+        {
+            let (text, _) = difference(&said, &due).unwrap_or_else(|| panic!("{said}"));
+            assert!(text.contains("the job states wheel.step within 0.0114 mm"), "{text}");
+        }
+        let (text, _) = difference(&due, &json!({})).expect("the job states none");
+        assert!(text.contains("the job states none"), "{text}");
     }
 
     #[test]

@@ -69,10 +69,9 @@ fn run(options: &Import, stages: &mut Stages, outcome: &mut Outcome) -> Result<(
     let read: Vec<String> = names.iter().map(|name| own_name(name)).collect();
     let stem = options.output.as_ref().and_then(|path| path.file_stem()).map(|s| s.display().to_string());
     let name = printable(stem.as_deref().unwrap_or("part")).into_owned();
-    let source =
-        PartSource { imported: &imported, row, divided: &divided, read: &read, name: &name, zero: options.zero };
+    let source = PartSource::new((&imported, row), &divided, (&read, &name), options.zero);
     if options.output.is_some() && !options.ruled {
-        or_reported(part_text::leaves_nothing_out(&source), sink)?;
+        or_reported(source.leaves_nothing_out(), sink)?;
     }
     let mut said: String = part_text::summary(&source).into_iter().map(|line| line + "\n").collect();
     said.push_str(&notes(&imported, sources));

@@ -138,6 +138,7 @@ fn program_section(input: SheetInput<'_>) -> SheetSection {
     let [made, sectors] = certificate.sectors();
     let missing = certificate.not_machined().map_or_else(String::new, |missing| format!("; {missing}"));
     facts.push(format!("Machined: {made} of {sectors} sectors{missing}"));
+    facts.extend(certificate.imported.iter().map(|imported| imported.told(&certificate.form).replacen('i', "I", 1)));
     facts.extend(certificate.not_checked().map(|line| line.replacen("not", "Not", 1)));
     facts.extend(input.library.iter().cloned());
     facts.push(end_of_program(program));

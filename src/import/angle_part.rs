@@ -3,7 +3,7 @@
 use super::angles::{StatedAngle, StatedAngles};
 use super::job_frame::JobFrame;
 use super::part_source::{PartSource, blade_name};
-use super::part_text::{PartFiles, curve, head, looks, meridian, meridians, sections, told_cuts, wheel, word};
+use super::part_text::{PartFiles, curve, head, looks, meridian, meridians, sections, told_cuts, word};
 use crate::sections::angles::EdgeShape;
 use crate::units::trim;
 use nalgebra::Point3;
@@ -19,7 +19,7 @@ const IN_A_LINE: usize = 6;
 pub(super) fn write(source: &PartSource<'_>) -> Option<PartFiles> {
     let stated: Vec<&StatedAngles> =
         source.row.blades.iter().map(|blade| blade.angles.as_ref()).collect::<Option<_>>()?;
-    let ends = wheel(source)?;
+    let ends = source.ends.as_ref()?;
     let lines = ends.each_ref().map(|end| end.points.as_slice());
     let frame = JobFrame::of(source.zero, (source.imported, source.divided), Some(lines));
     let mut curves = meridians(lines, frame);
@@ -31,9 +31,10 @@ pub(super) fn write(source: &PartSource<'_>) -> Option<PartFiles> {
         }
     }
     let mut job = head(source, frame);
-    told_cuts(&mut job, &ends);
+    told_cuts(&mut job, ends);
     job.push_str("edition 2026\n\n");
     _ = writeln!(job, "part {} {{\n  vanes {}", word(source.name, "imported"), source.row.count);
+    job.push_str(&source.imported_from());
     for (k, (blade, divided)) in stated.iter().zip(source.divided).enumerate() {
         self::blade(&mut job, source, k, (blade, looks(divided, frame)), frame);
     }

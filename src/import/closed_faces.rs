@@ -1,9 +1,10 @@
 //! Sections that are given by their faces and are closed all the same: the faces meet at their ends.
 
 use super::ImportedBlade;
+use crate::geom::chords;
 use crate::sections::outline::Side;
 use crate::sections::{Section, SectionForm};
-use nalgebra::Point3;
+use nalgebra::{Point2, Point3};
 
 /// Faces meet where their ends are nearer than this share of their length. Files have six digits or more.
 const SAME: f64 = 1e-5;
@@ -41,21 +42,19 @@ fn closed(section: &Section) -> Option<(Vec<Point3<f64>>, f64)> {
     let back = suction.iter().skip(1).rev().skip(same);
     let points: Vec<Point3<f64>> = pressure.iter().chain(back).copied().collect();
     let middle = &pressure[pressure.len() / 4..pressure.len() - pressure.len() / 4];
-    Some((points, middle.iter().filter_map(|p| ahead(p, suction)).sum()))
+    let flat: Vec<Point2<f64>> = suction.iter().map(in_meridian_plane).collect();
+    Some((points, middle.iter().filter_map(|p| ahead(p, suction, &flat)).sum()))
 }
 
-/// The angle about the axis, rad, by which a point is ahead of a face, at the place of the face with its radius and height.
-fn ahead(p: &Point3<f64>, face: &[Point3<f64>]) -> Option<f64> {
-    let flat = |p: &Point3<f64>| [libm::hypot(p.x, p.y), p.z];
-    let [r, z] = flat(p);
-    let chords = face.windows(2).filter_map(|w| <&[Point3<f64>; 2]>::try_from(w).ok());
-    let feet = chords.map(|[a, b]| {
-        let ([ra, za], [rb, zb]) = (flat(a), flat(b));
-        let [dr, dz] = [rb - ra, zb - za];
-        let square = dr * dr + dz * dz;
-        let t = if square > 0.0 { (((r - ra) * dr + (z - za) * dz) / square).clamp(0.0, 1.0) } else { 0.0 };
-        (libm::hypot(r - ra - t * dr, z - za - t * dz), a + (b - a) * t)
-    });
-    let (_, foot) = feet.min_by(|a, b| a.0.total_cmp(&b.0))?;
+/// The angle about the axis, rad, by which a point is ahead of a face, at the place of the face with its radius and height. `flat` has
+/// the points of the face in the meridian plane.
+fn ahead(p: &Point3<f64>, face: &[Point3<f64>], flat: &[Point2<f64>]) -> Option<f64> {
+    let near = chords::nearest(&in_meridian_plane(p), flat)?;
+    let (a, b) = (face.get(near.chord)?, face.get(near.chord + 1)?);
+    let foot = a + (b - a) * near.share;
     Some(libm::atan2(foot.x * p.y - foot.y * p.x, foot.x * p.x + foot.y * p.y))
+}
+
+fn in_meridian_plane(p: &Point3<f64>) -> Point2<f64> {
+    Point2::new(libm::hypot(p.x, p.y), p.z)
 }

@@ -71,6 +71,7 @@ impl<'a> FacedPart<'a> {
         });
         text.push_str("edition 2026\n\n");
         _ = writeln!(text, "part {} {{\n  vanes {}", word(source.name, "imported"), source.row.count);
+        text.push_str(&source.imported_from());
         if self.extend > WITHOUT_A_WORD {
             // Rounded up, so that the faces reach.
             _ = writeln!(text, "  extend {} mm", trim(self.extend + 0.01, 2));

@@ -11,6 +11,8 @@ pub(super) struct Found {
     pub(super) notes: Vec<Note>,
     /// Faults beside the one that stops the reader.
     pub(super) faults: Vec<Diag>,
+    /// Largest distance between the files and what is read of them, mm.
+    pub(super) moved: f64,
     points: usize,
 }
 
@@ -23,6 +25,11 @@ impl Found {
             limits::NOTES => self.notes.push(Note { text: "there are more notes than are kept".to_owned(), span }),
             _ => {}
         }
+    }
+
+    /// Keeps the largest distance, mm, between something of the files and what is read of it.
+    pub(super) fn moved(&mut self, distance: f64) {
+        self.moved = self.moved.max(distance);
     }
 
     /// Counts a point of a curve that has `own` points with it.

@@ -69,6 +69,8 @@ pub struct Imported {
     pub listing: Vec<String>,
     /// What surfaces the part has through the sections.
     pub surfaces: BladeSurfaces,
+    /// Largest distance between the files and what was read, mm, where the reader does not keep their points.
+    pub moved: f64,
 }
 
 /// Surfaces of a part through the sections of its blades.
@@ -262,7 +264,7 @@ pub fn read(
         Ok(imported)
     });
     match made {
-        Ok(imported) => Ok(Imported { format: reader.name, notes: found.notes, ..imported }),
+        Ok(imported) => Ok(Imported { format: reader.name, moved: found.moved, notes: found.notes, ..imported }),
         Err(first) => Err(std::iter::once(first).chain(found.faults).collect()),
     }
 }

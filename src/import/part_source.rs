@@ -1,24 +1,91 @@
 //! What a part is written from.
 
 use super::job_frame::Zero;
-use super::{Imported, ImportedRow};
+use super::left_out::{self, LeftOut};
+use super::repeated::ONE_POINT;
+use super::wheel_ends::{self, CutMeridian};
+use super::{BladeSurfaces, Imported, ImportedRow};
+use crate::diag::Diag;
 use crate::sections::outline::DividedSection;
+use crate::units::trim;
+
+/// Most files that are named one by one.
+const NAMED: usize = 4;
 
 /// What is written.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct PartSource<'a> {
     /// All that was read.
-    pub imported: &'a Imported,
+    pub(super) imported: &'a Imported,
     /// The row whose blades are written.
-    pub row: &'a ImportedRow,
+    pub(super) row: &'a ImportedRow,
     /// Sections of each blade of the row, divided.
-    pub divided: &'a [Vec<DividedSection>],
+    pub(super) divided: &'a [Vec<DividedSection>],
     /// Names of the files that were read.
-    pub read: &'a [String],
+    read: &'a [String],
     /// Name of the part and of its files, without an ending.
-    pub name: &'a str,
+    pub(super) name: &'a str,
     /// Zero of the part.
-    pub zero: Zero,
+    pub(super) zero: Zero,
+    /// Hub and shroud of the wheel, where all blades have closed sections.
+    pub(super) ends: Option<[CutMeridian; 2]>,
+    /// What faces leave out that are ruled from the first to the last section.
+    pub(super) left: Vec<LeftOut>,
+}
+
+impl<'a> PartSource<'a> {
+    /// What is written of a row with its divided sections. `read` has the names of the files, `name` is that of the part.
+    pub fn new(
+        (imported, row): (&'a Imported, &'a ImportedRow),
+        divided: &'a [Vec<DividedSection>],
+        (read, name): (&'a [String], &'a str),
+        zero: Zero,
+    ) -> Self {
+        let ends = wheel_ends::wheel(imported, row, divided);
+        let ruled = ends.is_none() && matches!(imported.surfaces, BladeSurfaces::BySections);
+        let left = if ruled { left_out::all(imported, divided) } else { Vec::new() };
+        Self { imported, row, divided, read, name, zero, ends, left }
+    }
+
+    /// Refuses a part of ruled faces that leaves out what does not lie on them.
+    ///
+    /// # Errors
+    /// Points that are left out lie farther from the part than a tolerance of form.
+    pub fn leaves_nothing_out(&self) -> Result<(), Diag> {
+        left_out::check(&self.left, self.row)
+    }
+
+    /// Names of the files.
+    pub(super) fn files(&self) -> String {
+        match self.read {
+            [first, .., last] if self.read.len() > NAMED => {
+                format!("{} files, {first} to {last}", self.read.len())
+            }
+            read => read.join(", "),
+        }
+    }
+
+    /// Largest distance between points of the files and what is written, mm. Points nearer to each other than one point are one, and
+    /// coordinates have so many digits that they move less.
+    fn within(&self) -> f64 {
+        let left = self.left.iter().map(|left| left.distance);
+        let cut = self.ends.iter().flatten().map(|end| end.moved);
+        left.chain(cut).chain([self.imported.moved]).fold(ONE_POINT, f64::max)
+    }
+
+    /// The line of the part that names its files and the largest distance from them, rounded up.
+    pub(super) fn imported_from(&self) -> String {
+        /// Digits of a length in mm, and of one in um.
+        const DIGITS: [(f64, i32, &str); 2] = [(1.0, 3, "mm"), (1e3, 2, "um")];
+        let within = self.within();
+        let (scale, digits, unit) = DIGITS[usize::from(within < 1.0)];
+        let steps = 10.0_f64.powi(digits);
+        // A hundredth of a step is what numbers round.
+        let up = (within * scale * steps - 0.01).ceil() / steps;
+        let digits = usize::try_from(digits).unwrap_or_default();
+        // A text of the language holds no quotation mark.
+        format!("  imported \"{}\", within {} {unit}\n", self.files().replace('"', "'"), trim(up, digits))
+    }
 }
 
 /// Name of a blade in the job.

@@ -2,11 +2,8 @@
 
 use super::job_frame::JobFrame;
 use super::part_source::{PartSource, blade_name};
-use super::wheel_ends::{CutMeridian, WheelEdges, cut};
-use super::{BladeSurfaces, left_out, short_ends};
-use super::{Imported, ImportedBlade};
-use crate::diag::Diag;
-use crate::sections::angles::EdgeShape;
+use super::wheel_ends::CutMeridian;
+use super::{Imported, ImportedBlade, left_out, short_ends};
 use crate::sections::foot::{WideFoot, wide_foot};
 use crate::sections::outline::{DividedSection, Side};
 use crate::sections::{EdgeForm, LOOP_EDGES, Outline, SectionForm};
@@ -32,9 +29,6 @@ pub struct PartFiles {
 /// Digits behind the point of written coordinates, mm: a tenth of a nanometre, so that reading them changes nothing.
 pub(super) const DIGITS: usize = 7;
 
-/// Most files that are named one by one.
-const NAMED: usize = 4;
-
 fn coordinates(p: &Point3<f64>, frame: JobFrame) -> String {
     let p = frame.point(p);
     // A sum with zero has no sign of its own.
@@ -59,54 +53,15 @@ fn ends(divided: &[DividedSection]) -> Option<[(&'static str, &Outline); 2]> {
 /// Writes the files of a part. Where all sections are closed and hub and shroud are known, the blades have these sections;
 /// otherwise their faces are ruled from the first to the last section.
 pub fn write(source: &PartSource<'_>) -> PartFiles {
-    let ends = wheel(source);
-    let lines = ends.as_ref().map(|ends| ends.each_ref().map(|end| end.points.as_slice()));
+    let ends = source.ends.as_ref();
+    let lines = ends.map(|ends| ends.each_ref().map(|end| end.points.as_slice()));
     let frame = JobFrame::of(source.zero, (source.imported, source.divided), lines);
     let (loops, curves) = match lines {
         Some(lines) => (loops(source, frame), meridians(lines, frame)),
         None => (Vec::new(), curves(source, frame, false)),
     };
-    let job = job(source, frame, ends.as_ref());
+    let job = job(source, frame, ends);
     PartFiles { job, curves, loops, sections: sections(source, frame), meridian: meridian(source.imported, frame) }
-}
-
-/// Whether the part has faces that are ruled from the first to the last section.
-pub(super) fn is_ruled(source: &PartSource<'_>) -> bool {
-    matches!(source.imported.surfaces, BladeSurfaces::BySections) && wheel(source).is_none()
-}
-
-/// Refuses a part of ruled faces that leaves out sections which are not on them.
-///
-/// # Errors
-/// A section lies farther beside the faces than a tolerance of form.
-pub fn leaves_nothing_out(source: &PartSource<'_>) -> Result<(), Diag> {
-    if is_ruled(source) { left_out::check(source) } else { Ok(()) }
-}
-
-/// Hub and shroud of the wheel, where all blades have closed sections.
-pub(super) fn wheel(source: &PartSource<'_>) -> Option<[CutMeridian; 2]> {
-    let blades = &source.row.blades;
-    let closed = blades
-        .iter()
-        .flat_map(|b| &b.sections)
-        .all(|s| matches!(s.form, SectionForm::Loop(_) | SectionForm::DividedLoop { .. }));
-    // Blades by angles that are cut off go on to the ends of the wheel, where the lathe cuts them.
-    let lathe = blades
-        .first()
-        .and_then(|b| b.angles.as_ref())
-        .map_or([false; 2], |angles| angles.shapes.map(|shape| shape == EdgeShape::CutOff));
-    let trailing = source.divided.iter().flatten().map(|section| &section.edges[1]);
-    let rounded = trailing.filter(|edge| edge.form == EdgeForm::Round).map(|edge| edge.width).fold(0.0, f64::max);
-    let few = blades.iter().all(|b| b.sections.len() >= 2);
-    let of = |line: &Option<Vec<[f64; 2]>>, last: bool| {
-        let section =
-            |divided: &Vec<DividedSection>| if last { divided.last().cloned() } else { divided.first().cloned() };
-        let outlines = source.divided.iter().filter_map(section).map(|d| d.outline);
-        let points = outlines.flat_map(|o| o.faces.into_iter().chain(o.edges).flatten());
-        cut(line.as_ref()?, points.map(|p| [libm::hypot(p.x, p.y), p.z]), WheelEdges { lathe, rounded })
-    };
-    let ends = [of(&source.imported.hub, false)?, of(&source.imported.shroud, true)?];
-    (closed && few).then_some(ends)
 }
 
 /// Comments at the head of a job: what was found.
@@ -133,6 +88,7 @@ fn job(source: &PartSource<'_>, frame: JobFrame, ends: Option<&[CutMeridian; 2]>
     text.push_str("edition 2026\n\n");
     _ = writeln!(text, "part {} {{", word(source.name, "imported"));
     _ = writeln!(text, "  vanes {}", source.row.count);
+    text.push_str(&source.imported_from());
     let short = short_ends::largest(source);
     if ends.is_some() && short > short_ends::WITHOUT_A_WORD {
         _ = writeln!(text, "  extend {} mm", short_ends::extension(short));
@@ -307,15 +263,9 @@ pub(super) fn meridian(imported: &Imported, frame: JobFrame) -> Option<String> {
 
 /// What was found, line by line: for people, and as comments of the job.
 pub fn summary(source: &PartSource<'_>) -> Vec<String> {
-    let PartSource { imported, row, divided, read, .. } = source;
-    let files = match read {
-        [first, .., last] if read.len() > NAMED => format!("{} files, {first} to {last}", read.len()),
-        _ => read.join(", "),
-    };
-    let mut lines = vec![format!("Blades read from {files} (format {}).", imported.format)];
+    let PartSource { imported, row, divided, .. } = source;
+    let mut lines = vec![format!("Blades read from {} (format {}).", source.files(), imported.format)];
     lines.push(format!("{} main blades; splitters of each: {}.", row.count, row.blades.len().saturating_sub(1)));
-    let whole = wheel(source).is_some();
-    let left = if is_ruled(source) { left_out::all(source) } else { Vec::new() };
     for (k, (blade, divided)) in row.blades.iter().zip(*divided).enumerate() {
         let named = if blade.name.is_empty() || blade.name == blade_name(k) {
             String::new()
@@ -325,10 +275,12 @@ pub fn summary(source: &PartSource<'_>) -> Vec<String> {
         lines.push(format!("{}{named}: {} sections.", blade_name(k), blade.sections.len()));
         lines.extend(of_blade(divided));
         lines.extend(wide_foot(divided).map(|foot| in_sections(&foot)));
-        if whole {
+        if source.ends.is_some() {
             lines.extend(short_ends::told(source, k));
         }
-        lines.extend(left.iter().filter(|l| l.blade == k).map(|l| left_out::told(l, divided.len())));
+        lines.extend(
+            source.left.iter().filter(|l| l.blade == k).map(|l| left_out::told(l, &blade_name(k), divided.len())),
+        );
     }
     lines.extend(imported.notes.iter().filter(|n| n.span.is_none()).map(|n| format!("Note: {}.", n.text)));
     lines

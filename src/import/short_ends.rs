@@ -1,8 +1,10 @@
 //! Blades whose first or last section does not reach hub or shroud.
 
 use super::part_source::{PartSource, blade_name};
+use crate::geom::chords;
 use crate::sections::outline::DividedSection;
 use crate::units::trim;
+use nalgebra::Point2;
 
 /// Distance to which faces are extended without a word, mm: what a job extends by itself (`extend`).
 pub(super) const WITHOUT_A_WORD: f64 = 0.1;
@@ -67,16 +69,8 @@ fn towards(p: [f64; 2], line: &Line, other: &Line) -> f64 {
     if inside { libm::hypot(way[0], way[1]) } else { 0.0 }
 }
 
-/// The point of a line of chords that is nearest to a point; the point itself where the line has no chord.
-pub(super) fn nearest([x, y]: [f64; 2], line: &Line) -> [f64; 2] {
-    let chords = line.windows(2).filter_map(|w| <&[[f64; 2]; 2]>::try_from(w).ok());
-    let feet = chords.map(|[a, b]| {
-        let [dx, dy] = [b[0] - a[0], b[1] - a[1]];
-        let square = dx * dx + dy * dy;
-        let t = if square > 0.0 { ((x - a[0]) * dx + (y - a[1]) * dy) / square } else { 0.0 };
-        let t = t.clamp(0.0, 1.0);
-        [a[0] + t * dx, a[1] + t * dy]
-    });
-    let far = |p: &[f64; 2]| libm::hypot(x - p[0], y - p[1]);
-    feet.min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or([x, y])
+/// The point of a line of chords that is nearest to a point; the point itself where the line has none.
+pub(super) fn nearest(p: [f64; 2], line: &Line) -> [f64; 2] {
+    let line: Vec<Point2<f64>> = line.iter().map(|p| Point2::from(*p)).collect();
+    chords::nearest(&Point2::from(p), &line).map_or(p, |near| near.foot.into())
 }

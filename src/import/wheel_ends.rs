@@ -1,6 +1,11 @@
 //! The part of a meridian that belongs to the wheel: from ahead of the leading edges to the trailing edges or behind them.
 
-use nalgebra::Vector2;
+use super::{Imported, ImportedRow};
+use crate::geom::chords;
+use crate::sections::angles::EdgeShape;
+use crate::sections::outline::DividedSection;
+use crate::sections::{EdgeForm, SectionForm};
+use nalgebra::Point2;
 
 /// Share of the length from leading to trailing edge by which a meridian goes on.
 const BEYOND: f64 = 0.1;
@@ -13,17 +18,49 @@ const NEAR: f64 = 1e-3;
 pub(super) struct CutMeridian {
     /// Points (r, z) from inlet to outlet, mm.
     pub(super) points: Vec<[f64; 2]>,
+    /// Largest distance of left out points between the ends from the meridian, mm.
+    pub(super) moved: f64,
     /// Lengths ahead of the foremost and behind the last point of the blades, mm.
     pub(super) beyond: [f64; 2],
 }
 
 /// Edges of the blades of a wheel.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct WheelEdges {
+struct WheelEdges {
     /// Which edges the lathe makes, leading and trailing: there the wheel ends with its blades.
-    pub(super) lathe: [bool; 2],
+    lathe: [bool; 2],
     /// Largest width of rounded trailing edges, mm.
-    pub(super) rounded: f64,
+    rounded: f64,
+}
+
+/// Hub and shroud of the wheel, where all blades have closed sections.
+pub(super) fn wheel(
+    imported: &Imported,
+    row: &ImportedRow,
+    divided: &[Vec<DividedSection>],
+) -> Option<[CutMeridian; 2]> {
+    let blades = &row.blades;
+    let closed = blades
+        .iter()
+        .flat_map(|b| &b.sections)
+        .all(|s| matches!(s.form, SectionForm::Loop(_) | SectionForm::DividedLoop { .. }));
+    // Blades by angles that are cut off go on to the ends of the wheel, where the lathe cuts them.
+    let lathe = blades
+        .first()
+        .and_then(|b| b.angles.as_ref())
+        .map_or([false; 2], |angles| angles.shapes.map(|shape| shape == EdgeShape::CutOff));
+    let trailing = divided.iter().flatten().map(|section| &section.edges[1]);
+    let rounded = trailing.filter(|edge| edge.form == EdgeForm::Round).map(|edge| edge.width).fold(0.0, f64::max);
+    let few = blades.iter().all(|b| b.sections.len() >= 2);
+    let of = |line: &Option<Vec<[f64; 2]>>, last: bool| {
+        let section =
+            |divided: &Vec<DividedSection>| if last { divided.last().cloned() } else { divided.first().cloned() };
+        let outlines = divided.iter().filter_map(section).map(|d| d.outline);
+        let points = outlines.flat_map(|o| o.faces.into_iter().chain(o.edges).flatten());
+        cut(line.as_ref()?, points.map(|p| [libm::hypot(p.x, p.y), p.z]), WheelEdges { lathe, rounded })
+    };
+    let ends = [of(&imported.hub, false)?, of(&imported.shroud, true)?];
+    (closed && few).then_some(ends)
 }
 
 /// Cuts a meridian, given from inlet to outlet, to the wheel with these points of its blades, (r, z). A meridian that is rather
@@ -32,25 +69,20 @@ pub(super) struct WheelEdges {
 /// meridian is extended.
 ///
 /// `None` for a meridian without length, or without blades.
-pub(super) fn cut(
+fn cut(
     line: &[[f64; 2]],
     blades: impl Iterator<Item = [f64; 2]>,
     WheelEdges { lathe, rounded }: WheelEdges,
 ) -> Option<CutMeridian> {
-    let points: Vec<Vector2<f64>> = line.iter().map(|p| Vector2::from(*p)).collect();
+    let points: Vec<Point2<f64>> = line.iter().map(|p| Point2::from(*p)).collect();
     let mut lengths = vec![0.0];
     for pair in points.windows(2) {
-        lengths.push(lengths[lengths.len() - 1] + (pair[1] - pair[0]).norm());
+        lengths.push(lengths[lengths.len() - 1] + nalgebra::distance(&pair[0], &pair[1]));
     }
     let whole = *lengths.last()?;
     let along = |p: [f64; 2]| {
-        let p = Vector2::from(p);
-        let nearest = points.windows(2).zip(&lengths).map(|(pair, before)| {
-            let way = pair[1] - pair[0];
-            let t = ((p - pair[0]).dot(&way) / way.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-            ((pair[0] + way * t - p).norm(), before + way.norm() * t)
-        });
-        nearest.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.0, |n| n.1)
+        let near = chords::nearest(&Point2::from(p), &points).filter(|near| near.chord + 1 < points.len());
+        near.map_or(0.0, |near| lengths[near.chord] + (lengths[near.chord + 1] - lengths[near.chord]) * near.share)
     };
     let [first, last] =
         blades.map(along).fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], s| [low.min(s), high.max(s)]);
@@ -80,7 +112,10 @@ pub(super) fn cut(
     let mut kept = vec![at(from)];
     kept.extend(between.map(|(p, _)| *p));
     kept.push(at(to));
-    Some(CutMeridian { points: kept.into_iter().map(Into::into).collect(), beyond: [first - from, to - last] })
+    let inside = points.iter().zip(&lengths).filter(|(_, s)| (from..=to).contains(*s));
+    let moved = inside.map(|(p, _)| chords::from_chords(p, &kept)).fold(0.0, f64::max);
+    let kept = kept.into_iter().map(Into::into).collect();
+    Some(CutMeridian { points: kept, moved, beyond: [first - from, to - last] })
 }
 
 #[cfg(test)]

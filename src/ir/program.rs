@@ -8,6 +8,7 @@ use crate::entity_id;
 use crate::geom::Revolution;
 use crate::kin::Machine;
 pub use crate::operation::OperationKind;
+use crate::part::imported::ImportedFrom;
 use crate::part::{BladeId, FaceId, Part, RulingEnd, Stock, SurfaceKind, kept::MilledTurned};
 use crate::post_file::PostFile;
 use crate::source::Span;
@@ -57,6 +58,8 @@ pub struct Program {
     pub data: Vec<DataCurve>,
     /// Points that the job states for the surfaces of its vanes, for the certificate.
     pub stated: Vec<StatedPoints>,
+    /// Files that the part was imported from.
+    pub imported: Option<ImportedFrom>,
     /// Memory that planning may use, bytes.
     pub memory: f64,
 }

@@ -9,6 +9,7 @@ use crate::contract::{Bound, Guarded, OfOperations, Region, Scope};
 use crate::material::Material;
 use crate::method::{LengthTo, ModuloWay, Planning};
 pub use crate::operation::OperationKind;
+use crate::part::imported::ImportedFrom;
 use crate::part::{FaceId, Fillet, RulingEnd};
 use crate::post_file::PostFile;
 use crate::sections::{EdgeForm, LoopEdges};
@@ -230,6 +231,8 @@ pub struct PartSpec {
     pub blades: Vec<BladeSpec>,
     /// Largest distance by which faces are extended to hub and shroud.
     pub extend: Mm,
+    /// Files that the part was imported from.
+    pub imported: Option<ImportedFrom>,
     /// Curve that generates the hub.
     pub hub: RevolvedSpec,
     /// Curve that generates the shroud.

@@ -16,6 +16,7 @@ use super::quantity::Dimension;
 use super::vocabulary::{self, TopicKind};
 use crate::diag::Diag;
 use crate::diag::codes::{geometry, job as codes};
+use crate::part::imported::ImportedFrom;
 use crate::part::{BladeId, FaceId, Fillet, RulingEnd};
 use crate::sections::EdgeForm;
 use crate::source::Span;
@@ -45,6 +46,7 @@ pub(super) fn resolve(name: &Name, body: &Block, head: Span, cx: &mut Context<'_
     } else {
         Some(EXTEND)
     };
+    let imported = if p.has("imported") { Some(imported(&mut p)?) } else { None };
     let vane = p.take("vane");
     if vane.is_none() {
         p.missing("vane", "vane main { pressure ruled { ... } suction ruled { ... } }");
@@ -95,10 +97,30 @@ pub(super) fn resolve(name: &Name, body: &Block, head: Span, cx: &mut Context<'_
         vanes: vanes?,
         blades,
         extend: Mm(extend?),
+        imported,
         hub: hub?,
         shroud: shroud?,
         span: head,
     })
+}
+
+/// Files that the part was imported from, and how far from them it lies.
+fn imported(p: &mut Properties<'_, '_>) -> Option<ImportedFrom> {
+    const EXAMPLE: &str = "imported \"wheel.step\", within 0.3 um";
+    /// Largest distance, mm: that of two points within the coordinates that blade files may have.
+    const MOST: f64 = 1e6;
+    let (word, values) = p.take("imported")?;
+    match values.as_slice() {
+        [Value::Text(files), Value::Labelled(label, within)] if label.text == "within" => {
+            let within = p.value_of(within, "imported", Dimension::LENGTH, Range::NotNegative(MOST))?;
+            Some(ImportedFrom { files: files.text.clone(), within: Mm(within) })
+        }
+        _ => {
+            let span = values.first().map_or(word.span, |v| v.span());
+            p.wrong_form(span, "imported", "quoted names of files, a comma, and `within` with a length", EXAMPLE);
+            None
+        }
+    }
 }
 
 /// Name and block of a blade.

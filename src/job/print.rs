@@ -27,6 +27,9 @@ pub fn print(job: &Job) -> String {
     let p = &job.part;
     let main = p.main();
     let _ = writeln!(out, "part {}\n  vanes {}\n  extend {}\n  fillet {}", p.name, p.vanes.0, p.extend, fillet(main));
+    if let Some(from) = &p.imported {
+        let _ = writeln!(out, "  imported {:?}, within {}", from.files, from.within);
+    }
     blade_form(&mut out, &main.form);
     for blade in &p.blades[1..] {
         let _ = writeln!(out, "  splitter {}\n  angle {}\n  fillet {}", blade.name, blade.angle, fillet(blade));

@@ -80,6 +80,7 @@ pub fn lower(job: &Job, sink: &mut Sink) -> Result<Program, Aborted> {
         clearance: job.clearance,
         data: data(job),
         stated: stated(job),
+        imported: job.part.imported.clone(),
         memory: DEFAULT_MEMORY,
     };
     checks::tips_left(job, &program, sink);

@@ -46,6 +46,7 @@ mod continued;
 mod extent;
 mod fillet;
 mod hub_patches;
+pub mod imported;
 pub mod kept;
 mod names;
 mod nodes;

@@ -540,7 +540,7 @@ impl FormFinder {
 }
 
 /// Words that stand before a value inside of one entry.
-const LABELS: [&str; 5] = ["vane", "hub", "shroud", "chord", "rough"];
+const LABELS: [&str; 6] = ["vane", "hub", "shroud", "chord", "rough", "within"];
 
 /// Other names of units, and the unit of the language.
 const OTHER_UNITS: &[(&str, &str)] = &[

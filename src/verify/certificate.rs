@@ -13,7 +13,7 @@ use super::place::describe;
 use super::proof::piece::At;
 use super::rest::RestReport;
 use super::splines::SplineReport;
-use super::stated_points::{self, StatedReport};
+use super::stated_points::{self, ImportedReport, StatedReport};
 use super::stock::StockReport;
 use super::surface::SurfaceReport;
 use crate::contract::clock;
@@ -139,6 +139,9 @@ pub struct Certificate {
     /// Distance of the points that the job states from the surfaces that are cut, a report for each vane of points.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub form: Vec<StatedReport>,
+    /// Files that the part was imported from, with what the import states of them; `None` for a part that was not imported.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub imported: Option<ImportedReport>,
     /// Spacing of the samples of the design surfaces, mm.
     pub spacing: f64,
     /// Largest difference between proved bounds and found values, mm.
@@ -342,6 +345,9 @@ impl Certificate {
         writeln!(t)?;
         self.kept.write(t)?;
         stated_points::write(&self.form, t)?;
+        if let Some(imported) = &self.imported {
+            writeln!(t, "  {}", imported.told(&self.form))?;
+        }
         if let Some(allowance) = &self.allowance {
             allowance.write(t)?;
         }

@@ -125,6 +125,13 @@ fn unless_cancelled<T>(progress: &Progress, work: impl FnOnce() -> T) -> Result<
     if progress.is_cancelled() { Err(Aborted) } else { Ok(work()) }
 }
 
+/// Gives each operation the time that the machine takes, not the programmed time.
+fn machine_times(certificate: &mut Certificate) {
+    for (operation, run) in certificate.operations.iter_mut().zip(&certificate.machine.runs) {
+        operation.time = run.time;
+    }
+}
+
 /// [`certify`] with settings of the stock simulation, and with reports of its progress.
 ///
 /// # Errors
@@ -168,6 +175,7 @@ pub fn certify_with(
         name: program.name.clone(),
         machine_name: program.machine.name.clone(),
         form: stated_points::check(program),
+        imported: stated_points::imported(program),
         spacing: SPACING,
         slack: surface::SLACK,
         surfaces,
@@ -185,10 +193,7 @@ pub fn certify_with(
         allowed: Vec::new(),
     };
     nearer_surroundings(&mut certificate, &splines);
-    // The time that the machine takes, not the programmed time.
-    for (operation, run) in certificate.operations.iter_mut().zip(&certificate.machine.runs) {
-        operation.time = run.time;
-    }
+    machine_times(&mut certificate);
     if let Some(left) = &left {
         left.report(program, &samples, sink);
     }

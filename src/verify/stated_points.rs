@@ -26,6 +26,45 @@ pub struct StatedReport {
     pub point: Point3<f64>,
 }
 
+/// What the import states of the files that the part was made from. The verifier has no such file, so it measures none of it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ImportedReport {
+    /// Names of the files.
+    pub files: String,
+    /// Largest distance between the points of the files and the job, mm, as the import states it.
+    pub within: f64,
+}
+
+/// The files of the part, as the job names them.
+pub fn imported(program: &Program) -> Option<ImportedReport> {
+    let from = program.imported.as_ref()?;
+    Some(ImportedReport { files: from.files.clone(), within: from.within.get() })
+}
+
+impl ImportedReport {
+    /// Both ways from the files to the surfaces that are cut, each with the kind of its figure. `form` has the second one, which a
+    /// part of angles does not have.
+    pub fn told(&self, form: &[StatedReport]) -> String {
+        let measured =
+            form.iter().map(|r| r.distance).fold(None, |most: Option<f64>, d| Some(most.map_or(d, |m| m.max(d))));
+        let measured = measured.map_or_else(
+            || "from the job to the surfaces that are cut nothing is measured: it states no points".to_owned(),
+            |distance| {
+                format!(
+                    "from the points of the job to the surfaces that are cut {}, measured; together at most {}",
+                    length(distance),
+                    length(self.within + distance)
+                )
+            },
+        );
+        format!(
+            "imported from {}: from its points to the job at most {}, stated by the import and not verified; {measured}",
+            self.files,
+            length(self.within)
+        )
+    }
+}
+
 /// The largest distance of each vane that the job states by points.
 pub fn check(program: &Program) -> Vec<StatedReport> {
     let report = |stated: &StatedPoints| {

@@ -7,6 +7,7 @@ use impellerc::geom::proximity::Patch;
 use impellerc::ir::Program;
 use impellerc::part::chart::{self, Shape};
 use impellerc::part::{BladeId, Surface, SurfaceKind, sample};
+use impellerc::units::length;
 use impellerc::verify::stated_points;
 use nalgebra::Point3;
 use std::path::{Path, PathBuf};
@@ -51,6 +52,50 @@ fn surfaces_go_through_the_points() {
         "{report:?} {worst}"
     );
     assert!(report.distance > 1e-5, "{report:?}");
+}
+
+/// A part that was imported says so, with the figure of the import apart from the measured one, and their sum.
+#[test]
+fn an_imported_part_states_its_files_and_their_distance() {
+    let job = std::fs::read_to_string("jobs/sections/sections.imp").unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::copy("jobs/sections/sections.csv", folder.path().join("sections.csv")).unwrap();
+    let front = |line: &str| {
+        let at = job.find("\n  vanes ").unwrap();
+        let path = folder.path().join("sections.imp");
+        std::fs::write(&path, format!("{}\n  {line}{}", &job[..at], &job[at..])).unwrap();
+        let mut options = Options { job: path, ..Options::default() };
+        options.run.library = Some(PathBuf::from("jobs/_lib"));
+        let mut outcome = Outcome::default();
+        let program = driver::front(&options, &mut Stages::default(), &mut outcome).ok().flatten();
+        (program, format!("{:?}", outcome.sink))
+    };
+    assert!(FREE.imported.is_none() && stated_points::imported(&FREE).is_none());
+    let program = front("imported \"wheel.step\", within 11.4 um").0.unwrap();
+    let imported = stated_points::imported(&program).unwrap();
+    assert!(imported.files == "wheel.step" && (imported.within - 0.0114).abs() < 1e-15, "{imported:?}");
+    let form = stated_points::check(&program);
+    assert_eq!(form, stated_points::check(&FREE), "the line changes no surface");
+    let told = imported.told(&form);
+    let sum = format!("{:.4} um", (imported.within + form[0].distance) * 1e3);
+    for words in
+        ["wheel.step", "at most 11.4000 um, stated by the import and not verified", "measured; together at most", &sum]
+    {
+        assert!(told.contains(words), "{words} is not in {told}");
+    }
+    // A blade of angles has no points that could be measured.
+    assert!(imported.told(&[]).ends_with("nothing is measured: it states no points"), "{}", imported.told(&[]));
+    for wrong in [
+        "imported wheel",
+        "imported \"wheel.step\"",
+        "imported \"wheel.step\" within 11.4 um",
+        "imported \"wheel.step\", within 3 deg",
+        "imported \"wheel.step\", within -1 um",
+        "imported \"wheel.step\", about 3 um",
+    ] {
+        let (program, sink) = front(wrong);
+        assert!(program.is_none() && sink.contains("imported"), "{wrong}: {sink}");
+    }
 }
 
 /// A point that the job states off the surfaces shows in the certificate with its distance: off a face, and off the middle of the

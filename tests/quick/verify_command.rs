@@ -508,6 +508,11 @@ fn a_certificate_is_compared_with_job_and_measurement() {
     let more = [CELLS[0], CELLS[1], machine[0], machine[1], "--error-format", "json", "--job"];
     let (ok, out, err) = belongs(&nc, &file.path, &[&more[..], &[job.to_str().unwrap()]].concat());
     assert!(!ok && out.contains("moves read as linuxcnc"), "{out}{err}");
+    // An import that the job does not state.
+    let mut imported = json(&certificate(dialect));
+    imported["measured"]["imported"] = serde_json::json!({ "files": "wheel.step", "within": 0.001 });
+    let (ok, _, said) = belongs(&nc, &edited(&imported.to_string()).path, &[&more[..], &[JOB]].concat());
+    assert!(!ok && said.contains("states an import of wheel.step within 0.001 mm; the job states none"), "{said}");
     // Contracts that are not asked for.
     let mut wider = json(&certificate(dialect));
     let mut first = wider["measured"]["contracts"][0].clone();

@@ -277,6 +277,7 @@ pub fn wei_program(sectors: &[u32]) -> Program {
         clearance: Mm(0.5),
         data: wei_data(),
         stated: Vec::new(),
+        imported: None,
         memory: DEFAULT_MEMORY,
     }
 }

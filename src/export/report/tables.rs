@@ -19,6 +19,7 @@ pub(super) fn header(input: &Input<'_>) -> String {
     let certificate = input.certificate;
     let vanes = input.program.part.vane_count;
     let lines = |text: &str| format!("{} lines", text.lines().count());
+    let imported = certificate.imported.as_ref().map(|imported| ("imported part", imported.told(&certificate.form)));
     let facts = [
         ("machine", certificate.machine_name.clone()),
         ("NC dialect", input.post.to_owned()),
@@ -28,7 +29,7 @@ pub(super) fn header(input: &Input<'_>) -> String {
         ("deviations proved over", format!("cells of {} mm and less", certificate.spacing)),
     ];
     let item = |(name, value): &(&str, String)| format!("<div><dt>{name}</dt><dd>{}</dd></div>\n", escaped(value));
-    facts.iter().map(item).collect()
+    facts.iter().chain(&imported).map(item).collect()
 }
 
 /// Hash of the inputs, and the compiler.

@@ -106,6 +106,7 @@ pub(super) fn splitter(
         let message = format!("the splitter would lie {off:.3} mm off the main blade of which it is a part");
         return Err(not_read(message, block.line, &format!("{OFF_MAIN} mm are allowed")));
     }
+    found.moved(off);
     found.note(
         None,
         format!(

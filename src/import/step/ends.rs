@@ -57,6 +57,9 @@ impl WheelEnds {
             }
         }
         let [root, tip] = gaps.map(|gap| trim(1e3 * gap, 2));
+        if shroud_faces.is_empty() {
+            found.moved(gaps[1]);
+        }
         found.note(place, format!("the faces end within {root} um of the hub and within {tip} um of the shroud"));
         let mut ends = Self { lines, ranges, extend: gaps[0].max(gaps[1]), turned: [false; 2] };
         ends.turned = [0, 1].map(|end| ends.is_turned(main, end));
@@ -89,10 +92,14 @@ impl WheelEnds {
                 None => format!(
                     "both faces meet at the {name}{of} without a face between them: the curvature of closed sections tells the edge"
                 ),
-                _ if off <= STRAIGHT => format!(
-                    "the {name} edge{of} is turned: it keeps to a straight line in the meridian plane within {} um",
-                    trim(1e3 * off, 2)
-                ),
+                _ if off <= STRAIGHT => {
+                    // The lathe makes this straight line.
+                    found.moved(off);
+                    format!(
+                        "the {name} edge{of} is turned: it keeps to a straight line in the meridian plane within {} um",
+                        trim(1e3 * off, 2)
+                    )
+                }
                 _ if count == 0 => {
                     return Err(Diag::error(
                         codes::NOT_STATED,
@@ -147,7 +154,9 @@ impl WheelEnds {
             let to = if self.turned[1] { last + before } else { line.length() };
             Some(spline_points(&line.part([from, to])?))
         };
-        Some([of(hub, self.ranges[0], 0.0)?, of(&shroud, self.ranges[1], missing[0])?])
+        let [(hub, root), (shroud, tip)] = [of(hub, self.ranges[0], 0.0)?, of(&shroud, self.ranges[1], missing[0])?];
+        found.moved(root.max(tip));
+        Some([hub, shroud])
     }
 }
 
@@ -175,25 +184,26 @@ fn shroud(main: &StepBlade, faces: &[StepFace], place: Span, found: &mut Found) 
     }
     let (shroud, spread) = turned_faces::meridian(faces)?;
     revolved::check(faces, spread, "shroud", place, found)?;
+    found.moved(turned_faces::apart(&shroud, faces));
     let [first, last] = [0.0, 1.0].map(|s| shroud.nearest(&flat(&main.sheets[0].jet(s, 1.0).point))[0]);
     Ok(if first < last { shroud } else { shroud.reversed() })
 }
 
-/// Points of a meridian, as many as its spline needs.
-fn spline_points(line: &StepMeridian) -> Vec<[f64; 2]> {
+/// Points of a meridian, as many as its spline needs, and the largest distance of this spline from it, mm.
+fn spline_points(line: &StepMeridian) -> (Vec<[f64; 2]>, f64) {
     /// Distance of the spline from the meridian that is good enough, mm.
     const NEAR: f64 = 1e-5;
     const STEPS: [usize; 5] = [12, 24, 48, 96, 192];
-    let mut points = Vec::new();
+    let (mut points, mut off) = (Vec::new(), f64::INFINITY);
     for steps in STEPS {
         points = line.between([0.0, line.length()], steps);
         let space: Vec<Point3<f64>> = points.iter().map(|[r, z]| Point3::new(*r, 0.0, *z)).collect();
         let Ok(curve) = interpolate(&space, 3) else { continue };
         let places = (0..4 * steps).map(|k| curve.point((k as f64 + 0.5) / (4 * steps) as f64));
-        let off = places.map(|p| line.nearest(&Vector2::new(p.x, p.z))[1]).fold(0.0, f64::max);
+        off = places.map(|p| line.nearest(&Vector2::new(p.x, p.z))[1]).fold(0.0, f64::max);
         if off < NEAR {
             break;
         }
     }
-    points
+    (points, off)
 }

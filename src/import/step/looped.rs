@@ -6,6 +6,7 @@ use super::fitted::from_surface;
 use super::nose;
 use super::sheet::StepSheet;
 use crate::geom::LoftedSurface;
+use crate::geom::chords::from_chords;
 use crate::sections::loft::{LoftFault, LoftedBlade, loft};
 use crate::sections::outline::{DividedSection, Inlet, Known, outline};
 use crate::sections::{EdgeForm, LoopEdges, Outline, Section, SectionForm};
@@ -112,7 +113,7 @@ fn divided(
     Ok((outline, edges.map(|edge| edge.form)))
 }
 
-/// Largest distance of places of the faces of the file from a blade, mm. Edges that are cut off are not compared.
+/// Largest distance of places of the faces of the file from a blade, mm.
 fn off(blade: &StepBlade, made: &LoftedBlade) -> f64 {
     /// Places along faces, across a face of an edge, and up.
     const ALONG: usize = 97;
@@ -144,19 +145,35 @@ fn off(blade: &StepBlade, made: &LoftedBlade) -> f64 {
     for edge in blade.edges.iter().filter(|edge| edge.form == Some(EdgeForm::Round)) {
         edge.sheets.iter().for_each(|sheet| compare(sheet, None, ACROSS));
     }
+    for (end, edge) in blade.edges.iter().enumerate().filter(|(_, edge)| edge.form == Some(EdgeForm::CutOff)) {
+        let places = edge.sheets.iter().flat_map(|sheet| {
+            heights
+                .iter()
+                .flat_map(move |t| (0..=ACROSS).map(move |i| (sheet.jet(i as f64 / ACROSS as f64, *t).point, *t)))
+        });
+        most = places.map(|(p, t)| across_cut(made, end, &p, t, 1.0 / UP as f64)).fold(most, f64::max);
+    }
     most
+}
+
+/// Distance of a point from an edge that is cut off, mm: from the straight lines between both faces at the heights beside its own.
+fn across_cut(made: &LoftedBlade, end: usize, p: &Point3<f64>, mut t: f64, mut step: f64) -> f64 {
+    /// Divisions by two of the step.
+    const DIVISIONS: usize = 16;
+    let far = |t: f64| from_chords(p, &made.faces.each_ref().map(|face| face.derivatives(end as f64, t).point));
+    for _ in 0..DIVISIONS {
+        let beside = [t, t - step, t + step].map(|t| t.clamp(0.0, 1.0));
+        t = beside.into_iter().min_by(|a, b| far(*a).total_cmp(&far(*b))).unwrap_or(t);
+        step *= 0.5;
+    }
+    far(t)
 }
 
 /// Distances of a point at a height from the straight lines across edges that are cut off, mm, where both faces of the file meet there:
 /// the line is a part of them.
 fn across_cuts(blade: &StepBlade, made: &LoftedBlade, p: &Point3<f64>, t: f64) -> impl Iterator<Item = f64> {
     let cut = (0..2).filter(|end| blade.edges[*end].is_nose() && made.edges[*end].is_none());
-    cut.map(move |end| {
-        let [from, to] = made.faces.each_ref().map(|face| face.derivatives(end as f64, t).point);
-        let way = to - from;
-        let share = ((p - from).dot(&way) / way.norm_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        nalgebra::distance(p, &(from + way * share))
-    })
+    cut.map(move |end| from_chords(p, &made.faces.each_ref().map(|face| face.derivatives(end as f64, t).point)))
 }
 
 /// Places of a surface at a height at which a search for the nearest place may begin.

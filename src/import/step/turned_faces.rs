@@ -27,6 +27,12 @@ pub(super) fn meridian(faces: &[StepFace]) -> Result<(StepMeridian, f64), Diag> 
     Ok((line, spread))
 }
 
+/// Largest distance of all points of the borders of faces from a meridian, mm.
+pub(super) fn apart(line: &StepMeridian, faces: &[StepFace]) -> f64 {
+    let edges = faces.iter().flat_map(|face| face.borders.iter().flatten());
+    edges.flat_map(|edge| &edge.points).map(|p| line.nearest(&flat(p))[1]).fold(0.0, f64::max)
+}
+
 /// The meridian of one face. A spline has it by its edges, which are exact where it is trimmed; by the surface where no chain of
 /// edges runs from one end of the face to the other.
 fn of_face(face: &StepFace) -> Option<StepMeridian> {

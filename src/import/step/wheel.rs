@@ -64,6 +64,7 @@ impl<'a, 't> StepWheel<'a, 't> {
         let main: Vec<StepFace> =
             [of_main(BladeFace::Pressure)?, of_main(BladeFace::Suction)?].into_iter().flatten().collect();
         let ends = [of_main(BladeFace::Inlet)?, of_main(BladeFace::Outlet)?];
+        found.moved(turned_faces::apart(&hub, &hub_faces));
         let hub = run_from_inlet(hub, &main, ends, (self.options.start, axis), found)?;
         let count = self.count(found)?;
         let blades = self.blades(&hub, count, found)?;
@@ -222,6 +223,7 @@ impl<'a, 't> StepWheel<'a, 't> {
 
 /// Says how near the faces of the job are to those of the file.
 fn told(distance: f64, span: Span, found: &mut Found) {
+    found.moved(distance);
     let distance = trim(1e3 * distance, 2);
     found.note(span, format!("faces of the job lie within {distance} um of those of the file"));
     found.note(None, format!("faces of the job lie within {distance} um of those of the file where compared"));

@@ -47,6 +47,12 @@ pub(super) const TOPICS: &[Topic] = &[
                 Is("0.1 mm"),
                 "Largest extension of faces that end before hub or shroud.",
             ),
+            property(
+                "imported",
+                "quoted names of files, then `within` with a length from 0",
+                Means("the part is not imported"),
+                "Files that `impellerc import` read, and the largest distance of their points from the part: the import states it, nothing measures it again.",
+            ),
         ]],
     ),
     topic_of(

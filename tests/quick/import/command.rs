@@ -99,6 +99,75 @@ fn repeated_points_do_not_come_into_the_part() {
     assert!(run.status.success(), "{}", text(&run.stderr));
 }
 
+/// What the part of a job states as the largest distance from its files, mm.
+fn within(folder: &Path, name: &str) -> f64 {
+    let job = std::fs::read_to_string(folder.join(name)).unwrap();
+    let line = job.lines().find(|line| line.starts_with("  imported ")).unwrap_or_else(|| panic!("{job}"));
+    let (_, value) = line.split_once(", within ").unwrap();
+    let (number, unit) = value.split_once(' ').unwrap();
+    let scale = match unit {
+        "mm" => 1.0,
+        "um" => 1e-3,
+        other => panic!("{other}"),
+    };
+    number.parse::<f64>().unwrap() * scale
+}
+
+/// The front end misses only what is not the part.
+fn only_the_part_is_there(folder: &Path, name: &str) {
+    let run = bounded::program().current_dir(folder).args([name, "--emit", "job"]).output().unwrap();
+    let faults: Vec<String> = text(&run.stderr).lines().filter(|l| l.starts_with("IMP")).map(str::to_owned).collect();
+    assert!(!faults.is_empty() && faults.iter().all(|f| f == "IMP0201"), "{}", text(&run.stderr));
+}
+
+/// Faces that do not meet make ruled faces, for which root and tip are hub and shroud. Those of the file, and sections that are longer
+/// than the ruled faces, are left out with their distance; what lies on the part is not refused.
+#[test]
+fn what_ruled_faces_leave_out_is_told_with_its_distance() {
+    // Two faces of radial lines on three cylinders, 2 mm apart at both ends.
+    let table = |longer: f64, bow: f64| {
+        let mut text = "section,face,x,y,z\n".to_owned();
+        for (k, radius) in [50.0_f64, 60.0, 70.0].into_iter().enumerate() {
+            for (face, y) in [("pressure", 1.0), ("suction", -1.0)] {
+                for i in 0..=20 {
+                    let end = if k == 1 { longer } else { 0.0 };
+                    let z = -0.5 * end + (20.0 + end) * f64::from(i) / 20.0;
+                    let y = y + if k == 1 { bow } else { 0.0 };
+                    text.push_str(&format!("{},{face},{radius},{y:.6},{z:.6}\n", k + 1));
+                }
+            }
+        }
+        text
+    };
+    let meridian = |hub: f64| format!("curve,r,z\nhub,{hub},-5\nhub,{hub},25\nshroud,70.007,-5\nshroud,70.007,25\n");
+    let of = |longer: f64, bow: f64, hub: f64, ruled: &[&str]| {
+        let files = [("main.csv", table(longer, bow)), ("wheel_meridian.csv", meridian(hub))];
+        let folder = folder(&files.map(|(name, text)| (name.to_owned(), text)));
+        let stated =
+            ["main.csv", "wheel_meridian.csv", "-o", "wheel.imp", "--unit", "mm", "--axis", "z", "--blades", "7"];
+        let run = import(&[&stated[..], ruled].concat(), folder.path());
+        (run, folder)
+    };
+    let (run, on) = of(0.0, 0.0, 50.01, &[]);
+    assert!(run.status.success(), "{}{}", text(&run.stdout), text(&run.stderr));
+    // Of hub and shroud; the pressure face is 1 mm beside the radius of its section.
+    assert!(within(on.path(), "wheel.imp") <= 0.011, "{}", within(on.path(), "wheel.imp"));
+    for (longer, bow, hub, words, far) in [
+        (0.0, 0.0, 48.5, "the hub lies up to 1.51 mm beside the root", 1.51),
+        (3.0, 0.0, 50.01, "section 2 of the blade", 1.5),
+        (0.0, 0.1, 50.01, "section 2 of the blade", 0.1),
+    ] {
+        let (run, _) = of(longer, bow, hub, &[]);
+        let said = text(&run.stderr);
+        assert!(!run.status.success() && said.contains("IMP1011") && said.contains(words), "{words}: {said}");
+        let (run, folder) = of(longer, bow, hub, &["--ruled"]);
+        assert!(run.status.success(), "{}", text(&run.stderr));
+        let stated = within(folder.path(), "wheel.imp");
+        assert!((stated - far).abs() < 0.01, "{words}: {stated}");
+        only_the_part_is_there(folder.path(), "wheel.imp");
+    }
+}
+
 /// A part of ruled faces leaves out the sections between the first and the last one: it says how far they lie beside the faces, and is
 /// not written where that is far, unless it is meant.
 #[test]
@@ -121,9 +190,15 @@ fn sections_beside_ruled_faces_are_told() {
         rest.split_once(" mm").unwrap().0.parse::<f64>().unwrap()
     };
     let on = folder(&[("main.csv".to_owned(), table(0.0))]);
+    // Its edges are round with a radius of 1 mm, and those of a part of ruled faces are straight.
     let run = import(&stated, on.path());
-    assert!(run.status.success() && distance(&text(&run.stdout)) < 1e-3, "{}{}", text(&run.stdout), text(&run.stderr));
-    let beside = folder(&[("main.csv".to_owned(), table(0.1))]);
+    let said = text(&run.stderr);
+    assert!(!run.status.success() && said.contains("IMP1011") && said.contains("the edges of section"), "{said}");
+    let run = import(&[&stated[..], &["--ruled"]].concat(), on.path());
+    // The ends of the faces are found in the points of each section, here within 1.5 um along the face.
+    assert!(run.status.success() && distance(&text(&run.stdout)) < 2e-3, "{}{}", text(&run.stdout), text(&run.stderr));
+    assert!((0.5..1.1).contains(&within(on.path(), "wheel.imp")), "{}", within(on.path(), "wheel.imp"));
+    let beside = folder(&[("main.csv".to_owned(), table(3.0))]);
     let run = import(&stated, beside.path());
     let said = text(&run.stderr);
     assert!(!run.status.success() && said.contains("IMP1011") && said.contains("section 2"), "{said}");
@@ -132,9 +207,10 @@ fn sections_beside_ruled_faces_are_told() {
     let said = text(&run.stdout);
     assert!(run.status.success(), "{}", text(&run.stderr));
     // No farther than the shift, and nearly as far where the face looks along it.
-    assert!((0.08..0.101).contains(&distance(&said)), "{said}");
+    assert!((2.4..3.01).contains(&distance(&said)), "{said}");
     let job = std::fs::read_to_string(beside.path().join("wheel.imp")).unwrap();
     assert_eq!(distance(&job), distance(&said), "{job}");
+    assert!((within(beside.path(), "wheel.imp") - distance(&said)).abs() < 0.3, "{job}");
 }
 
 /// The blades of the part have the sections of the file, which read back are the same.
@@ -167,10 +243,7 @@ fn a_part_and_its_tables_are_written() {
     assert!(job.contains("\n  extend 1.02 mm\n"), "{job}");
     let said = is_modelled(folder.path(), "wheel.imp");
     assert!(said.contains("IMP0319"), "{said}");
-    // The front end misses only what is not the part.
-    let run = bounded::program().current_dir(folder.path()).args(["wheel.imp", "--emit", "job"]).output().unwrap();
-    let faults: Vec<String> = text(&run.stderr).lines().filter(|l| l.starts_with("IMP")).map(str::to_owned).collect();
-    assert!(!faults.is_empty() && faults.iter().all(|f| f == "IMP0201"), "{}", text(&run.stderr));
+    only_the_part_is_there(folder.path(), "wheel.imp");
     // The table is read back to the same sections. In the frame of the job, turned over about X, the pressure face is on the
     // other side.
     let arguments = "wheel.sections.csv wheel.meridian.csv --unit mm --axis z --blades 12 --pressure smaller -o b.imp";
