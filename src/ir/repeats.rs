@@ -105,8 +105,9 @@ impl<'a> Symmetry<'a> {
     pub fn of(program: &'a Program) -> Result<Self, NoSymmetry> {
         let (machine, part) = (&program.machine, &program.part);
         let table = &machine.chain.axes()[1];
-        let beside = (table.point.coords - machine.part_origin).xy();
-        let across = table.direction.xy();
+        let to_part = machine.chain.part_axes().inverse();
+        let beside = (to_part * (table.point.coords - machine.part_origin)).xy();
+        let across = machine.chain.directions_in_part()[1].xy();
         if table.carries != Carries::Part || across.amax() > ON_AXIS || beside.amax() > ON_AXIS {
             return Err(NoSymmetry::Axis);
         }

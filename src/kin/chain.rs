@@ -55,6 +55,10 @@ const ROUNDING: f64 = 1e-12;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chain {
     axes: [AxisLine; 2],
+    /// The axes of the part with all axes at zero, machine frame: its columns.
+    part_axes: Rotation3<f64>,
+    /// Directions of both axes with all axes at zero, part frame. All values below are in this frame too.
+    directions: [Unit<Vector3<f64>>; 2],
     /// Cosine of the angle between both directions; exactly zero at a right angle.
     cosine: f64,
     /// The tool axis at zero: its component along axis 1, its component across, and the derivative of the latter by the
@@ -147,13 +151,24 @@ impl Chain {
         if first.cross(&tool).norm() < PARALLEL {
             return Err(ChainFault::AlongTool);
         }
-        Ok(Self::of(axes))
+        Ok(Self::of(axes, Rotation3::identity()))
+    }
+
+    /// The chain with a part that is clamped with its axes along the columns of a rotation, machine frame, all axes at
+    /// zero. A new chain has a part whose axes are those of the machine.
+    pub fn with_part(&self, part_axes: Rotation3<f64>) -> Self {
+        Self::of(self.axes, part_axes)
     }
 
     /// The chain of valid axes.
-    fn of(axes: [AxisLine; 2]) -> Self {
-        let [first, second] = axes.map(|a| a.direction.into_inner());
-        let tool = Vector3::z();
+    fn of(axes: [AxisLine; 2], part_axes: Rotation3<f64>) -> Self {
+        // Products with the matrix keep directions along an axis exact.
+        let to_part = |v: Vector3<f64>| {
+            if part_axes == Rotation3::identity() { v } else { part_axes.matrix().tr_mul(&v) }
+        };
+        let directions = axes.map(|a| Unit::new_unchecked(to_part(a.direction.into_inner())));
+        let [first, second] = directions.map(Unit::into_inner);
+        let tool = to_part(Vector3::z());
         let aside = first.cross(&tool);
         let along = first * first.dot(&tool);
         let across = tool - along;
@@ -166,6 +181,8 @@ impl Chain {
         let (level, slope) = (second.dot(&across), second.dot(&aside));
         Self {
             axes,
+            part_axes,
+            directions,
             cosine: first.dot(&second),
             along,
             across,
@@ -182,7 +199,22 @@ impl Chain {
     pub fn tilting_table() -> Self {
         let line = |direction| AxisLine { carries: Carries::Part, direction, point: Point3::origin() };
         let axes = [line(Vector3::x_axis()), line(Vector3::z_axis())];
-        Self::of(axes)
+        Self::of(axes, Rotation3::identity())
+    }
+
+    /// The axes of the part with all axes at zero, machine frame: the columns.
+    pub fn part_axes(&self) -> &Rotation3<f64> {
+        &self.part_axes
+    }
+
+    /// True when the axes of the part are those of the machine with all axes at zero.
+    pub fn holds_part_upright(&self) -> bool {
+        self.part_axes == Rotation3::identity()
+    }
+
+    /// Directions of both axes with all axes at zero, part frame.
+    pub fn directions_in_part(&self) -> &[Unit<Vector3<f64>>; 2] {
+        &self.directions
     }
 
     /// The axes; the first is next to the tool.
@@ -203,12 +235,12 @@ impl Chain {
 
     /// Unit vector from the tool tip to the holder in the part frame.
     pub fn tool_axis(&self, [first, second]: Angles) -> Vector3<f64> {
-        turned(&self.axes[1].direction, &self.tilted(first), second)
+        turned(&self.directions[1], &self.tilted(first), second)
     }
 
     /// Rotation from the tool axis at zero to the tool axis at the angles, in the part frame.
     pub fn rotation(&self, [first, second]: Angles) -> Rotation3<f64> {
-        let [k1, k2] = self.axes.map(|a| a.direction);
+        let [k1, k2] = self.directions;
         Rotation3::from_axis_angle(&k2, second) * Rotation3::from_axis_angle(&k1, first)
     }
 
@@ -242,7 +274,7 @@ impl Chain {
     /// Angles for a tool axis on both branches, and the square of the sine that gives axis 1. If this is negative, no
     /// angles give the tool axis, and the result is the nearest.
     fn solve(&self, tool_axis: &Vector3<f64>, free: f64) -> (f64, [Angles; 2]) {
-        let second = &self.axes[1].direction;
+        let second = &self.directions[1];
         let azimuth = |v: &Vector3<f64>| libm::atan2(v.dot(&self.basis[1]), v.dot(&self.basis[0]));
         let radial = libm::hypot(tool_axis.dot(&self.basis[0]), tool_axis.dot(&self.basis[1]));
         let height = second.dot(tool_axis);
@@ -276,7 +308,7 @@ impl Chain {
         /// Below this value the tool lies along axis 2, which is then not determined.
         const ALONG: f64 = 1e-6;
         let [[first, second], _] = self.nearest(tool_axis, 0.0);
-        let k2 = self.axes[1].direction.into_inner();
+        let k2 = self.directions[1].into_inner();
         let height = k2.dot(tool_axis);
         let radial = libm::hypot(tool_axis.dot(&self.basis[0]), tool_axis.dot(&self.basis[1])).max(ALONG);
         let outward = (tool_axis - k2 * height) / radial;
@@ -292,7 +324,7 @@ impl Chain {
         let slope = if slope.abs() < ALONG { ALONG.copysign(slope) } else { slope };
         let of_first = polar_angle * (-radial / slope);
         let tilted = self.tilted(first);
-        let moved = self.axes[0].direction.cross(&tilted);
+        let moved = self.directions[0].cross(&tilted);
         let turned = k2.cross(&tilted).dot(&moved) / (radial * radial);
         [(first, of_first), (second, around - of_first * turned)]
     }
@@ -309,7 +341,7 @@ impl Chain {
             return first.abs();
         }
         let axis = self.tilted(first);
-        let second = &self.axes[1].direction;
+        let second = &self.directions[1];
         libm::atan2(axis.cross(second).norm(), axis.dot(second))
     }
 

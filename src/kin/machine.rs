@@ -3,7 +3,7 @@
 use super::heights::{Ring, Swing, farthest};
 use super::{Angles, AxisLine, Carries, Chain};
 use crate::method::{LengthTo, ModuloWay, Planning};
-use nalgebra::{Point3, Rotation3, Vector3};
+use nalgebra::{Point3, Rotation3, Unit, Vector3};
 use std::f64::consts::{PI, TAU};
 
 /// A linear axis. Lengths in mm, speed in mm/s, acceleration in mm/s2, jerk in mm/s3.
@@ -197,10 +197,10 @@ impl Machine {
     /// or with a table that does not turn about the Z axis of the part.
     pub fn table_axis(&self) -> [f64; 2] {
         let table = &self.chain.axes()[1];
-        if table.carries == Carries::Tool || table.direction.z.abs() != 1.0 {
+        if table.carries == Carries::Tool || self.chain.directions_in_part()[1].z.abs() != 1.0 {
             return [0.0; 2];
         }
-        let at = table.point.coords - self.part_origin;
+        let at = self.chain.part_axes().inverse() * (table.point.coords - self.part_origin);
         [at.x, at.y]
     }
 
@@ -208,7 +208,8 @@ impl Machine {
     /// X, Y and Z.
     pub fn turns_part_about_its_axis(&self) -> bool {
         let table = &self.chain.axes()[1];
-        table.carries == Carries::Part && table.direction.z.abs() == 1.0 && self.table_axis() == [0.0; 2]
+        let along = self.chain.directions_in_part()[1].z.abs() == 1.0;
+        table.carries == Carries::Part && along && self.table_axis() == [0.0; 2]
     }
 
     /// Largest angle between the tool and the Z axis of the part up to which the rotary axes give the tool every direction,
@@ -217,8 +218,7 @@ impl Machine {
     /// of the travel may lie up to 1 deg nearer to Z.
     pub fn most_lean(&self) -> f64 {
         let [first, _] = &self.rotary;
-        let [_, second] = self.chain.axes();
-        let upright = second.direction.z;
+        let upright = self.chain.directions_in_part()[1].z;
         if upright.abs() == 1.0 {
             let ends = self.chain.polar_angle_range(first.min, first.max);
             return if upright > 0.0 { ends[1] } else { PI - ends[0] };
@@ -240,8 +240,8 @@ impl Machine {
     /// Least angle to Z of the directions beside axis 2 that the travel does not give the tool, radians. A gap in the travel of
     /// axis 2 begins at its direction with no width, so that few azimuths about Z would meet it.
     fn least_lean_beside_poles(&self) -> f64 {
-        let [_, second] = self.chain.axes();
-        let poles = [second.direction, -second.direction];
+        let second = self.chain.directions_in_part()[1];
+        let poles = [second, -second];
         let around = poles.iter().flat_map(|pole| {
             let turn = Rotation3::rotation_between(&Vector3::z(), pole)
                 .unwrap_or_else(|| Rotation3::from_axis_angle(&Vector3::x_axis(), PI));
@@ -272,6 +272,9 @@ impl Machine {
     /// exact where no table tilts, and for two tables that turn about the vertical and about a horizontal axis. For others
     /// it is an upper bound, some hundredths of a millimetre over the largest height.
     pub fn highest(&self, profile: &[[f64; 2]]) -> f64 {
+        if !self.chain.holds_part_upright() {
+            return self.highest_beside(profile);
+        }
         let [first, second] = self.chain.axes();
         let corners = |height: &dyn Fn(f64, f64) -> f64| {
             profile.iter().map(|[r, z]| height(*r, *z)).fold(f64::NEG_INFINITY, f64::max)
@@ -304,6 +307,28 @@ impl Machine {
         // A table turns opposite to its angle.
         let swings = self.swings(Carries::Part, [1, 0], |[min, max]| [-max, -min]);
         farthest(&swings, &Vector3::z(), &rings)
+    }
+
+    /// [`Self::highest`] for a part whose axis is not along Z with all axes at zero: an upper bound.
+    fn highest_beside(&self, profile: &[[f64; 2]]) -> f64 {
+        let to_part = self.chain.part_axes().inverse();
+        let [x, y] = self.table_axis();
+        let eccentric = libm::hypot(x, y);
+        let origin = Point3::from(to_part * self.part_origin);
+        let rings: Vec<Ring> = profile.iter().map(|[r, z]| (origin + Vector3::z() * *z, r + eccentric)).collect();
+        // Rings count about Z: so the tables are turned into axes parallel to those of the part.
+        let mut swings = self.swings(Carries::Part, [1, 0], |[min, max]| [-max, -min]);
+        for swing in &mut swings {
+            swing.direction = Unit::new_unchecked(to_part * swing.direction.into_inner());
+            swing.point = to_part * swing.point;
+        }
+        farthest(&swings, &(to_part * Vector3::z()), &rings)
+    }
+
+    /// The machine with the part in the work frame of its control: its origin is that of the part, its axes are those of the
+    /// machine with all axes at zero. The joints of a motion are the same; poses are in this frame.
+    pub fn in_work_frame(&self) -> Self {
+        Self { chain: self.chain.with_part(Rotation3::identity()), ..self.clone() }
     }
 
     /// Lowest height of any point of a tool under any angles of the head within their travel, mm, against the gauge line
@@ -363,7 +388,7 @@ mod tests {
     use super::*;
     use crate::kin::AxisLine;
     use crate::kin::Pose;
-    use nalgebra::{Point3, Unit};
+    use nalgebra::Point3;
     use proptest::prelude::*;
 
     fn machine([min, max]: [f64; 2], lines: [AxisLine; 2], origin: [f64; 3]) -> Machine {

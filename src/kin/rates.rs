@@ -76,7 +76,7 @@ impl Machine {
             })
             .collect()
         };
-        let tips = [from, to].map(|j| self.forward(j).tip.coords + self.part_origin);
+        let tips = [from, to].map(|j| self.chain.part_axes() * self.forward(j).tip.coords + self.part_origin);
         let gauge = Vector3::new(0.0, 0.0, -length);
         // A table turns opposite to its angle.
         [

@@ -1,7 +1,7 @@
 //! Forward and inverse transformation between joints and cutter locations.
 
 use super::{Angles, LinearAxis, Machine};
-use nalgebra::{Isometry3, Point3, Translation3, Vector3};
+use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 
 /// Joint positions: mm and radians, ISO sense.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,7 +57,11 @@ pub fn between(from: Angles, to: Angles, share: f64) -> Angles {
 impl Machine {
     /// Motion of the part at rotary angles: part frame to machine frame.
     pub fn part_to_machine(&self, angles: Angles) -> Isometry3<f64> {
-        self.chain.part(angles) * Translation3::from(self.part_origin)
+        let placed = self.chain.part(angles) * Translation3::from(self.part_origin);
+        if self.chain.holds_part_upright() {
+            return placed;
+        }
+        placed * UnitQuaternion::from_rotation_matrix(self.chain.part_axes())
     }
 
     /// Cutter location of joint positions.
