@@ -153,6 +153,12 @@ impl SplineForm {
     }
 }
 
+/// Whether the words of a dialect count in the part frame. Those of controls count in the work frame, whose axes are those of
+/// the machine with all axes at zero; CL data know no machine.
+pub fn counts_in_part_frame(dialect: &str) -> bool {
+    dialect == "apt-cl"
+}
+
 impl PostFile {
     /// Name of the work offset that holds the part origin, where file or job state it.
     pub fn work_offset(&self) -> Option<&str> {

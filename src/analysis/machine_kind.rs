@@ -2,6 +2,7 @@
 
 use crate::diag::{Aborted, Diag, Sink, codes::kinematics::NO_REACH};
 use crate::ir::Program;
+use crate::units::trim;
 use nalgebra::Vector3;
 
 /// Least angle to Z up to which the tool must take every direction, radians: less than any impeller needs.
@@ -28,10 +29,17 @@ pub fn check(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
     } else {
         format!("{first} and {second} of the machine {} do not set the tool along the axis of the part", machine.name)
     };
-    sink.push(
-        Diag::error(NO_REACH, text)
-            .note("`--emit ir` prints the axes of the machine file")
-            .help(format!("correct `travel`, `direction` and `sense` of {first} and {second}, or use another machine")),
-    );
+    let below = machine.chain.part_axes() * -Vector3::z();
+    let turned = if !upright && machine.reaches(&-Vector3::z()) {
+        let [x, y, z] = [below.x, below.y, below.z].map(|x| trim(x + 0.0, 4));
+        format!(
+            "; they reach the part from below: a part that is clamped the other way has `[part] direction = [{x}, {y}, {z}]`"
+        )
+    } else {
+        String::new()
+    };
+    sink.push(Diag::error(NO_REACH, text).note("`--emit ir` prints the axes of the machine file").help(format!(
+        "correct `travel`, `direction` and `sense` of {first} and {second}, or use another machine{turned}"
+    )));
     Err(Aborted)
 }

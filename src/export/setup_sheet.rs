@@ -8,7 +8,7 @@ use crate::collide::Cutter;
 use crate::contract::clock;
 use crate::ir::{Program, Tool};
 use crate::kin::{Carries, RotaryAxis};
-use crate::post_file::{Field, Frame, Template};
+use crate::post_file::{Field, Frame, Template, counts_in_part_frame};
 use crate::units::trim;
 use crate::verify::Certificate;
 
@@ -173,6 +173,19 @@ fn end_of_program(program: &Program) -> String {
     )
 }
 
+/// How the part is turned on the machine, and what that means for the words of the text.
+fn part_axes(program: &Program) -> String {
+    let [x, _, z] = program.machine.part_directions().map(|v| [v.x, v.y, v.z].map(|x| trim(x + 0.0, 6)).join(", "));
+    let words = if counts_in_part_frame(&program.post.dialect) {
+        "poses of the text are in the part frame"
+    } else {
+        "words X Y Z of the text count along the axes of the machine there, from the zero"
+    };
+    format!(
+        "Its directions in the machine frame, all rotary axes at zero: Z of the part ({z}), X of the part ({x}); {words}"
+    )
+}
+
 fn zero_section(input: SheetInput<'_>) -> SheetSection {
     let program = input.program;
     let [x, y, z] = [0, 1, 2].map(|k| trim(program.machine.part_origin[k], 4));
@@ -199,6 +212,9 @@ fn zero_section(input: SheetInput<'_>) -> SheetSection {
         ),
         format!("Tools are changed with the gauge line at machine Z {} mm", trim(program.machine.retract, 4)),
     ];
+    if !program.machine.chain.holds_part_upright() {
+        facts.insert(2, part_axes(program));
+    }
     if let Some(material) = program.stock.material {
         facts.push(format!("Material: {}", material.name()));
     }

@@ -5,7 +5,7 @@ use crate::kin::{Carries, Machine};
 use crate::method::LengthTo;
 use crate::operation::{distinct, word};
 use crate::part::{Blade, BladeId, Part};
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use std::fmt::Write as _;
 
 /// Level of detail of a printed plan.
@@ -260,6 +260,10 @@ pub fn cl(program: &Program, plan: &ClPlan, detail: Detail) -> String {
     t
 }
 
+fn directed(v: &Vector3<f64>) -> String {
+    [v.x, v.y, v.z].map(|x| format!("{x:.4}")).join(", ")
+}
+
 /// The chain of the rotary axes from the tool to the part.
 fn machine(t: &mut String, machine: &Machine) {
     let _ = writeln!(t, "machine {}", machine.name);
@@ -281,6 +285,10 @@ fn machine(t: &mut String, machine: &Machine) {
         if let Some([on, off]) = &limits.clamp {
             let _ = writeln!(t, "  {} is clamped by {on}, unclamped by {off}", limits.name);
         }
+    }
+    if !machine.chain.holds_part_upright() {
+        let [x, _, z] = machine.part_directions();
+        let _ = writeln!(t, "  Z of the part along ({}), X along ({})", directed(&z), directed(&x));
     }
     if machine.length_to != LengthTo::Tip {
         let _ = writeln!(t, "  tool lengths to the {}", machine.length_to.name());

@@ -15,7 +15,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 /// Length of a vector in a machine file below which it gives no direction.
-const NO_DIRECTION: f64 = 1e-6;
+pub(super) const NO_DIRECTION: f64 = 1e-6;
 
 /// Cycle times of controls, s.
 const CYCLE: [f64; 2] = [1e-6, 1e-2];
@@ -114,8 +114,11 @@ pub(super) struct RotaryTable {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct PartTable {
-    origin: [SpannedText; 3],
+pub(super) struct PartTable {
+    origin: Spanned<[SpannedText; 3]>,
+    pub(super) direction: Option<Spanned<[f64; 3]>>,
+    #[serde(rename = "x-direction")]
+    pub(super) x_direction: Option<Spanned<[f64; 3]>>,
 }
 
 #[derive(Deserialize)]
@@ -478,7 +481,8 @@ pub(super) fn machine(
         length_to,
         kind: (kind, reader.span(&table.kind)),
         rotary,
-        part_origin: reader.point(&table.part.origin),
+        part_origin: (reader.point(table.part.origin.get_ref()), reader.span(&table.part.origin)),
+        part_axes: reader.part_axes(&table.part),
         spindle: reader.pair(&table.spindle.speed, Dimension::SPINDLE, 1e6).map(Rpm),
         power: (table.spindle.power.as_ref()).map(|text| reader.power(text)),
         rapid: MmPerMin(reader.quantity(&table.rapid, Dimension::FEED, 1.0, 1e6)),

@@ -160,11 +160,15 @@ const MACHINE: &[FileKey] = &[
     must("axes", KeyForm::Table(AXES), "The axes: X, Y, Z and two of A, B, C."),
     must(
         "part",
-        KeyForm::Table(&[must(
-            "origin",
-            KeyForm::Quantities(Dimension::LENGTH, 3),
-            "Origin of the part, all axes at zero.",
-        )]),
+        KeyForm::Table(&[
+            must("origin", KeyForm::Quantities(Dimension::LENGTH, 3), "Origin of the part, all axes at zero."),
+            may("direction", KeyForm::Numbers(3), "Where Z of the part points, all axes at zero; without it along Z."),
+            may(
+                "x-direction",
+                KeyForm::Numbers(3),
+                "Where X of the part points, all axes at zero; without it along X.",
+            ),
+        ]),
         "Where the part is.",
     ),
     must(

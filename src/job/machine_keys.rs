@@ -1,11 +1,16 @@
 //! Keys of machine files about rotary axes without limits, clamps, and what posts use.
 
-use super::library::{HomeTable, LibraryReader, RotaryTable, SpannedText};
+use super::library::{HomeTable, LibraryReader, NO_DIRECTION, PartTable, RotaryTable, SpannedText};
 use super::model::LinearSpec;
 use super::quantity::{Dimension, Quantity};
 use crate::method::ModuloWay;
 use crate::source::Span;
 use crate::units::{Mm, trim};
+use nalgebra::Vector3;
+use toml::Spanned;
+
+/// Largest cosine of the angle between the two directions of the part.
+const AT_RIGHT_ANGLES: f64 = 1e-3;
 
 impl LibraryReader<'_> {
     /// Where the machine parks: within the travel, and not below the retract height.
@@ -35,6 +40,47 @@ impl LibraryReader<'_> {
             return Mm(0.0);
         }
         Mm(self.quantity(text, Dimension::LENGTH, low, high))
+    }
+
+    /// Directions of X and Z of the part, where the file states one of them. Without `x-direction` X of the part lies along
+    /// X of the machine as far as Z permits; for Z along X of the machine it lies along Z of the machine.
+    pub(super) fn part_axes(&mut self, table: &PartTable) -> Option<[[f64; 3]; 2]> {
+        let z = match &table.direction {
+            Some(given) => self.part_direction("direction", given)?,
+            None => Vector3::z(),
+        };
+        let across = |v: Vector3<f64>| (v - z * z.dot(&v)).try_normalize(AT_RIGHT_ANGLES);
+        let Some(given) = &table.x_direction else {
+            table.direction.as_ref()?;
+            // The second is what the first comes to where Z is turned to X.
+            let x = across(Vector3::x()).or_else(|| across(Vector3::z() * -z.x.signum()))?;
+            return Some([x.into(), z.into()]);
+        };
+        let x = self.part_direction("x-direction", given)?;
+        if x.dot(&z).abs() > AT_RIGHT_ANGLES {
+            self.fault(
+                self.span(given),
+                format!("`x-direction` is {} deg from the axis of the part", trim(x.angle(&z).to_degrees(), 3)),
+                "a direction at right angles to `direction` is expected".to_owned(),
+                "write where X of the part points with all axes at zero, or remove the line",
+            );
+            return None;
+        }
+        Some([across(x)?.into(), z.into()])
+    }
+
+    fn part_direction(&mut self, key: &str, given: &Spanned<[f64; 3]>) -> Option<Vector3<f64>> {
+        let found = Vector3::from(*given.get_ref()).try_normalize(NO_DIRECTION);
+        let found = found.filter(|direction| direction.iter().all(|x| x.is_finite()));
+        if found.is_none() {
+            self.fault(
+                self.span(given),
+                format!("`{key}` of the part is no direction"),
+                "three numbers are expected, at least one of them not 0".to_owned(),
+                "write the direction in the machine frame with all axes at zero, such as [0, 1, 0]",
+            );
+        }
+        found
     }
 
     /// The entry of a list that a text names; without a text the first.

@@ -145,8 +145,11 @@ pub struct MachineSpec {
     /// The rotary axes in the sense of the machine's own words: first the axis next to the tool, then the axis next to
     /// the part.
     pub rotary: [RotarySpec; 2],
-    /// Origin of the part in the machine frame, with the rotary axes at zero.
-    pub part_origin: [Mm; 3],
+    /// Origin of the part in the machine frame, with the rotary axes at zero, and its place in the file.
+    pub part_origin: ([Mm; 3], Span),
+    /// Directions of X and Z of the part in the machine frame, with the rotary axes at zero: of length 1, at right angles.
+    /// `None` where the file states neither: they are those of the machine.
+    pub part_axes: Option<[[f64; 3]; 2]>,
     /// Height of the gauge line at which tools are changed and all axes but Z may move.
     pub retract: Mm,
     /// Positions at which X, Y and Z park at the end of a program.
@@ -163,7 +166,7 @@ pub struct MachineSpec {
     pub cycle: f64,
     /// How the control plans speeds.
     pub planning: Planning,
-    /// Table; its top is given in the machine frame, with the rotary axes at zero.
+    /// Table; its top is given in the machine frame, with the rotary axes at zero, along the axis of the part.
     pub table: Option<CarriedSpec>,
     /// Fixture; its top is given in the part frame.
     pub fixture: Option<CarriedSpec>,

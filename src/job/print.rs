@@ -125,8 +125,12 @@ fn machine(out: &mut String, job: &Job) {
     for RotarySpec { name, clamp, .. } in &m.rotary {
         clamp.as_ref().map(|[on, off]| writeln!(out, "  {name} clamped by {on}, unclamped by {off}"));
     }
-    let [x, y, z] = m.part_origin;
+    let [x, y, z] = m.part_origin.0;
     let _ = writeln!(out, "  part origin {x}, {y}, {z}");
+    if let Some(axes) = m.part_axes {
+        let [of_x, of_z] = axes.map(|v| v.map(|x| trim(x, 6)).join(", "));
+        let _ = writeln!(out, "  part direction {of_z}; x-direction {of_x}");
+    }
     let _ = writeln!(out, "  retract z {}", m.retract);
     for (name, at) in ["x", "y", "z"].iter().zip(&m.home) {
         at.map(|at| writeln!(out, "  home {name} {at}"));

@@ -325,6 +325,12 @@ impl Machine {
         farthest(&swings, &(to_part * Vector3::z()), &rings)
     }
 
+    /// Directions of X, Y and Z of the part with all axes at zero, machine frame.
+    pub fn part_directions(&self) -> [Vector3<f64>; 3] {
+        let axes = self.chain.part_axes().matrix();
+        [0, 1, 2].map(|k| axes.column(k).into())
+    }
+
     /// The machine with the part in the work frame of its control: its origin is that of the part, its axes are those of the
     /// machine with all axes at zero. The joints of a motion are the same; poses are in this frame.
     pub fn in_work_frame(&self) -> Self {

@@ -10,7 +10,7 @@
 
 use super::{Angles, Chain, Pose, RotaryPose};
 use crate::geom::bezier;
-use nalgebra::{Point3, Vector2, Vector3};
+use nalgebra::{Point3, Rotation3, Vector2, Vector3};
 
 /// Largest distance that a point of the tool up to the upper end of its flutes may leave the curve on a chord, mm: the 0.1 um
 /// to which independent checks agree with the certificate.
@@ -69,6 +69,16 @@ impl PoseCurve {
         let curve = Self { tip, turn };
         let degree = (2..=bezier::MOST_DEGREE + 1).contains(&count) && count == curve.tip.len();
         (sound && degree && curve.least_length() > 0.0).then_some(curve)
+    }
+
+    /// The curve in a turned frame.
+    pub fn turned(&self, rotation: &Rotation3<f64>) -> Self {
+        let turned = |points: &[Vector3<f64>]| points.iter().map(|p| rotation * p).collect();
+        let turn = match &self.turn {
+            TurnCurve::Rotary(angles) => TurnCurve::Rotary(angles.clone()),
+            TurnCurve::Second(points) => TurnCurve::Second(turned(points)),
+        };
+        Self { tip: turned(&self.tip), turn }
     }
 
     /// Degree of the polynomials.

@@ -30,8 +30,8 @@ use crate::kin::chain::ChainFault;
 use crate::kin::{AxisLine, Carried, Carries, Chain, LinearAxis, Machine, RotaryAxis};
 use crate::material::Material;
 use crate::part::{BladeId, Clamping, FaceId, Part, RulingEnd, Stock, SurfaceKind};
-use crate::units::Mm;
-use nalgebra::{Point3, Rotation3, Unit, Vector3};
+use crate::units::{Mm, trim};
+use nalgebra::{Matrix3, Point3, Rotation3, Unit, Vector3};
 use std::sync::Arc;
 
 /// Lowers a job. Faults of the geometry go to the sink.
@@ -65,6 +65,7 @@ pub fn lower(job: &Job, sink: &mut Sink) -> Result<Program, Aborted> {
         operations.push(Operation { kind: kind(&spec.kind, &job.part, &part), ..operation(spec) });
     }
     let machine = machine(&job.machine, chain(&job.machine, sink)?);
+    check_part_axis(&job.machine, &machine, sink)?;
     let program = Program {
         name: job.part.name.clone(),
         name_span: job.part.span,
@@ -250,7 +251,7 @@ fn chain(spec: &MachineSpec, sink: &mut Sink) -> Result<Chain, Aborted> {
     });
     let [first, second] = spec.rotary.each_ref().map(|axis| axis.name.as_str());
     let (message, help) = match Chain::new(lines) {
-        Ok(chain) => return Ok(chain),
+        Ok(chain) => return Ok(spec.part_axes.map_or(chain, |axes| chain.with_part(part_axes(axes)))),
         Err(ChainFault::Parallel) => {
             (format!("the axes {first} and {second} are parallel"), "correct `direction` of one of them")
         }
@@ -267,6 +268,53 @@ fn chain(spec: &MachineSpec, sink: &mut Sink) -> Result<Chain, Aborted> {
     Err(Aborted)
 }
 
+/// The axes of a part from the directions of its X and Z.
+fn part_axes([x, z]: [[f64; 3]; 2]) -> Rotation3<f64> {
+    let [x, z] = [x, z].map(Vector3::from);
+    Rotation3::from_matrix_unchecked(Matrix3::from_columns(&[x, z.cross(&x), z]))
+}
+
+/// Largest sine of the angle between the axis of a table and that of a part that is clamped on it: a measured table is
+/// less oblique.
+const ACROSS: f64 = 0.0175;
+
+/// Refuses a part that nobody set across the axis of its table: most likely it turns about this axis.
+///
+/// # Errors
+/// The machine is refused; the reason is in the sink.
+fn check_part_axis(spec: &MachineSpec, machine: &Machine, sink: &mut Sink) -> Result<(), Aborted> {
+    let [_, table] = machine.chain.axes();
+    let across = libm::hypot(table.direction.x, table.direction.y);
+    if spec.part_axes.is_some() || table.carries == Carries::Tool || across < ACROSS {
+        return Ok(());
+    }
+    let name = &machine.rotary[1].name;
+    let text = |v: Vector3<f64>| format!("[{}]", [v.x, v.y, v.z].map(|x| trim(x + 0.0, 4)).join(", "));
+    let along = table.direction.into_inner();
+    let reached: Vec<String> = [along, -along]
+        .into_iter()
+        .filter(|v| machine.reaches(v))
+        .map(|v| format!("`direction = {}`", text(v)))
+        .collect();
+    let on_table = match &reached[..] {
+        [] => String::new(),
+        ways => format!("{} for a part on the table {name}, ", ways.join(" or ")),
+    };
+    sink.push(
+        Diag::error(LIBRARY, format!("the part lies across the axis {name} of the table that carries it"))
+            .label(spec.part_origin.1, "`direction` of the part is missing")
+            .note(format!(
+                "with all axes at zero {name} turns about {} of the machine frame, and the axis of the part points along [0, 0, 1]",
+                text(along)
+            ))
+            .help(format!(
+                "write in [part] of the machine file where Z of the part points with all axes at zero: {on_table}\
+                 `direction = [0, 0, 1]` for one that is clamped across it"
+            )),
+    );
+    Err(Aborted)
+}
+
 /// The machine; its rotary axes have the ISO sense.
 fn machine(spec: &MachineSpec, chain: Chain) -> Machine {
     Machine {
@@ -280,7 +328,7 @@ fn machine(spec: &MachineSpec, chain: Chain) -> Machine {
         }),
         rotary: [0, 1].map(|k| rotary(&spec.rotary[k])),
         chain,
-        part_origin: Vector3::from(spec.part_origin.map(Mm::get)),
+        part_origin: Vector3::from(spec.part_origin.0.map(Mm::get)),
         retract: spec.retract.get(),
         home: spec.home.map(|at| at.map(Mm::get)),
         length_to: spec.length_to,
@@ -297,7 +345,8 @@ fn machine(spec: &MachineSpec, chain: Chain) -> Machine {
 
 /// Table and fixture in the part frame.
 fn carried(spec: &MachineSpec) -> Vec<Carried> {
-    let below = spec.part_origin[2].get();
+    let origin = Vector3::from(spec.part_origin.0.map(Mm::get));
+    let below = spec.part_axes.map_or(origin.z, |[_, z]| origin.dot(&Vector3::from(z)));
     let solids = [("table", &spec.table, -below), ("fixture", &spec.fixture, 0.0)];
     let solids = solids.into_iter().filter_map(|(name, solid, shift)| {
         let solid = solid.as_ref()?;

@@ -7,8 +7,9 @@
 
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
 use crate::kin::{Angles, Joints, Machine};
-use crate::post_file::{Decimals, Orientation, on_step};
+use crate::post_file::{Decimals, Orientation, counts_in_part_frame, on_step};
 use nalgebra::{Point3, Vector3};
+use std::borrow::Cow;
 
 /// Rounds the motion.
 pub(crate) fn run(program: &Program, motion: &mut Motion) {
@@ -24,7 +25,8 @@ pub(crate) fn run(program: &Program, motion: &mut Motion) {
 
 /// Steps of the words of a post.
 struct Words<'a> {
-    machine: &'a Machine,
+    /// With the part in the frame that the words count in.
+    machine: Cow<'a, Machine>,
     decimals: Decimals,
     orientation: Orientation,
 }
@@ -32,7 +34,13 @@ struct Words<'a> {
 impl<'a> Words<'a> {
     fn new(program: &'a Program) -> Self {
         let post = &program.post;
-        Self { machine: &program.machine, decimals: post.decimals, orientation: post.orientation }
+        let machine = &program.machine;
+        let machine = if machine.chain.holds_part_upright() || counts_in_part_frame(&post.dialect) {
+            Cow::Borrowed(machine)
+        } else {
+            Cow::Owned(machine.in_work_frame())
+        };
+        Self { machine, decimals: post.decimals, orientation: post.orientation }
     }
 
     fn is_coarse(&self) -> bool {
@@ -53,7 +61,7 @@ impl<'a> Words<'a> {
             let height = last.joints.xyz.z;
             last.joints = Joints { xyz: Vector3::new(over.joints.xyz.x, over.joints.xyz.y, height), ..over.joints };
         }
-        drop_still(operation, self.machine);
+        drop_still(operation, &self.machine);
     }
 
     /// X and Y of the gauge line, and the rotary axes. The height is that of the machine file.
@@ -146,7 +154,7 @@ mod tests {
             let machine = Machine::wide(Chain::tilting_table());
             let orientation = if vectors { Orientation::Vectors } else { Orientation::Angles };
             let words = Words {
-                machine: &machine,
+                machine: Cow::Borrowed(&machine),
                 decimals: Decimals { length: 3, angle: 3, vector: 6, feed: 0 },
                 orientation,
             };

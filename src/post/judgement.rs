@@ -7,6 +7,7 @@ use super::dialect::Post;
 use super::motion_of::{NcMotion, motion_of};
 use super::nc::NcSection;
 use super::recognise;
+use super::work_frame;
 use crate::diag::{Code, Diag, Severity, Sink, codes::post as codes};
 use crate::ir::Program;
 use crate::source::{SourceId, Span};
@@ -14,7 +15,7 @@ use crate::source::{SourceId, Span};
 /// What a text commands.
 #[derive(Debug)]
 pub struct NcCommands {
-    /// As the reader of the dialect has it.
+    /// As the reader of the dialect has it, in the frame of the words.
     pub sections: Vec<NcSection>,
     /// The motion of the machine.
     pub motion: NcMotion,
@@ -37,7 +38,8 @@ pub fn judge(
     // The text may be for another control than the post of the job.
     let has = |name: &&str| post.offsets().is_some_and(|offsets| (offsets.has)(name));
     let offset = program.post.work_offset().filter(has);
-    let sections = match post.read_with_offset(text, &program.machine, offset) {
+    let in_words = &*work_frame::program(post.name(), program);
+    let sections = match post.read_with_offset(text, &in_words.machine, offset) {
         Ok(sections) => sections,
         Err(faults) => {
             let meant = recognise(text);
@@ -62,7 +64,8 @@ pub fn judge(
             return None;
         }
     };
-    let motion = motion_of(program, &sections, span, sink)?;
+    let mut motion = motion_of(in_words, &sections, span, sink)?;
+    motion.motion = work_frame::read(post.name(), program, motion.motion);
     Some(NcCommands { sections, motion })
 }
 

@@ -24,6 +24,7 @@ mod siemens_840d;
 mod tool_shape;
 pub mod trial;
 pub mod words;
+mod work_frame;
 mod write;
 
 pub use control::{MOST_FAULTS, WorkOffsets};
@@ -57,7 +58,9 @@ pub fn assumptions(post: &dyn Post, program: &Program) -> Vec<String> {
     let offset = file.work_offset().or_else(|| Some(post.offsets()?.usual)).unwrap_or_default();
     let transformation = file.transformation[usize::from(file.orientation == Orientation::Vectors)].text();
     let filled = |what: &&str| what.replace("{work-offset}", offset).replace("{transformation}", &transformation);
-    post.assumptions().iter().map(filled).chain(modulo::assumptions(post.form(), &program.machine)).collect()
+    let own = post.assumptions().iter().map(filled);
+    let turned = work_frame::assumption(post.name(), program);
+    own.chain(turned).chain(modulo::assumptions(post.form(), &program.machine)).collect()
 }
 
 /// The dialect with a name.

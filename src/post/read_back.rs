@@ -6,6 +6,7 @@ use super::motion_of::says_tool;
 use super::nc::{Direction, NcMove, NcPlace, NcPose, NcProgram, NcRetract, NcSection, STANDS};
 use super::tool_shape;
 use super::words::INVERSE_DECIMALS;
+use super::work_frame;
 use crate::diag::{Diag, codes::post as codes};
 use crate::geom::bezier;
 use crate::ir::repeats;
@@ -106,6 +107,8 @@ pub(super) fn compare_text(
     text: &str,
 ) -> Result<ReadBack, TextFault> {
     let NcCommands { sections, .. } = judged(post, program, text)?;
+    let (motion, program) =
+        (&*work_frame::motion(post.name(), program, motion), &*work_frame::program(post.name(), program));
     let mut result = ReadBack { moves: 0, tip: 0.0, axis: 0.0 };
     let mut found = sections.iter();
     for operation in &motion.operations {

@@ -7,6 +7,7 @@
 
 use super::dialect::Post;
 use super::divided::Divided;
+use super::work_frame;
 use crate::diag::{Diag, Sink, codes::post as codes};
 use crate::ir::repeats::{Division, NoSymmetry, Symmetry};
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
@@ -65,6 +66,8 @@ pub fn remark(post: &dyn Post, program: &Program, motion: &Motion, sink: &mut Si
     if program.post.sectors == Sectors::Inline {
         return;
     }
+    let turned = !program.machine.chain.holds_part_upright();
+    let program = &*work_frame::program(post.name(), program);
     let tell = |message: String, note: String| {
         let mut diag = Diag::remark(codes::SECTORS_INLINE, message).note(note);
         if let Some(span) = program.post.span {
@@ -75,6 +78,10 @@ pub fn remark(post: &dyn Post, program: &Program, motion: &Motion, sink: &mut Si
     let all = "the text has every sector move by move, without subprograms";
     let why = match (post.no_subprograms(), Symmetry::of(program).err()) {
         (Some(why), _) => Some(why.to_owned()),
+        (None, Some(_)) if turned => Some(
+            "a turn of the work frame about the axis of a part that does not stand along Z is not written yet"
+                .to_owned(),
+        ),
         (None, Some(NoSymmetry::Axis)) => Some(format!(
             "axis {} of the machine {} does not turn the part about its axis",
             program.machine.rotary[1].name, program.machine.name

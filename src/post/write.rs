@@ -6,6 +6,7 @@ use super::modulo;
 use super::nc::{NcLine, NcProgram};
 use super::sectors;
 use super::words::{self, fixed};
+use super::work_frame;
 use crate::ir::repeats::Division;
 use crate::ir::{JointMove, Motion, MotionOperation, Operation, Program, Tool};
 use crate::kin::{Angles, Joints};
@@ -25,6 +26,8 @@ pub fn emit(post: &dyn Post, program: &Program, motion: &Verified<Motion>, heade
 /// The text of a motion, also of one that nobody verified: [`super::trial`] reads it and throws it away.
 pub(super) fn text_of(post: &dyn Post, program: &Program, motion: &Motion, header: &[String]) -> NcProgram {
     debug_assert_eq!(post.name(), program.post.dialect);
+    let (motion, program) =
+        (&*work_frame::motion(post.name(), program, motion), &*work_frame::program(post.name(), program));
     let form = post.form();
     let step = if form.numbers.always { 1 } else { program.post.block_numbers };
     let first = if form.numbers.always { 0 } else { u64::from(step) };

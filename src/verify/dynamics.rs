@@ -378,6 +378,8 @@ pub fn run(program: &Program, motion: &Motion, operation: usize, removal: &[f64]
     }
     if machine.planning == Planning::LinuxCnc {
         // The tolerance that the post writes for the whole program.
+        // It limits the tip along the axes of its work frame.
+        let machine = &machine.in_work_frame();
         let settings =
             linuxcnc::Settings { machine, tolerance: t.chord.get(), height: limits.height, length: limits.length };
         by_linuxcnc::replace(&settings, (operation, &moves.moves), (&limits, &cells), &mut report, &mut errors);

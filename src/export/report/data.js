@@ -89,17 +89,22 @@ function turnedAbout(k, v, angle) {
   return [0, 1, 2].map(i => k[i] * along * (1 - c) + v[i] * c + cross[i] * s);
 }
 
+/** A vector along the axes of the machine at zero, along those of the part. */
+const toPart = v =>
+  machine.part_axes ? machine.part_axes.map(axis => axis[0] * v[0] + axis[1] * v[1] + axis[2] * v[2]) : v;
+
 /** Tool tip in the part frame at joints X Y Z (mm) and rotary axes (rad), next to the tool first. */
 function tipAt(x, y, z, ...angles) {
   const tip = machine.rotary.reduce((p, [direction, point, table], k) => {
     // A table turns the part against its word: seen from the part the tip turns with it.
     return table ? turnedAbout(direction, p.map((q, i) => q - point[i]), angles[k]).map((q, i) => q + point[i]) : p;
   }, [x, y, z]);
-  return tip.map((q, i) => q - machine.part_origin[i]);
+  return toPart(tip.map((q, i) => q - machine.part_origin[i]));
 }
 
 /** Axis of the tool from its tip to the holder. */
-const axisAt = (...angles) => machine.rotary.reduce((v, [direction], k) => turnedAbout(direction, v, angles[k]), [0, 0, 1]);
+const axisAt = (...angles) =>
+  toPart(machine.rotary.reduce((v, [direction], k) => turnedAbout(direction, v, angles[k]), [0, 0, 1]));
 
 /** With a head, X Y Z of an operation become those of the gauge line with the head upright: what the axes do. */
 function placeGauge(joints, o) {

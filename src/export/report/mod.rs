@@ -175,6 +175,9 @@ struct MachineData<'a> {
     /// Direction and a point of the rotary axes, the first next to the tool; true where the axis carries the part.
     rotary: [([f64; 3], [f64; 3], bool); 2],
     part_origin: [f64; 3],
+    /// Directions of X, Y and Z of the part with all axes at zero, where they are not those of the machine.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    part_axes: Option<[[f64; 3]; 3]>,
     /// Largest speeds of X Y Z (mm/s) and the rotary axes (rad/s).
     speeds: [f64; 5],
 }
@@ -226,6 +229,7 @@ pub fn report(input: &Input<'_>) -> String {
                 (axis.direction.into_inner().into(), axis.point.coords.into(), axis.carries == Carries::Part)
             }),
             part_origin: machine.part_origin.into(),
+            part_axes: (!machine.chain.holds_part_upright()).then(|| machine.part_directions().map(Into::into)),
             speeds: machine.speeds(),
         },
         tools: program.tools.iter().map(|(_, t)| ToolData::new(t)).collect(),

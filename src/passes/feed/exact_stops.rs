@@ -18,10 +18,12 @@ pub(crate) fn run(program: &Program, motion: &mut Motion) {
     if program.machine.planning != Planning::LinuxCnc {
         return;
     }
+    // The planner of the control limits the tip along the axes of the work frame.
+    let machine = &program.machine.in_work_frame();
     motion.operations.par_iter_mut().for_each(|operation| {
         let declared = &program.operations[operation.operation];
         let settings = linuxcnc::Settings {
-            machine: &program.machine,
+            machine,
             tolerance: program.tolerances.chord.get(),
             height: program.tools[declared.tool].solid.flute_length,
             length: program.tools[declared.tool].length(),
@@ -29,7 +31,7 @@ pub(crate) fn run(program: &Program, motion: &mut Motion) {
         let moves = &mut operation.moves;
         at_joins(moves);
         let allowed = allowed(program, operation.operation);
-        let mut lines = linuxcnc::lines(&program.machine, moves.iter().map(|m| (m.joints, m.time, m.stop)));
+        let mut lines = linuxcnc::lines(machine, moves.iter().map(|m| (m.joints, m.time, m.stop)));
         for _ in 0..MOST_RUNS {
             if !at_corners(&settings, allowed, moves, &mut lines) {
                 break;
