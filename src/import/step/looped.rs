@@ -156,17 +156,26 @@ fn off(blade: &StepBlade, made: &LoftedBlade) -> f64 {
     most
 }
 
-/// Distance of a point from an edge that is cut off, mm: from the straight lines between both faces at the heights beside its own.
+/// Distance of a point from an edge that is cut off, mm: from the straight lines between both faces at the heights beside its own. Beyond
+/// root and tip the edge goes on to hub and shroud, which cut it: there the distance is that from its plane.
 fn across_cut(made: &LoftedBlade, end: usize, p: &Point3<f64>, mut t: f64, mut step: f64) -> f64 {
     /// Divisions by two of the step.
     const DIVISIONS: usize = 16;
-    let far = |t: f64| from_chords(p, &made.faces.each_ref().map(|face| face.derivatives(end as f64, t).point));
+    let ends = |t: f64| made.faces.each_ref().map(|face| face.derivatives(end as f64, t));
+    let far = |t: f64| from_chords(p, &ends(t).map(|d| d.point));
     for _ in 0..DIVISIONS {
         let beside = [t, t - step, t + step].map(|t| t.clamp(0.0, 1.0));
         t = beside.into_iter().min_by(|a, b| far(*a).total_cmp(&far(*b))).unwrap_or(t);
         step *= 0.5;
     }
-    far(t)
+    let [a, b] = ends(t);
+    let across = (b.point - a.point).normalize();
+    let up = a.sv + b.sv;
+    let up = (up - across * up.dot(&across)).normalize();
+    let beyond = (p - a.point).dot(&up);
+    // A step less than the last one is rounding.
+    let ends_there = (t <= step && beyond < 0.0) || (t >= 1.0 - step && beyond > 0.0);
+    if ends_there { from_chords(&(p - up * beyond), &[a.point, b.point]) } else { far(t) }
 }
 
 /// Distances of a point at a height from the straight lines across edges that are cut off, mm, where both faces of the file meet there:

@@ -58,6 +58,8 @@ fn faces_that_meet_have_round_edges() {
         let (off, told) = (off_oval(&made), told(&made));
         println!("{off:.1e} {told} um");
         assert!(off < 1e-5 && told < 0.5, "{off} {told}");
+        // The part states no less than that.
+        assert!((1e3 * made.moved - told) > -0.01 && made.moved < 2e-3, "{} {told}", made.moved);
         for section in divided(&made) {
             let [leading, trailing] = &section.outline.edges;
             // Each edge goes round its nose.
