@@ -36,6 +36,7 @@ mod short_ends;
 mod stated;
 mod step;
 mod table;
+mod tip_meridian;
 mod turbogrid;
 mod wheel_ends;
 

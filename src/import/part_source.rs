@@ -3,6 +3,7 @@
 use super::job_frame::Zero;
 use super::left_out::{self, LeftOut};
 use super::repeated::ONE_POINT;
+use super::tip_meridian::TipMeridian;
 use super::wheel_ends::{self, CutMeridian};
 use super::{BladeSurfaces, Imported, ImportedRow};
 use crate::diag::Diag;
@@ -29,6 +30,8 @@ pub struct PartSource<'a> {
     pub(super) zero: Zero,
     /// Hub and shroud of the wheel, where all blades have closed sections.
     pub(super) ends: Option<[CutMeridian; 2]>,
+    /// A meridian through the tips, for a shroud that is the casing; `None` where the part is not written by its sections.
+    pub(super) tips: Option<TipMeridian>,
     /// What faces leave out that are ruled from the first to the last section.
     pub(super) left: Vec<LeftOut>,
 }
@@ -42,9 +45,13 @@ impl<'a> PartSource<'a> {
         zero: Zero,
     ) -> Self {
         let ends = wheel_ends::wheel(imported, row, divided);
-        let ruled = ends.is_none() && matches!(imported.surfaces, BladeSurfaces::BySections);
+        let by_sections = matches!(imported.surfaces, BladeSurfaces::BySections);
+        let by_points = by_sections && row.blades.iter().all(|blade| blade.angles.is_none());
+        let shroud = ends.as_ref().filter(|_| by_points).map(|[_, shroud]| shroud.points.as_slice());
+        let tips = shroud.and_then(|shroud| TipMeridian::of(shroud, divided));
+        let ruled = ends.is_none() && by_sections;
         let left = if ruled { left_out::all(imported, divided) } else { Vec::new() };
-        Self { imported, row, divided, read, name, zero, ends, left }
+        Self { imported, row, divided, read, name, zero, ends, tips, left }
     }
 
     /// Refuses a part of ruled faces that leaves out what does not lie on them.

@@ -57,7 +57,7 @@ pub fn write(source: &PartSource<'_>) -> PartFiles {
     let lines = ends.map(|ends| ends.each_ref().map(|end| end.points.as_slice()));
     let frame = JobFrame::of(source.zero, (source.imported, source.divided), lines);
     let (loops, curves) = match lines {
-        Some(lines) => (loops(source, frame), meridians(lines, frame)),
+        Some(lines) => (loops(source, frame), meridians(lines, frame) + &tips(source, frame)),
         None => (Vec::new(), curves(source, frame, false)),
     };
     let job = job(source, frame, ends);
@@ -186,6 +186,15 @@ pub(super) fn meridians(ends: [&[[f64; 2]]; 2], frame: JobFrame) -> String {
             _ = writeln!(text, "{name},{},{}", number + 1, coordinates(&Point3::new(*r, 0.0, *z), frame));
         }
     }
+    text
+}
+
+/// The curve through the tips that may take the place of the shroud.
+fn tips(source: &PartSource<'_>, frame: JobFrame) -> String {
+    let Some(tips) = short_ends::casing(source) else { return String::new() };
+    let mut text = "# For a shroud that is the casing: the meridian through the tips of the blades.\n".to_owned();
+    let points: Vec<Point3<f64>> = tips.points.iter().map(|[r, z]| Point3::new(*r, 0.0, *z)).collect();
+    curve(&mut text, short_ends::TIPS, &points, frame);
     text
 }
 

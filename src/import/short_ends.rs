@@ -1,6 +1,8 @@
 //! Blades whose first or last section does not reach hub or shroud.
 
+use super::BladeSurfaces;
 use super::part_source::{PartSource, blade_name};
+use super::tip_meridian::TipMeridian;
 use crate::geom::chords;
 use crate::sections::outline::DividedSection;
 use crate::units::trim;
@@ -12,13 +14,15 @@ pub(super) const WITHOUT_A_WORD: f64 = 0.1;
 /// Share of the distance, and length in mm, by which faces are extended further: surfaces run off the points they pass through.
 const FURTHER: (f64, f64) = (0.01, 0.01);
 
+/// Name of the curve through the tips.
+pub(super) const TIPS: &str = "tips";
+
 type Line = [[f64; 2]];
 
 /// The largest distance by which the first sections of the blades stay away from the hub, or the last ones from the shroud, mm;
 /// zero where they reach them.
 pub(super) fn largest(source: &PartSource<'_>) -> f64 {
-    let gaps = (0..source.divided.len()).flat_map(|blade| short(source, blade));
-    gaps.fold(0.0, f64::max)
+    largest_at(source, 0).max(largest_at(source, 1))
 }
 
 /// The length of `extend` for a distance, as the language writes it.
@@ -41,10 +45,41 @@ pub(super) fn told(source: &PartSource<'_>, blade: usize) -> Vec<String> {
     }
     if shroud > WITHOUT_A_WORD {
         lines.push(format!(
-            "{name}: if the file gives the casing as the shroud, this is the gap at the tips: give the shroud through the tips."
+            "{name}: if the file gives the casing as the shroud, this is the gap at the tips: {}.",
+            way_out(source, hub)
         ));
     }
     lines
+}
+
+/// What to do where the shroud is the casing. `hub` is the gap at the hub, mm.
+fn way_out(source: &PartSource<'_>, hub: f64) -> String {
+    let Some(tips) = casing(source) else {
+        return match source.imported.surfaces {
+            BladeSurfaces::BySections => "give the shroud through the tips".to_owned(),
+            // Of a STEP file.
+            _ => "import without a face as shroud; then it goes through the tips".to_owned(),
+        };
+    };
+    let extend = if hub > WITHOUT_A_WORD {
+        format!("write `extend {} mm`", extension(largest_at(source, 0)))
+    } else {
+        "take `extend` out".to_owned()
+    };
+    format!(
+        "take the curve `{TIPS}` for the shroud, which goes through the tips within {} mm, and {extend}",
+        trim(tips.within, 4)
+    )
+}
+
+/// The meridian through the tips, where the blades end short of the shroud.
+pub(super) fn casing<'s>(source: &'s PartSource<'_>) -> Option<&'s TipMeridian> {
+    source.tips.as_ref().filter(|_| largest_at(source, 1) > WITHOUT_A_WORD)
+}
+
+/// The largest distance of all blades at one end, hub (0) or shroud (1), mm.
+fn largest_at(source: &PartSource<'_>, end: usize) -> f64 {
+    (0..source.divided.len()).map(|blade| short(source, blade)[end]).fold(0.0, f64::max)
 }
 
 /// How far the first section of a blade stays away from the hub, and the last one from the shroud, mm.

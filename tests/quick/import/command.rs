@@ -241,6 +241,24 @@ fn a_part_and_its_tables_are_written() {
     );
     assert!(said.contains("the last section ends up to 1 mm short of the shroud"), "{said}");
     assert!(job.contains("\n  extend 1.02 mm\n"), "{job}");
+    // Where the shroud is the casing, the hint is followed to the letter: the vanes end at the tips.
+    for words in
+        ["take the curve `tips` for the shroud, which goes through the tips within 0", "mm, and write `extend 1.02 mm`"]
+    {
+        assert!(said.contains(words), "{said}");
+    }
+    let tips = job.replace("curve shroud mm", "curve tips mm");
+    std::fs::write(folder.path().join("tips.imp"), &tips).unwrap();
+    assert_ne!(tips, job);
+    let of_tips: Vec<f64> = curves
+        .lines()
+        .filter_map(|line| line.strip_prefix("tips,"))
+        .map(|line| line.split(',').nth(1).unwrap().parse::<f64>().unwrap())
+        .collect();
+    // The shroud of the example is a cylinder, and the last section ends 1 mm below it.
+    assert!(of_tips.len() > 10 && of_tips.iter().all(|r| (r - 70.0).abs() < 1e-3), "{of_tips:?}");
+    let of_casing = is_modelled(folder.path(), "tips.imp");
+    assert!(of_casing.contains("IMP0319"), "{of_casing}");
     let said = is_modelled(folder.path(), "wheel.imp");
     assert!(said.contains("IMP0319"), "{said}");
     only_the_part_is_there(folder.path(), "wheel.imp");
