@@ -77,11 +77,10 @@ fn an_imported_part_states_its_files_and_their_distance() {
     let form = stated_points::check(&program);
     assert_eq!(form, stated_points::check(&FREE), "the line changes no surface");
     let told = imported.told(&form);
-    let sum = format!("{:.4} um", (imported.within + form[0].distance) * 1e3);
-    for words in
-        ["wheel.step", "at most 11.4000 um, stated by the import and not verified", "measured; together at most", &sum]
-    {
-        assert!(told.contains(words), "{words} is not in {told}");
+    let [stated, sum] = [imported.within, imported.within + form[0].distance].map(length);
+    let stated = format!("at most {stated}, stated by the import and not verified");
+    for words in ["wheel.step".to_owned(), stated, format!("measured; together at most {sum}")] {
+        assert!(told.contains(&words), "{words} is not in {told}");
     }
     // A blade of angles has no points that could be measured.
     assert!(imported.told(&[]).ends_with("nothing is measured: it states no points"), "{}", imported.told(&[]));
