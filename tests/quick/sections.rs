@@ -59,7 +59,9 @@ fn surfaces_go_through_the_points() {
 fn an_imported_part_states_its_files_and_their_distance() {
     let job = std::fs::read_to_string("jobs/sections/sections.imp").unwrap();
     let folder = tempfile::tempdir().unwrap();
-    std::fs::copy("jobs/sections/sections.csv", folder.path().join("sections.csv")).unwrap();
+    for table in ["sections.csv", "flow.csv"] {
+        std::fs::copy(Path::new("jobs/sections").join(table), folder.path().join(table)).unwrap();
+    }
     let front = |line: &str| {
         let at = job.find("\n  vanes ").unwrap();
         let path = folder.path().join("sections.imp");
