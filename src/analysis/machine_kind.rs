@@ -29,9 +29,8 @@ pub fn check(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
     } else {
         format!("{first} and {second} of the machine {} do not set the tool along the axis of the part", machine.name)
     };
-    let below = machine.chain.part_axes() * -Vector3::z();
-    let turned = if !upright && machine.reaches(&-Vector3::z()) {
-        let [x, y, z] = [below.x, below.y, below.z].map(|x| trim(x + 0.0, 4));
+    let turned = if let Some(other) = machine.reached_from_below() {
+        let [x, y, z] = [other.x, other.y, other.z].map(|x| trim(x, 4));
         format!(
             "; they reach the part from below: a part that is clamped the other way has `[part] direction = [{x}, {y}, {z}]`"
         )

@@ -483,6 +483,7 @@ pub(super) fn machine(
         rotary,
         part_origin: (reader.point(table.part.origin.get_ref()), reader.span(&table.part.origin)),
         part_axes: reader.part_axes(&table.part),
+        part_direction: table.part.direction.is_some(),
         spindle: reader.pair(&table.spindle.speed, Dimension::SPINDLE, 1e6).map(Rpm),
         power: (table.spindle.power.as_ref()).map(|text| reader.power(text)),
         rapid: MmPerMin(reader.quantity(&table.rapid, Dimension::FEED, 1.0, 1e6)),

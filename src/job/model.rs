@@ -150,6 +150,8 @@ pub struct MachineSpec {
     /// Directions of X and Z of the part in the machine frame, with the rotary axes at zero: of length 1, at right angles.
     /// `None` where the file states neither: they are those of the machine.
     pub part_axes: Option<[[f64; 3]; 2]>,
+    /// Whether the file states the direction of Z of the part.
+    pub part_direction: bool,
     /// Height of the gauge line at which tools are changed and all axes but Z may move.
     pub retract: Mm,
     /// Positions at which X, Y and Z park at the end of a program.

@@ -331,6 +331,14 @@ impl Machine {
         [0, 1, 2].map(|k| axes.column(k).into())
     }
 
+    /// The direction of the axis of a part that is clamped the other way, machine frame, where the rotary axes set the tool along
+    /// this axis from below alone.
+    pub fn reached_from_below(&self) -> Option<Vector3<f64>> {
+        let up = Vector3::z();
+        // Without the sign of a zero.
+        (!self.reaches(&up) && self.reaches(&-up)).then(|| (self.chain.part_axes() * -up).map(|x| x + 0.0))
+    }
+
     /// The machine with the part in the work frame of its control: its origin is that of the part, its axes are those of the
     /// machine with all axes at zero. The joints of a motion are the same; poses are in this frame.
     pub fn in_work_frame(&self) -> Self {
@@ -468,14 +476,16 @@ mod tests {
         #[test]
         fn highest_is_not_passed_by_any_table(
             first in [-1.0..1.0_f64, -1.0..1.0, -1.0..1.0], second in [-1.0..1.0_f64, -1.0..1.0, -1.0..1.0],
-            point in [-50.0..50.0_f64, -50.0..50.0, -50.0..50.0], head in any::<bool>(), r in 1.0..80.0_f64
+            point in [-50.0..50.0_f64, -50.0..50.0, -50.0..50.0], head in any::<bool>(), r in 1.0..80.0_f64,
+            part in prop_oneof![Just([0.0; 3]), [-3.0..3.0_f64, -1.5..1.5, -3.0..3.0]]
         ) {
             let [k1, k2] = [first, second].map(Vector3::from);
             prop_assume!(k1.norm() > 0.1 && k2.norm() > 0.1);
             let carries = if head { Carries::Tool } else { Carries::Part };
             let lines = [line(carries, k1, point), line(Carries::Part, k2, [1.0, 2.0, 3.0])];
             prop_assume!(Chain::new(lines).is_ok());
-            let m = machine([-2.0, 2.0], lines, [5.0, -4.0, 9.0]);
+            let mut m = machine([-2.0, 2.0], lines, [5.0, -4.0, 9.0]);
+            m.chain = m.chain.with_part(Rotation3::from_euler_angles(part[0], part[1], part[2]));
             let bound = m.highest(&[[r, 20.0]]);
             // Both axes within their travel, and each point of the ring.
             let mut most = f64::NEG_INFINITY;
@@ -514,6 +524,80 @@ mod tests {
                 }
             }
             prop_assert!(bound <= least + 1e-9 && bound > least - 0.5, "{bound} {least}");
+        }
+
+        /// A part that is turned on any machine is where plain vectors put it that are all turned back with it, and its poses
+        /// come back.
+        #[test]
+        fn a_turned_part_is_a_machine_turned_the_other_way(
+            first in [-1.0..1.0_f64, -1.0..1.0, -1.0..1.0], second in [-1.0..1.0_f64, -1.0..1.0, -1.0..1.0],
+            point in [-50.0..50.0_f64, -50.0..50.0, -50.0..50.0], heads in 0..3_usize,
+            part in [-3.0..3.0_f64, -1.5..1.5, -3.0..3.0], angles in [-3.0..3.0_f64, -3.0..3.0],
+            tip in [-60.0..60.0_f64, -60.0..60.0, -60.0..60.0]
+        ) {
+            let [k1, k2] = [first, second].map(Vector3::from);
+            prop_assume!(k1.norm() > 0.1 && k2.norm() > 0.1);
+            let carries = |k: usize| if k < heads { Carries::Tool } else { Carries::Part };
+            let lines = [line(carries(0), k1, point), line(carries(1), k2, [4.0, -3.0, 80.0])];
+            prop_assume!(Chain::new(lines).is_ok());
+            let mut m = machine([-9.0, 9.0], lines, [5.0, -4.0, 9.0]);
+            let turn = Rotation3::from_euler_angles(part[0], part[1], part[2]);
+            m.chain = m.chain.with_part(turn);
+            let pose = Pose { tip: Point3::from(tip), axis: m.chain.tool_axis(angles) };
+            // All of the machine turned back: the part stands along Z, the tool does not.
+            let back = turn.inverse();
+            let about = |k: usize, p: Point3<f64>| {
+                let at = back * lines[k].point;
+                at + Rotation3::from_axis_angle(&(back * lines[k].direction), angles[k]) * (p - at)
+            };
+            let joints = m.joints(&pose.tip, angles);
+            // The tip, and a point of the tool above it: tables turn the part against their angles.
+            let tool = (0..2).fold(back * Vector3::z(), |v, k| {
+                Rotation3::from_axis_angle(&(back * lines[k].direction), angles[k]) * v
+            });
+            let at = (heads.min(2)..2).fold(back * Point3::from(joints.xyz), |p, k| about(k, p)) - back * m.part_origin;
+            prop_assert!((at - pose.tip).norm() < 1e-9 && (tool - pose.axis).norm() < 1e-9, "{at} {tool}");
+            let found = m.chain.inverse(&pose.axis, angles[1]);
+            prop_assert!(found.is_some());
+            for rotary in found.unwrap() {
+                let again = m.forward(&m.joints(&pose.tip, rotary));
+                prop_assert!((again.tip - pose.tip).norm() < 1e-9 && (again.axis - pose.axis).norm() < 1e-7);
+            }
+            // The same joints in the work frame: the pose is turned.
+            let words = m.in_work_frame().forward(&joints);
+            prop_assert!((words.tip - turn * pose.tip).norm() < 1e-9 && (words.axis - turn * pose.axis).norm() < 1e-9);
+        }
+
+        /// A turn of the part about Z is a turn of the machine about Z, which needs no turned part.
+        #[test]
+        fn a_part_turned_about_z_has_the_joints_of_a_turned_machine(
+            first in [-1.0..1.0_f64, -1.0..1.0, -1.0..1.0], second in [-1.0..1.0_f64, -1.0..1.0, -1.0..1.0],
+            heads in 0..3_usize, turn in -3.0..3.0_f64, angles in [-3.0..3.0_f64, -3.0..3.0],
+            tip in [-60.0..60.0_f64, -60.0..60.0, -60.0..60.0]
+        ) {
+            let [k1, k2] = [first, second].map(Vector3::from);
+            prop_assume!(k1.norm() > 0.1 && k2.norm() > 0.1);
+            let carries = |k: usize| if k < heads { Carries::Tool } else { Carries::Part };
+            let lines = [line(carries(0), k1, [7.0, 1.0, 2.0]), line(carries(1), k2, [4.0, -3.0, 80.0])];
+            prop_assume!(Chain::new(lines).is_ok());
+            let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), turn);
+            let back = turn.inverse();
+            let mut m = machine([-9.0, 9.0], lines, [5.0, -4.0, 9.0]);
+            m.chain = m.chain.with_part(turn);
+            let turned = lines.map(|l| AxisLine { direction: back * l.direction, point: back * l.point, ..l });
+            let other = machine([-9.0, 9.0], turned, (back * m.part_origin).into());
+            let axis = other.chain.tool_axis(angles);
+            let tip = Point3::from(tip);
+            let [a, b] = [&m, &other].map(|m| m.joints(&tip, angles).xyz);
+            prop_assert!((back * a - b).norm() < 1e-9 && (m.chain.tool_axis(angles) - axis).norm() < 1e-12);
+            let [a, b] = [&m, &other].map(|m| m.chain.inverse(&axis, 0.3).unwrap());
+            let apart = (0..2).map(|k| crate::kin::most_turn(a[k], b[k])).fold(0.0, f64::max);
+            // At the poles of axis 2 its angle is free.
+            let pole = axis.cross(&other.chain.axes()[1].direction).norm();
+            prop_assert!(pole < 1e-3 || apart < 1e-6 || (apart - TAU).abs() < 1e-6, "{a:?} {b:?}");
+            let reach = [&m, &other].map(|m| [m.most_lean(), m.highest(&[[30.0, 20.0]])]);
+            prop_assert!((reach[0][0] - reach[1][0]).abs() < 0.03, "{reach:?}");
+            prop_assert!((reach[0][1] - reach[1][1]).abs() < 0.1, "{reach:?}");
         }
 
         /// Up to this angle every direction is reached within the travel, and not every one a little beyond.

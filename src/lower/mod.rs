@@ -66,6 +66,7 @@ pub fn lower(job: &Job, sink: &mut Sink) -> Result<Program, Aborted> {
     }
     let machine = machine(&job.machine, chain(&job.machine, sink)?);
     check_part_axis(&job.machine, &machine, sink)?;
+    check_table(&job.machine, &machine, sink)?;
     let program = Program {
         name: job.part.name.clone(),
         name_span: job.part.span,
@@ -285,7 +286,7 @@ const ACROSS: f64 = 0.0175;
 fn check_part_axis(spec: &MachineSpec, machine: &Machine, sink: &mut Sink) -> Result<(), Aborted> {
     let [_, table] = machine.chain.axes();
     let across = libm::hypot(table.direction.x, table.direction.y);
-    if spec.part_axes.is_some() || table.carries == Carries::Tool || across < ACROSS {
+    if spec.part_direction || table.carries == Carries::Tool || across < ACROSS {
         return Ok(());
     }
     let name = &machine.rotary[1].name;
@@ -311,6 +312,28 @@ fn check_part_axis(spec: &MachineSpec, machine: &Machine, sink: &mut Sink) -> Re
                 "write in [part] of the machine file where Z of the part points with all axes at zero: {on_table}\
                  `direction = [0, 0, 1]` for one that is clamped across it"
             )),
+    );
+    Err(Aborted)
+}
+
+/// Refuses a table that is no solid about the axis of the part: the proof knows no others.
+///
+/// # Errors
+/// The machine is refused; the reason is in the sink.
+fn check_table(spec: &MachineSpec, machine: &Machine, sink: &mut Sink) -> Result<(), Aborted> {
+    let [_, second] = machine.chain.axes();
+    let turning = second.carries == Carries::Part;
+    let about = if turning { second.direction.into_inner() } else { Vector3::z() };
+    let [_, _, part] = machine.part_directions();
+    if spec.table.is_none() || about.cross(&part).norm() < ACROSS {
+        return Ok(());
+    }
+    let axis = if turning { format!("the axis {}", machine.rotary[1].name) } else { "Z".to_owned() };
+    sink.push(
+        Diag::error(LIBRARY, format!("the part is clamped oblique to its table, and [table] is a solid about {axis}"))
+            .label(spec.part_origin.1, "where the part is")
+            .note("the proof knows solids about the axis of the part alone")
+            .help("write a [fixture] about the axis of the part that encloses table and fixture, and remove [table]"),
     );
     Err(Aborted)
 }

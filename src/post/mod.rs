@@ -59,7 +59,7 @@ pub fn assumptions(post: &dyn Post, program: &Program) -> Vec<String> {
     let transformation = file.transformation[usize::from(file.orientation == Orientation::Vectors)].text();
     let filled = |what: &&str| what.replace("{work-offset}", offset).replace("{transformation}", &transformation);
     let own = post.assumptions().iter().map(filled);
-    let turned = work_frame::assumption(post.name(), program);
+    let turned = work_frame::assumptions(post.name(), program);
     own.chain(turned).chain(modulo::assumptions(post.form(), &program.machine)).collect()
 }
 

@@ -49,13 +49,16 @@ fn turned(mut motion: Motion, turn: &Rotation3<f64>) -> Motion {
 }
 
 /// How the part is turned in the frame of the words, for the head.
-pub(super) fn assumption(dialect: &str, program: &Program) -> Option<String> {
-    turn(dialect, program)?;
+pub(super) fn assumptions(dialect: &str, program: &Program) -> Vec<String> {
+    if turn(dialect, program).is_none() {
+        return Vec::new();
+    }
     let [x, _, z] = program.machine.part_directions().map(|v| {
         let [x, y, z] = [v.x, v.y, v.z].map(|x| crate::units::trim(x + 0.0, 6));
         format!("({x}, {y}, {z})")
     });
-    Some(format!(
-        "X Y Z count along the machine axes with the rotary axes at 0; there Z of the part points along {z}, its X along {x}"
-    ))
+    vec![
+        "X Y Z and directions count along the axes of the machine with the rotary axes at 0".to_owned(),
+        format!("there Z of the part points along {z}, X of the part along {x}"),
+    ]
 }

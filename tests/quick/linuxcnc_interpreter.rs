@@ -11,7 +11,7 @@ use impellerc::ir::Program;
 use impellerc::kin::Machine;
 use impellerc::post::{self, Direction, NcMove, NcTool};
 use impellerc::post_file::Sectors;
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, Rotation3, Vector3};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree as _;
 use serde_json::Value;
@@ -394,6 +394,32 @@ fn a_machine_file_with_another_sense_or_offset_is_noticed() {
             assert!(judge(&moved).is_err(), "{name}: {by:?}");
         }
     }
+}
+
+/// A part that is turned on the table: words count along the axes of the machine, as the kinematics module has it.
+#[test]
+fn a_turned_part_is_what_the_interpreter_and_the_kinematics_mean() {
+    let Some(linuxcnc) = LinuxCnc::find() else { return };
+    let mut program = support::program_for("linuxcnc", &support::flank_only(&[0]));
+    program.machine.chain = program.machine.chain.with_part(Rotation3::from_euler_angles(0.05, -0.05, 0.7));
+    let planned = support::jobs::Compiled::new(program);
+    let post = post::find("linuxcnc").unwrap();
+    let text = post::emit(post, &planned.program, &planned.motion, &[]).text();
+    post::read_back(post, &planned.program, &planned.motion, &text).unwrap();
+    let machine = planned.program.machine.in_work_frame();
+    linuxcnc.prepare(&machine, &text, &tools(&planned.program));
+    assert!(compare(&linuxcnc, &machine, &text).unwrap() > 200);
+    // The joints of the module put the tool where the motion has it on the part.
+    let poses: Vec<[f64; 5]> =
+        meant(&linuxcnc, &machine).unwrap().iter().filter(|m| m.transformed).map(|m| m.to).collect();
+    let meant = planned.motion.get().operations.iter().flat_map(|o| &o.moves[1..o.moves.len() - 1]);
+    let mut compared = 0;
+    for (module, m) in linuxcnc.joints(&machine, &poses).iter().zip(meant) {
+        let off = m.joints.xyz + Vector3::z() * TOOL_LENGTH - Vector3::new(module[0], module[1], module[2]);
+        assert!(off.amax() < 1e-3, "{module:?} {m:?}");
+        compared += 1;
+    }
+    assert_eq!(compared, poses.len());
 }
 
 /// Subprograms: the interpreter turns X and Y and counts with the values of calls as our reader does.

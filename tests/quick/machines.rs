@@ -47,14 +47,14 @@ fn job_on(folder: &Path, name: &str, text: &str) -> Options {
     options
 }
 
-fn with_text(changes: &[(&str, &str)]) -> String {
+pub(super) fn with_text(changes: &[(&str, &str)]) -> String {
     changes.iter().fold(SHIPPED.to_owned(), |text, (from, to)| {
         assert!(text.contains(from), "{from}");
         text.replacen(from, to, 1)
     })
 }
 
-fn front(name: &str, text: &str) -> (Option<Program>, Outcome) {
+pub(super) fn front(name: &str, text: &str) -> (Option<Program>, Outcome) {
     let folder = tempfile::tempdir().unwrap();
     let mut outcome = Outcome::default();
     let program = driver::front(&job_on(folder.path(), name, text), &mut Stages::default(), &mut outcome);

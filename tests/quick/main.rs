@@ -58,6 +58,7 @@ mod mutations;
 mod nc_diff;
 mod orientation_engines;
 mod outputs;
+mod part_axis;
 mod parts;
 mod perimeter;
 mod planning;

@@ -20,6 +20,7 @@ use crate::ir::motion::MotionOperation;
 use crate::ir::{ClOperation, ClPass, ClPlan, ClPoint, JointMove, Motion, MoveKind, Operation, Program};
 use crate::kin::{Angles, Machine, RotaryPose};
 use crate::passes::context::PassContext;
+use crate::units::trim;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -336,7 +337,15 @@ pub(super) fn report(cx: &mut PassContext<'_>, operation: &ClOperation, misses: 
         miss.unit,
         if cx.program.machine.chain.has_head() { "" } else { " of the table" }
     ));
-    cx.sink.push(diag);
+    let other = cx.program.machine.reached_from_below().map(|v| [v.x, v.y, v.z].map(|x| trim(x, 4)));
+    cx.sink.push(match other {
+        Some([x, y, z]) => diag.note(format!(
+            "the tool reaches this part along its axis from below alone: look at the `sense` of {} and {}; a part that is \
+             clamped the other way has `[part] direction = [{x}, {y}, {z}]`",
+            names[3], names[4]
+        )),
+        None => diag,
+    });
 }
 
 /// Reports the passes within which the tool leaves the part to turn: each place of a finished surface keeps a mark.
