@@ -41,8 +41,9 @@ fn verdict(program: &Program, warnings: usize) -> String {
     };
     let operations = program.operations.iter().count();
     let required = program.contracts.len();
+    let turned = program.machine.part_turned().map_or_else(String::new, |turned| format!("; {turned} of the machine"));
     format!(
-        "{}: no fault found before planning{warned}; {} on {}, post {}\n\
+        "{}: no fault found before planning{warned}; {} on {}, post {}{turned}\n\
          what flank milling leaves, collisions, travel and {} are judged only when the job is compiled\n",
         program.name,
         if operations == 1 { "one operation".to_owned() } else { format!("{operations} operations") },

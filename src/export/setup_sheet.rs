@@ -174,16 +174,14 @@ fn end_of_program(program: &Program) -> String {
 }
 
 /// How the part is turned on the machine, and what that means for the words of the text.
-fn part_axes(program: &Program) -> String {
-    let [x, _, z] = program.machine.part_directions().map(|v| [v.x, v.y, v.z].map(|x| trim(x + 0.0, 6)).join(", "));
+fn part_axes(program: &Program) -> Option<String> {
     let words = if counts_in_part_frame(&program.post.dialect) {
         "poses of the text are in the part frame"
     } else {
         "words X Y Z of the text count along the axes of the machine there, from the zero"
     };
-    format!(
-        "Its directions in the machine frame, all rotary axes at zero: Z of the part ({z}), X of the part ({x}); {words}"
-    )
+    let turned = program.machine.part_turned()?;
+    Some(format!("In the machine frame, all rotary axes at zero, {turned}; {words}"))
 }
 
 fn zero_section(input: SheetInput<'_>) -> SheetSection {
@@ -212,8 +210,8 @@ fn zero_section(input: SheetInput<'_>) -> SheetSection {
         ),
         format!("Tools are changed with the gauge line at machine Z {} mm", trim(program.machine.retract, 4)),
     ];
-    if !program.machine.chain.holds_part_upright() {
-        facts.insert(2, part_axes(program));
+    if let Some(turned) = part_axes(program) {
+        facts.insert(2, turned);
     }
     if let Some(material) = program.stock.material {
         facts.push(format!("Material: {}", material.name()));

@@ -3,6 +3,7 @@
 use super::heights::{Ring, Swing, farthest};
 use super::{Angles, AxisLine, Carries, Chain};
 use crate::method::{LengthTo, ModuloWay, Planning};
+use crate::units::trim;
 use nalgebra::{Point3, Rotation3, Unit, Vector3};
 use std::f64::consts::{PI, TAU};
 
@@ -329,6 +330,16 @@ impl Machine {
     pub fn part_directions(&self) -> [Vector3<f64>; 3] {
         let axes = self.chain.part_axes().matrix();
         [0, 1, 2].map(|k| axes.column(k).into())
+    }
+
+    /// The directions of a part that does not stand upright, in words.
+    pub fn part_turned(&self) -> Option<String> {
+        if self.chain.holds_part_upright() {
+            return None;
+        }
+        // Without the sign of a zero.
+        let [x, _, z] = self.part_directions().map(|v| [v.x, v.y, v.z].map(|x| trim(x + 0.0, 6)).join(", "));
+        Some(format!("Z of the part points along ({z}), X of the part along ({x})"))
     }
 
     /// The direction of the axis of a part that is clamped the other way, machine frame, where the rotary axes set the tool along

@@ -50,15 +50,7 @@ fn turned(mut motion: Motion, turn: &Rotation3<f64>) -> Motion {
 
 /// How the part is turned in the frame of the words, for the head.
 pub(super) fn assumptions(dialect: &str, program: &Program) -> Vec<String> {
-    if turn(dialect, program).is_none() {
-        return Vec::new();
-    }
-    let [x, _, z] = program.machine.part_directions().map(|v| {
-        let [x, y, z] = [v.x, v.y, v.z].map(|x| crate::units::trim(x + 0.0, 6));
-        format!("({x}, {y}, {z})")
-    });
-    vec![
-        "X Y Z and directions count along the axes of the machine with the rotary axes at 0".to_owned(),
-        format!("there Z of the part points along {z}, X of the part along {x}"),
-    ]
+    let turned = program.machine.part_turned().filter(|_| turn(dialect, program).is_some());
+    let words = "X Y Z and directions count along the axes of the machine with the rotary axes at 0";
+    turned.map_or_else(Vec::new, |turned| vec![words.to_owned(), format!("there {turned}")])
 }
