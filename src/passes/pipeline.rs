@@ -77,19 +77,19 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
     fit_splines::run(&cx, &mut motion);
     cx.holds("fit-splines", |program| validate::motion(program, &motion))?;
     // What follows counts with the moves that the text says.
-    round_to_words::run(program, &mut motion);
+    round_to_words::run(program, progress, &mut motion);
     cx.holds("round-to-words", |program| validate::motion(program, &motion))?;
     let needed = cost::of_moves(program, &motion, cx.stations.planned);
     check_memory(&mut cx, None, needed)?;
     // Times follow from feeds that tool and spindle can take.
     removal_feeds::run(program, &mut motion, cx.progress, cx.sink)?;
     cx.holds("removal-feeds", |program| validate::motion(program, &motion))?;
-    time_feeds::run(program, &mut motion);
+    time_feeds::run(program, progress, &mut motion);
     cx.holds("time-feeds", |program| validate::motion(program, &motion))?;
     equal_sectors::feeds(program, &mut motion);
     cx.holds("equal-sectors", |program| validate::motion(program, &motion))?;
     // How far the control leaves the path depends on the speeds of all moves.
-    exact_stops::run(program, &mut motion);
+    exact_stops::run(program, progress, &mut motion);
     cx.holds("exact-stops", |program| validate::motion(program, &motion))?;
     equal_sectors::stops(program, &mut motion);
     Ok(Plan { cc, cl, motion })

@@ -8,16 +8,17 @@
 use crate::ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
 use crate::kin::{Angles, Joints, Machine};
 use crate::post_file::{Decimals, Orientation, counts_in_part_frame, on_step};
+use crate::progress::Progress;
 use nalgebra::{Point3, Vector3};
 use std::borrow::Cow;
 
 /// Rounds the motion.
-pub(crate) fn run(program: &Program, motion: &mut Motion) {
+pub(crate) fn run(program: &Program, progress: &Progress, motion: &mut Motion) {
     let words = Words::new(program);
     if !words.is_coarse() {
         return;
     }
-    for operation in &mut motion.operations {
+    for operation in motion.operations.iter_mut().take_while(|_| !progress.is_cancelled()) {
         let length = program.tools[program.operations[operation.operation].tool].length();
         words.operation(operation, length);
     }

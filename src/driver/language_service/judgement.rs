@@ -229,9 +229,9 @@ impl JobJudge {
         tell(json!({ "kind": "begin", "title": format!("impellerc: {name}"), "cancellable": true }));
         let ended = AtomicBool::new(false);
         let outcome = std::thread::scope(|threads| {
-            threads.spawn(|| {
+            let teller = threads.spawn(|| {
                 let mut told = String::new();
-                while !ended.load(Ordering::Relaxed) {
+                while !ended.load(Ordering::Acquire) {
                     // The share is that of the current work, which begins at zero several times: a percentage of the protocol
                     // must not fall.
                     let now = state.stage().map(|(text, share)| match share {
@@ -242,11 +242,15 @@ impl JobJudge {
                         tell(json!({ "kind": "report", "message": now }));
                         told = now;
                     }
-                    std::thread::sleep(TELL);
+                    std::thread::park_timeout(TELL);
                 }
             });
             // Also when the work panics: otherwise the scope would wait for ever.
-            let _ended = AtEnd(|| ended.store(true, Ordering::Relaxed));
+            let _ended = AtEnd(|| {
+                ended.store(true, Ordering::Release);
+                // A cancelled run does not wait for the next look.
+                teller.thread().unpark();
+            });
             work()
         });
         let verdict = outcome.emitted.as_deref().and_then(|text| text.lines().next());

@@ -8,13 +8,14 @@ use crate::contract::ContractKind;
 use crate::ir::{JointMove, Motion, MoveKind, OperationId, Program};
 use crate::kin::linuxcnc;
 use crate::method::Planning;
+use crate::progress::Progress;
 use rayon::prelude::*;
 
 /// Most rounds in which the run is simulated again with the new stops.
 const MOST_RUNS: usize = 64;
 
 /// Sets the stops.
-pub(crate) fn run(program: &Program, motion: &mut Motion) {
+pub(crate) fn run(program: &Program, progress: &Progress, motion: &mut Motion) {
     if program.machine.planning != Planning::LinuxCnc {
         return;
     }
@@ -33,7 +34,8 @@ pub(crate) fn run(program: &Program, motion: &mut Motion) {
         let allowed = allowed(program, operation.operation);
         let mut lines = linuxcnc::lines(machine, moves.iter().map(|m| (m.joints, m.time, m.stop)));
         for _ in 0..MOST_RUNS {
-            if !at_corners(&settings, allowed, moves, &mut lines) {
+            // The caller ends a cancelled run.
+            if progress.is_cancelled() || !at_corners(&settings, allowed, moves, &mut lines) {
                 break;
             }
         }

@@ -10,6 +10,7 @@ use crate::ir::motion::MotionOperation;
 use crate::ir::{JointMove, Motion, MoveKind, Program};
 use crate::kin::feedrate::{self, AXES, Limits, Rounding, Station};
 use crate::kin::{Joints, Machine, between};
+use crate::progress::Progress;
 use nalgebra::Point3;
 use rayon::prelude::*;
 
@@ -23,9 +24,10 @@ const MOST_STATIONS: f64 = 1000.0;
 const FEED_STEP: f64 = 1e-3;
 
 /// Sets feeds and times.
-pub(crate) fn run(program: &Program, motion: &mut Motion) {
+pub(crate) fn run(program: &Program, progress: &Progress, motion: &mut Motion) {
     let machine = &program.machine;
-    motion.operations.par_iter_mut().for_each(|operation| {
+    // The caller ends a cancelled run.
+    motion.operations.par_iter_mut().filter(|_| !progress.is_cancelled()).for_each(|operation| {
         let declared = &program.operations[operation.operation];
         let (finishing, t) = (declared.kind.finishes(), &program.tolerances);
         let tool = &program.tools[declared.tool];
@@ -43,7 +45,7 @@ pub(crate) fn run(program: &Program, motion: &mut Motion) {
             chords.fill(most);
         }
         let mut before: Option<Joints> = None;
-        for (m, reached) in operation.moves.iter_mut().zip(reached) {
+        for (m, reached) in operation.moves.iter_mut().zip(reached).take_while(|_| !progress.is_cancelled()) {
             time_move(machine, tool.length(), before, m, reached);
             before = Some(m.joints);
         }

@@ -54,7 +54,9 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<Motion, Abort
         let (mut moves, mut faults) = (Vec::new(), Faults::default());
         // Branches count their windings from where the operation begins.
         let start = at;
-        for part in links.parts(machine, length, start) {
+        cx.go_on()?;
+        for part in links.parts(cx, length, start) {
+            cx.go_on()?;
             let solved = match part {
                 OperationPart::Runs(runs) => links.over(machine, &runs, [start, at]),
                 OperationPart::OutOfTravel { pass, place, miss } => {
@@ -109,9 +111,14 @@ impl<'a> Links<'a> {
         let program = cx.program;
         let surface = ClearanceSurface::new(program, &program.tools[operation.tool].solid);
         let direct_links = DirectLinks::new(program, cx.obstacles, operation);
+        let progress = cx.progress;
         let short = passes
             .par_windows(2)
             .map(|pair| {
+                // The caller ends a cancelled run.
+                if progress.is_cancelled() {
+                    return None;
+                }
                 let (from, to) = pair[0].points.last().zip(pair[1].points.first())?;
                 let finishing = || operation.kind.finishes().then(|| direct_links.between(from, to)).flatten();
                 let link = pair[1].link.clone().or_else(finishing)?;
@@ -138,12 +145,14 @@ impl<'a> Links<'a> {
     }
 
     /// The operation as sequences that stay within the travel, for a tool of the given length (mm). Sequences that do not are halved.
-    fn parts(&self, machine: &Machine, length: f64, at: Angles) -> Vec<OperationPart> {
+    /// Of a cancelled run only the first ones.
+    fn parts(&self, cx: &PassContext<'_>, length: f64, at: Angles) -> Vec<OperationPart> {
+        let machine = &cx.program.machine;
         let mut parts = Vec::new();
         // The last sequence is at the top of the stack.
         let mut open = self.runs();
         open.reverse();
-        while let Some(run) = open.pop() {
+        while let Some(run) = open.pop().filter(|_| !cx.progress.is_cancelled()) {
             let linked = self.linked(run.clone());
             let places: Vec<ClPoint> = linked.iter().map(|m| m.to).collect();
             match (branch::on_branches(machine, &places, length, at), parts.last_mut()) {

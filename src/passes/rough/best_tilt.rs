@@ -7,6 +7,7 @@
 
 use super::layers::{Level, Roughing, StationPlace};
 use super::wall_tilt::WallTilt;
+use crate::progress::Progress;
 use rayon::prelude::*;
 
 /// Tilts that are tried, degrees. Beyond the largest the end of a flat cutter cuts steps.
@@ -23,14 +24,18 @@ const SAME_REACH: f64 = 0.05;
 
 impl Roughing<'_> {
     /// The same operation with the tilts that bring the tool nearest to the walls.
-    pub(super) fn tilted(&self) -> Self {
+    /// Of a cancelled run the tilts are not those that the operation has.
+    pub(super) fn tilted(&self, progress: &Progress) -> Self {
         let trials = TRIED.map(|tilt| self.with_tilt(WallTilt::even(tilt.to_radians())));
         let places: Vec<[f64; 2]> = (0..=PLACES)
             .into_par_iter()
             .map(|i| {
                 let u = i as f64 / PLACES as f64;
                 let place = StationPlace::new(&self.chart, u);
-                let missed = trials.each_ref().map(|trial| trial.missed(&place));
+                let missed = trials.each_ref().map(|trial| {
+                    // Nobody waits for the best tilt of a cancelled run. A trial takes some milliseconds.
+                    if progress.is_cancelled() { [0.0; 2] } else { trial.missed(&place) }
+                });
                 [0, 1].map(|side: usize| {
                     let best = missed.iter().map(|m| m[side]).fold(f64::INFINITY, f64::min);
                     let enough = best + LOWEST as f64 * SAME_REACH * self.radius();

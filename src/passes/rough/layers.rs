@@ -215,9 +215,15 @@ pub(crate) enum LayersEnd {
 
 impl<'a> Roughing<'a> {
     /// `None` for an operation without levels.
-    pub(crate) fn new(program: &'a Program, operation: &Operation, within: (PassageId, &'a Obstacles)) -> Option<Self> {
+    /// Of a cancelled run the tilts are not those that the operation has.
+    pub(crate) fn new(
+        program: &'a Program,
+        operation: &Operation,
+        within: (PassageId, &'a Obstacles),
+        progress: &Progress,
+    ) -> Option<Self> {
         let depth = operation.kind.step_down()?.get();
-        Self::with_depth(program, operation, within, depth)
+        Self::with_depth(program, operation, within, (depth, progress))
     }
 
     /// As [`Self::new`], with levels that lie `depth` apart, mm, whatever the operation says; `None` for finishing.
@@ -225,7 +231,7 @@ impl<'a> Roughing<'a> {
         program: &'a Program,
         operation: &Operation,
         (passage, obstacles): (PassageId, &'a Obstacles),
-        depth: f64,
+        (depth, progress): (f64, &Progress),
     ) -> Option<Self> {
         let Allowances { vane, hub } = operation.kind.roughing()?;
         let follows_levels = operation.kind.follows_stock();
@@ -251,7 +257,7 @@ impl<'a> Roughing<'a> {
             lead_in: operation.lead_in.get(),
             lead_out: operation.lead_out.get(),
         };
-        Some(if follows_levels { upright.tilted() } else { upright })
+        Some(if follows_levels { upright.tilted(progress) } else { upright })
     }
 
     /// The same with another tilt away from the walls.

@@ -57,7 +57,9 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     let (mut all, mut rows) = (Vec::new(), 0);
     for passage in cx.program.part.passages() {
         let within = (passage.id, cx.obstacles);
-        let roughing = Roughing::with_depth(&program, operation, within, depth).ok_or(Aborted)?.tilted();
+        let roughing = Roughing::with_depth(&program, operation, within, (depth, cx.progress)).ok_or(Aborted)?;
+        let roughing = roughing.tilted(cx.progress);
+        cx.go_on()?;
         let strokes = ChannelStrokes {
             program: &program,
             roughing: &roughing,

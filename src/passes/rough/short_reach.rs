@@ -14,6 +14,7 @@ use crate::diag::{Aborted, Diag, codes::orientation};
 use crate::ir::{ClPoint, Operation, OperationId, OperationKind};
 use crate::part::Passage;
 use crate::passes::context::{PassContext, maximal_ranges, remedy};
+use crate::progress::Progress;
 use rayon::prelude::*;
 use std::borrow::Borrow;
 use std::cell::RefCell;
@@ -42,13 +43,15 @@ pub(crate) fn check(cx: &mut PassContext<'_>, roughings: &Roughings<'_>) -> Resu
     });
     let kept_out = |passage: Passage| {
         let planned = last_first().filter_map(|(id, _)| roughings[*id].get(passage.id.index()));
-        let Some(closed) = closed_to_all(planned, rest, sizes) else { return false };
-        let cutters =
-            last_first().filter_map(|(_, operation)| Roughing::new(&free, operation, (passage.id, cx.obstacles)));
+        let Some(closed) = closed_to_all(planned, rest, sizes, cx.progress) else { return false };
+        let within = (passage.id, cx.obstacles);
+        let cutters = last_first().filter_map(|(_, operation)| Roughing::new(&free, operation, within, cx.progress));
         // Where the cutters alone do not reach the same places either, other messages say so.
-        closed_to_all(cutters, rest, sizes).is_none_or(|of_cutters| of_cutters < closed)
+        closed_to_all(cutters, rest, sizes, cx.progress).is_none_or(|of_cutters| of_cutters < closed)
     };
-    if !program.part.passages().any(kept_out) {
+    let is_kept_out = program.part.passages().any(kept_out);
+    cx.go_on()?;
+    if !is_kept_out {
         return Ok(());
     }
     // Levels without number are refused first.
@@ -56,6 +59,7 @@ pub(crate) fn check(cx: &mut PassContext<'_>, roughings: &Roughings<'_>) -> Resu
         roughing(cx, roughings, *id)?;
     }
     let refusals: Vec<Diag> = roughs.iter().filter_map(|(_, operation)| refusal(cx, operation)).collect();
+    cx.go_on()?;
     if refusals.is_empty() {
         return Ok(());
     }
@@ -69,10 +73,11 @@ fn closed_to_all<'a>(
     roughings: impl Iterator<Item = impl Borrow<Roughing<'a>>>,
     rest: f64,
     [thinnest, widest]: [f64; 2],
+    progress: &Progress,
 ) -> Option<f64> {
     let (mut closed, mut longest): (Option<Vec<bool>>, f64) = (None, 0.0);
     for roughing in roughings {
-        let (fits, step) = fits_over_hub(roughing.borrow(), [rest, thinnest]);
+        let (fits, step) = fits_over_hub(roughing.borrow(), [rest, thinnest], progress);
         let before = closed.unwrap_or_else(|| vec![true; fits.len()]);
         let now: Vec<bool> = before.iter().zip(&fits).map(|(closed, fits)| *closed && !fits).collect();
         let most = maximal_ranges(now.len(), |i| now[i]).iter().map(|r| r.len() - 1).max();
@@ -93,7 +98,7 @@ pub(crate) fn refusal(cx: &PassContext<'_>, operation: &Operation) -> Option<Dia
     let tool = &program.tools[operation.tool];
     let clearance = program.clearance.get();
     let lines_of = |solid: &ToolSolid| {
-        positions(&program.with_solid(operation.tool, &solid.cutter_alone(0.0)), operation, obstacles)
+        positions(&program.with_solid(operation.tool, &solid.cutter_alone(0.0)), operation, obstacles, cx.progress)
     };
     let lack = |solid: &ToolSolid, p: &ClPoint| {
         let slack = |rho: f64, s: f64| solid.body_distance(rho, s) - clearance;
