@@ -44,6 +44,8 @@ pub struct PostFile {
     pub transformation: [Template; 2],
     /// The frames, in the order of [`Frame::ALL`].
     pub frames: [Vec<Template>; 5],
+    /// Place of the frame `end` in the file, for what it lacks.
+    pub end_span: Span,
 }
 
 /// Ends of lines in NC text.

@@ -371,9 +371,9 @@ pub(super) enum Command {
         /// Second NC file
         second: PathBuf,
 
-        /// Job of both texts
+        /// Job of both texts; it is needed
         #[arg(long, value_name = "FILE")]
-        job: PathBuf,
+        job: Option<PathBuf>,
 
         /// Machine of the second text, where it is another one than that of the first
         #[arg(long, value_name = "NAME")]

@@ -13,15 +13,15 @@ use crate::source::{SourceFile, SourceId};
 use crate::units::trim;
 use nalgebra::Point3;
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Options of a comparison.
 #[derive(Clone, Debug, Default)]
 pub struct NcDiff {
     /// Both NC texts.
     pub nc: [PathBuf; 2],
-    /// Job that both texts fulfil.
-    pub job: PathBuf,
+    /// Job that both texts fulfil; without it nothing is compared.
+    pub job: Option<PathBuf>,
     /// Machine file of the second text, where it is another one.
     pub other_machine: Option<String>,
     /// Shared options; the dialects are those of the texts.
@@ -46,8 +46,17 @@ pub fn diff(options: &NcDiff, stages: &mut Stages) -> Outcome {
 }
 
 fn run(options: &NcDiff, stages: &mut Stages, outcome: &mut Outcome) -> Result<(), Aborted> {
-    let first = text(options, 0, stages, outcome)?;
-    let second = text(options, 1, stages, outcome)?;
+    let Some(job) = options.job.as_deref() else {
+        let [first, second] = options.nc.each_ref().map(|nc| shown_path(nc));
+        outcome.sink.push(
+            Diag::error(codes::USAGE, "the job of both texts is not given")
+                .note("NC text does not say how long the tools are, where the axes of the machine stand, and what each operation cuts")
+                .help(format!("add the job: `impellerc diff {first} {second} --job job.imp`")),
+        );
+        return Err(Aborted);
+    };
+    let first = text(options, (0, job), stages, outcome)?;
+    let second = text(options, (1, job), stages, outcome)?;
     let found = stages.run("compare", || {
         let sides = [&first, &second].map(|t| ComparedMotion { program: &t.program, motion: &t.motion.motion });
         compare::compare(sides)
@@ -60,7 +69,12 @@ fn run(options: &NcDiff, stages: &mut Stages, outcome: &mut Outcome) -> Result<(
 }
 
 /// Reads a text with the machine that it is for. What the job says of itself beside errors is not the subject here.
-fn text(options: &NcDiff, k: usize, stages: &mut Stages, outcome: &mut Outcome) -> Result<ReadText, Aborted> {
+fn text(
+    options: &NcDiff,
+    (k, job): (usize, &Path),
+    stages: &mut Stages,
+    outcome: &mut Outcome,
+) -> Result<ReadText, Aborted> {
     let nc = &options.nc[k];
     let content = read_nc(nc, &mut outcome.sink)?;
     let mut run = options.run.clone();
@@ -68,7 +82,7 @@ fn text(options: &NcDiff, k: usize, stages: &mut Stages, outcome: &mut Outcome) 
         run.machine.clone_from(&options.other_machine);
     }
     let mut of_job = Outcome { sources: std::mem::take(&mut outcome.sources), ..Outcome::default() };
-    let made = program(&run, &options.job, stages, &mut of_job);
+    let made = program(&run, job, stages, &mut of_job);
     outcome.sources = of_job.sources;
     of_job.sink.diags().iter().filter(|d| d.severity == Severity::Error).for_each(|d| outcome.sink.push(d.clone()));
     let program = made?;

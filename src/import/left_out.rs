@@ -194,13 +194,13 @@ impl RuledFace {
         // Between neighbouring rulings the face is bilinear.
         for first in [k.checked_sub(1), Some(k)].into_iter().flatten().filter(|first| first + 1 < count) {
             let from = if first == k { 0.0 } else { 1.0 };
-            least = least.min(self.from_cell(p, first, [from, t]));
+            least = least.min(self.distance_from_cell(p, first, [from, t]));
         }
         least
     }
 
     /// Distance of a point from the face between a ruling and the next one, searched from a place of this cell.
-    fn from_cell(&self, p: &Point3<f64>, first: usize, [mut s, mut t]: [f64; 2]) -> f64 {
+    fn distance_from_cell(&self, p: &Point3<f64>, first: usize, [mut s, mut t]: [f64; 2]) -> f64 {
         /// Steps of Newton's method; four make it exact on cells of usual twist.
         const STEPS: usize = 8;
         let [[a, b], [c, d]] = self.curves.each_ref().map(|curve| [curve[first], curve[first + 1]]);

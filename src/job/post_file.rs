@@ -87,7 +87,7 @@ struct FramesTable {
     head: Vec<SpannedText>,
     operation_start: Vec<SpannedText>,
     operation_end: Vec<SpannedText>,
-    end: Vec<SpannedText>,
+    end: Spanned<Vec<SpannedText>>,
 }
 
 impl LibraryReader<'_> {
@@ -226,7 +226,7 @@ pub(super) fn read(
     let mut reader = LibraryReader { source, sink, faults: false };
     let fields = inner_fields();
     let frames = &table.frames;
-    let lines = [&frames.start, &frames.head, &frames.operation_start, &frames.operation_end, &frames.end];
+    let lines = [&frames.start, &frames.head, &frames.operation_start, &frames.operation_end, frames.end.get_ref()];
     let [least, most] = TURNS.map(f64::to_radians);
     let post = PostFile {
         name: name.to_owned(),
@@ -258,6 +258,7 @@ pub(super) fn read(
         transformation: [&table.transformation.angles, &table.transformation.vectors]
             .map(|text| reader.template(text, &fields)),
         frames: std::array::from_fn(|k| reader.frame(Frame::ALL[k], lines[k])),
+        end_span: reader.span(&frames.end),
     };
     reader.has_words(&post, &table.orientation);
     (!reader.faults).then_some(post)

@@ -2,6 +2,7 @@
 //! dimension.
 
 use super::eval::{LetScope, mismatch, nc_entry, nearest, suggest, unknown, unknown_unit};
+use super::other_names::instead;
 use super::quantity::Dimension;
 use super::vocabulary;
 use crate::diag::codes::job as codes;
@@ -16,6 +17,8 @@ pub(super) struct Properties<'a, 'c> {
     head: Span,
     entries: Vec<(&'a Name, Vec<&'a Value>)>,
     damaged: bool,
+    /// What stands in the place of words of other systems, as it was told, with the first of these words.
+    told: Vec<(&'static str, Span)>,
     /// Names for expressions.
     pub(super) scope: &'c mut LetScope,
     /// Receives the faults.
@@ -65,6 +68,14 @@ impl Range {
     }
 }
 
+/// Marks a further unknown property in the message about the first one, where both have the same cause.
+fn also_unknown(sink: &mut Sink, first: Span, also: Span) {
+    sink.change_all(|diag| {
+        let same = diag.code == codes::UNKNOWN_PROPERTY && diag.labels.first().is_some_and(|label| label.span == first);
+        if same { diag.label(also, "not known for the same reason") } else { diag }
+    });
+}
+
 impl<'a, 'c> Properties<'a, 'c> {
     /// The properties of a block; only the `known` names are allowed.
     pub(super) fn new(
@@ -87,7 +98,8 @@ impl<'a, 'c> Properties<'a, 'c> {
         scope: &'c mut LetScope,
         sink: &'c mut Sink,
     ) -> Self {
-        let mut this = Self { owner, head, entries: Vec::new(), damaged: block.damaged || scope.damaged, scope, sink };
+        let damaged = block.damaged || scope.damaged;
+        let mut this = Self { owner, head, entries: Vec::new(), damaged, told: Vec::new(), scope, sink };
         let mut before: Option<&Entry> = None;
         for entry in &block.entries {
             this.add(entry, before, (known, many), block.damaged);
@@ -163,6 +175,14 @@ impl<'a, 'c> Properties<'a, 'c> {
             // Behind a missing bracket stand the properties of another block.
             self.damaged = true;
             return;
+        }
+        if let Some(reason) = instead(&name.text).filter(|_| diag.fix.is_none()) {
+            self.damaged = true;
+            if let Some((_, first)) = self.told.iter().find(|(told, _)| *told == reason) {
+                also_unknown(self.sink, *first, name.span);
+                return;
+            }
+            self.told.push((reason, name.span));
         }
         self.sink.push(match (&diag.fix, elsewhere.as_slice()) {
             (None, [first, ..]) => diag.note(format!(

@@ -158,6 +158,9 @@ pub struct NcMove {
     pub frame_turned: bool,
 }
 
+/// Begin of the reason where a text has no end.
+pub(super) const ENDS_HERE: &str = "the text ends here, without ";
+
 /// A line that a reader does not understand, or that makes the program invalid.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ReadError {

@@ -6,7 +6,7 @@
 
 use super::dialect::Post;
 use super::judgement::TextFault;
-use super::nc::NcProgram;
+use super::nc::{ENDS_HERE, NcProgram};
 use super::read_back::{at_template, compare_text};
 use super::write::text_of;
 use crate::diag::{Diag, Sink, codes::post as codes};
@@ -82,6 +82,14 @@ fn refused(program: &Program, nc: &NcProgram, fault: &TextFault) -> Diag {
     // What the reader does not understand is a fault of the frame; what the job does not allow keeps its own code.
     let code = if [codes::NC_BLOCK, codes::TEXT_DIFFERS].contains(code) { codes::FRAME } else { *code };
     let message = format!("the frames of post {} make a program that is refused: {reason}", program.post.name);
+    if let Some(missing) = reason.strip_prefix(ENDS_HERE) {
+        return Diag::error(code, message).label(program.post.end_span, format!("{missing} is missing here")).help(
+            format!(
+                "add it to the frame `end`; `impellerc posts {}` prints a file whose frames are understood",
+                program.post.dialect
+            ),
+        );
+    }
     let diag = at_template(Diag::error(code, message), nc, (*line, "a trial program"));
     match help.as_ref().filter(|_| code != codes::FRAME) {
         Some(help) => diag.help(help),

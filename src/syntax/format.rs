@@ -7,6 +7,7 @@
 use super::ast::{Block, Entry, File, Item, ItemKind, ToolSource, Value};
 use super::{parse, print};
 use crate::diag::Sink;
+use crate::diag::codes::syntax as codes;
 use crate::source::SourceId;
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -31,18 +32,26 @@ pub enum Unformatted {
 /// # Errors
 /// [`Unformatted`] when the text has faults, or the result would not say the same.
 pub fn format(text: &str, source: SourceId, sink: &mut Sink) -> Result<String, Unformatted> {
-    let before = parse(text, source, sink);
-    if before.faulty || before.damaged {
+    let mut faults = Sink::default();
+    let before = parse(text, source, &mut faults);
+    let tokens = tokens(text);
+    // Comments alone are no job yet, but they have a form.
+    let comments = !tokens.is_empty()
+        && tokens.iter().all(|token| token.kind == TokenKind::Comment)
+        && faults.diags().iter().all(|diag| diag.code == codes::EMPTY);
+    if !comments {
+        faults.diags().iter().for_each(|diag| sink.push(diag.clone()));
+    }
+    if !comments && (before.faulty || before.damaged) {
         return Err(Unformatted::Faulty);
     }
-    let tokens = tokens(text);
     let lines = JobLayout { starts: starts(&before), text, tokens: &tokens }.lines();
     let formatted = written(lines);
     let after = parse(&formatted, source, &mut Sink::default());
     let texts = |text: &str, tokens: &[FormToken]| -> Vec<String> {
         tokens.iter().map(|token| text[token.range.clone()].to_owned()).collect()
     };
-    let same = !after.faulty
+    let same = (comments || !after.faulty)
         && texts(text, &tokens) == texts(&formatted, &self::tokens(&formatted))
         && without_places(&before) == without_places(&after);
     if same { Ok(formatted) } else { Err(Unformatted::Differs) }

@@ -185,3 +185,19 @@ fn files_are_formatted_in_place() {
     assert_eq!(child.wait_with_output().unwrap().stdout, b"edition 2026\n");
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
 }
+
+/// Comments alone are no job yet, but `fmt` writes them as they stand.
+#[test]
+fn comments_alone_stay() {
+    for (text, due) in [
+        ("// one\n", "// one\n"),
+        ("// one\n\n// two", "// one\n\n// two\n"),
+        ("\n  // one  \n\n\n// two\n", "// one\n\n// two\n"),
+    ] {
+        let mut sink = Sink::default();
+        assert_eq!(syntax::format(text, SourceId::default(), &mut sink).as_deref(), Ok(due), "{text:?}");
+        assert_eq!(sink.count(), 0, "{text:?}");
+    }
+    // What is no text is still refused.
+    assert_eq!(format("// one \u{7}\n"), Err(Unformatted::Faulty));
+}

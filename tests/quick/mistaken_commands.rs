@@ -159,7 +159,7 @@ const MISTAKES: &[Mistake] = &[
     ("a post that is not there", "small.imp --post haas -o small.nc", 2, &["no post file `haas`", "fanuc"]),
     ("a folder that is not there", "small.imp -o nc/small.nc", 3, &["there is no such folder", "nothing was written"]),
     ("verify without a job", "verify p.nc", 2, &["add `--job job.imp`"]),
-    ("diff without a job", "diff p.nc p.nc", 2, &["--job <FILE>"]),
+    ("diff without a job", "diff p.nc p.nc", 2, &["add the job", "`impellerc diff p.nc p.nc --job job.imp`"]),
     ("fmt of NC text", "fmt p.nc", 2, &["NC text of fanuc, not a job"]),
 ];
 

@@ -7,6 +7,7 @@
 
 use crate::support::jobs;
 use impellerc::diag::{Severity, Sink};
+use impellerc::driver::{self, Options, RunOptions, Stages};
 use impellerc::ir::{Motion, Program};
 use impellerc::job::{self, InMemory};
 use impellerc::post;
@@ -193,241 +194,46 @@ fn the_compiler_accepts_no_post_file_whose_text_verify_refuses() {
 }
 
 /// Blocks that a shop may add to a post file, and that change what the control does with the blocks around them.
-fn foreign_blocks(dialect: &str) -> &'static [&'static str] {
-    match dialect {
-        "siemens-840d" => &[
-            "G70",
-            "G91",
-            "G93",
-            "G95",
-            "G41 D1",
-            "G18",
-            "M0",
-            "M5",
-            "M4",
-            "M2",
-            "G4 F5",
-            "FFWON",
-            "G641 ADIS=1",
-            "G64",
-            "G60",
-            "ROT Z30",
-            "ATRANS X1",
-            "SCALE X1.1",
-            "MIRROR X0",
-            "TRAORI(2)",
-            "TRAFOOF",
-            "ORIVECT",
-            "ORIMKS",
-            "G55",
-            "G153",
-            "D2",
-            "T=\"other\" M6",
-            "S100",
-            "S100 M3",
-            "COMPCURV",
-            "SOFT",
-            "CYCLE832(5,_FINISH,1)",
-            "CYCLE800()",
-            "STOPRE",
-            "R1=1",
-            "GOTOF END",
-            "MSG(\"x\")",
-            "G0 Z0",
-            "G0 A0",
-            "OVR=50",
-            "FGROUP(X)",
-            "PAROT",
-            "G53 G0 Z0",
-            "OFFN=1",
-            "M30",
-            "RET",
-        ],
-        "heidenhain" | "heidenhain-itnc530" => &[
-            "M5",
-            "M4",
-            "M0",
-            "M2",
-            "M91",
-            "M92",
-            "M94",
-            "M97",
-            "M107",
-            "M114",
-            "M116",
-            "M118 X1 Y1 Z1",
-            "M120 LA5",
-            "M126",
-            "M127",
-            "M128",
-            "M129",
-            "M130",
-            "M136",
-            "M138 A",
-            "M140 MB MAX",
-            "M144",
-            "CYCL DEF 7.0 DATUM SHIFT",
-            "CYCL DEF 8.0 MIRROR IMAGE",
-            "CYCL DEF 10.0 ROTATION",
-            "CYCL DEF 11.0 SCALING",
-            "TOOL CALL 99 Z S1000",
-            "TOOL CALL S100",
-            "TOOL CALL DL+1",
-            "PLANE SPATIAL SPA+10 SPB+0 SPC+0 STAY",
-            "FUNCTION TCPM F CONT AXIS SPAT PATHCTRL VECTOR",
-            "L Z+0 FMAX",
-            "L A+0 FMAX",
-            "CALL LBL 1",
-            "FN 0: Q1 = +1",
-            "FUNCTION RESET TCPM",
-            "STOP",
-            "L Z+0 R0 FMAX M91",
-            "M30",
-            "M99",
-        ],
-        "fanuc" | "makino" | "mitsubishi" => &[
-            "G20",
-            "G91",
-            "G93",
-            "G95",
-            "G41 D1",
-            "G18",
-            "M0",
-            "M1",
-            "M5",
-            "M4",
-            "M2",
-            "G4 P500",
-            "G61",
-            "G61.1",
-            "G64",
-            "G68 X0. Y0. R30.",
-            "G52 X1.",
-            "G51 X0. Y0. Z0. P1100",
-            "G51.1 X0.",
-            "G43 H2",
-            "G43 H1",
-            "G43.5 H1 P0",
-            "G43.4 H2",
-            "G49",
-            "G55",
-            "G54.1 P1",
-            "T2 M6",
-            "S100",
-            "S100 M3",
-            "G05 P10000",
-            "G05.1 Q0",
-            "G08 P1",
-            "G54.2 P1",
-            "G69",
-            "G92 X0.",
-            "G53 G0 Z0.",
-            "G28 Z0.",
-            "#500=1",
-            "GOTO 10",
-            "M98 P1000",
-            "G65 P1000",
-            "G0 Z0.",
-            "G0 A0.",
-            "M30",
-            "G10 L2 P1 X1.",
-            "G40.1",
-        ],
-        "linuxcnc" => &[
-            "G20",
-            "G91",
-            "G93",
-            "G95",
-            "G41 D1",
-            "G18",
-            "M0",
-            "M1",
-            "M5",
-            "M4",
-            "M2",
-            "G4 P5",
-            "G61",
-            "G61.1",
-            "G64",
-            "G64 P1",
-            "G52 X1",
-            "G92 X1",
-            "G43 H2",
-            "G43.1 Z1",
-            "G43.2 H2",
-            "G49",
-            "G55",
-            "G59.3",
-            "T2 M6",
-            "S100",
-            "S100 M3",
-            "M428",
-            "M429",
-            "M430",
-            "G96 D1000 S1",
-            "G7",
-            "M48",
-            "M49",
-            "M50 P0",
-            "M51 P0",
-            "M53 P0",
-            "M61 Q2",
-            "M62 P0",
-            "M66 P0 L0",
-            "M70",
-            "G53 G0 Z0",
-            "G28",
-            "G30",
-            "#500=1",
-            "#5220=2",
-            "O100 CALL",
-            "G0 Z0",
-            "G0 A0",
-            "G10 L2 P1 X1",
-            "G10 L1 P1 Z1",
-            "G51 X1",
-            "M30",
-            "G80",
-            "G98",
-        ],
-        _ => &[
-            "UNITS/INCHES",
-            "SPINDL/OFF",
-            "SPINDL/RPM,100,CLW",
-            "SPINDL/RPM,8000,CCLW",
-            "SPINDL/8000",
-            "CUTCOM/LEFT",
-            "LINTOL/5",
-            "OUTTOL/5",
-            "MULTAX/OFF",
-            "MULTAX",
-            "TRANS/1,0,0",
-            "ROTATE/AAXIS,10",
-            "LOADTL/9",
-            "LOADTL/9,LENGTH,50",
-            "TLAXIS/0,0,1",
-            "GODLTA/1,0,0",
-            "STOP",
-            "OPSTOP",
-            "GOHOME",
-            "FEDRAT/IPM,10",
-            "FEDRAT/100,MMPR",
-            "RAPID",
-            "COOLNT/OFF",
-            "CYCLE/DRILL,5",
-            "COPY/1,TRANSL,1,0,0",
-            "DELAY/5",
-            "ORIGIN/1,2,3",
-            "TRACUT/1",
-            "FROM/0,0,0",
-            "GOTO/0,0,0",
-            "CUTTER/99",
-            "FINI",
-            "CALL/M",
-            "END",
-            "INSERT/G91",
-        ],
-    }
+fn foreign_blocks(dialect: &str) -> Vec<&'static str> {
+    let all = match dialect {
+        "siemens-840d" => {
+            r#"G70 | G91 | G93 | G95 | G41 D1 | G18 | M0 | M5 | M4 | M2 | G4 F5 | FFWON | G641 ADIS=1 | G64 |
+            G60 | ROT Z30 | ATRANS X1 | SCALE X1.1 | MIRROR X0 | TRAORI(2) | TRAFOOF | ORIVECT | ORIMKS | G55 |
+            G153 | D2 | T="other" M6 | S100 | S100 M3 | COMPCURV | SOFT | CYCLE832(5,_FINISH,1) | CYCLE800() |
+            STOPRE | R1=1 | GOTOF END | MSG("x") | G0 Z0 | G0 A0 | OVR=50 | FGROUP(X) | PAROT | G53 G0 Z0 |
+            OFFN=1 | M30 | RET"#
+        }
+        "heidenhain" | "heidenhain-itnc530" => {
+            r#"M5 | M4 | M0 | M2 | M91 | M92 | M94 | M97 | M107 | M114 | M116 | M118 X1 Y1 Z1 | M120 LA5 | M126 |
+            M127 | M128 | M129 | M130 | M136 | M138 A | M140 MB MAX | M144 | CYCL DEF 7.0 DATUM SHIFT |
+            CYCL DEF 8.0 MIRROR IMAGE | CYCL DEF 10.0 ROTATION | CYCL DEF 11.0 SCALING | TOOL CALL 99 Z S1000 |
+            TOOL CALL S100 | TOOL CALL DL+1 | PLANE SPATIAL SPA+10 SPB+0 SPC+0 STAY |
+            FUNCTION TCPM F CONT AXIS SPAT PATHCTRL VECTOR | L Z+0 FMAX | L A+0 FMAX | CALL LBL 1 |
+            FN 0: Q1 = +1 | FUNCTION RESET TCPM | STOP | L Z+0 R0 FMAX M91 | M30 | M99"#
+        }
+        "fanuc" | "makino" | "mitsubishi" => {
+            r#"G20 | G91 | G93 | G95 | G41 D1 | G18 | M0 | M1 | M5 | M4 | M2 | G4 P500 | G61 | G61.1 | G64 |
+            G68 X0. Y0. R30. | G52 X1. | G51 X0. Y0. Z0. P1100 | G51.1 X0. | G43 H2 | G43 H1 | G43.5 H1 P0 |
+            G43.4 H2 | G49 | G55 | G54.1 P1 | T2 M6 | S100 | S100 M3 | G05 P10000 | G05.1 Q0 | G08 P1 |
+            G54.2 P1 | G69 | G92 X0. | G53 G0 Z0. | G28 Z0. | #500=1 | GOTO 10 | M98 P1000 | G65 P1000 |
+            G0 Z0. | G0 A0. | M30 | G10 L2 P1 X1. | G40.1"#
+        }
+        "linuxcnc" => {
+            r#"G20 | G91 | G93 | G95 | G41 D1 | G18 | M0 | M1 | M5 | M4 | M2 | G4 P5 | G61 | G61.1 | G64 |
+            G64 P1 | G52 X1 | G92 X1 | G43 H2 | G43.1 Z1 | G43.2 H2 | G49 | G55 | G59.3 | T2 M6 | S100 |
+            S100 M3 | M428 | M429 | M430 | G96 D1000 S1 | G7 | M48 | M49 | M50 P0 | M51 P0 | M53 P0 | M61 Q2 |
+            M62 P0 | M66 P0 L0 | M70 | G53 G0 Z0 | G28 | G30 | #500=1 | #5220=2 | O100 CALL | G0 Z0 | G0 A0 |
+            G10 L2 P1 X1 | G10 L1 P1 Z1 | G51 X1 | M30 | G80 | G98"#
+        }
+        _ => {
+            r#"UNITS/INCHES | SPINDL/OFF | SPINDL/RPM,100,CLW | SPINDL/RPM,8000,CCLW | SPINDL/8000 | CUTCOM/LEFT |
+            LINTOL/5 | OUTTOL/5 | MULTAX/OFF | MULTAX | TRANS/1,0,0 | ROTATE/AAXIS,10 | LOADTL/9 |
+            LOADTL/9,LENGTH,50 | TLAXIS/0,0,1 | GODLTA/1,0,0 | STOP | OPSTOP | GOHOME | FEDRAT/IPM,10 |
+            FEDRAT/100,MMPR | RAPID | COOLNT/OFF | CYCLE/DRILL,5 | COPY/1,TRANSL,1,0,0 | DELAY/5 |
+            ORIGIN/1,2,3 | TRACUT/1 | FROM/0,0,0 | GOTO/0,0,0 | CUTTER/99 | FINI | CALL/M | END | INSERT/G91"#
+        }
+    };
+    all.split('|').map(str::trim).filter(|block| !block.is_empty()).collect()
 }
 
 /// The places behind the entries of the lists of frames of a post file, with the entry, and what stands before a new one.
@@ -451,7 +257,7 @@ fn a_block_that_a_shop_adds_has_one_verdict() {
         let blocks = foreign_blocks(name);
         for (n, (place, before)) in entries(text).into_iter().enumerate() {
             // Each block stands behind some entries, and each entry has some behind it.
-            for block in blocks.iter().skip(n % APART).step_by(APART) {
+            for block in blocks.iter().copied().skip(n % APART).step_by(APART) {
                 rows += 1;
                 let changed = format!("{}, '{block}'{}", &text[..place], &text[place..]);
                 let Some(program) = with_text(program, &changed) else { continue };
@@ -468,5 +274,36 @@ fn a_block_that_a_shop_adds_has_one_verdict() {
             println!("  {row}");
         }
         assert!(rows >= 40, "{name}: {rows}");
+    }
+}
+
+/// A frame `end` without the words that end a program is marked itself, and not the line before it.
+#[test]
+fn a_missing_end_is_marked_where_it_is_missing() {
+    for (name, from, to, missing) in [
+        ("siemens-840d", "end = [\"M30\"]", "end = []", "M30"),
+        ("siemens-840d", "end = [\"M30\"]", "end = [\"; end\"]", "M30"),
+        ("fanuc", "end = [\"M30\", \"%\"]", "end = [\"M30\"]", "`%` in its last line"),
+        ("fanuc", "end = [\"M30\", \"%\"]", "end = []", "`%` in its last line"),
+        ("heidenhain", "\"END PGM {program.file} MM\"]", "]", "`END PGM"),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let text = FILES.iter().find(|(file, _)| *file == name).unwrap().1;
+        let changed = text.replace(from, to);
+        assert_ne!(text, changed, "{name}");
+        std::fs::create_dir(folder.path().join("posts")).unwrap();
+        std::fs::write(folder.path().join(format!("posts/{name}.toml")), &changed).unwrap();
+        let run =
+            RunOptions { library: Some(folder.path().into()), post: Some(name.to_owned()), ..RunOptions::default() };
+        let options = Options { job: "jobs/small/small.imp".into(), run, ..Options::default() };
+        let outcome = driver::check(&options, &mut Stages::default());
+        let errors: Vec<_> = outcome.sink.diags().iter().filter(|d| d.severity == Severity::Error).collect();
+        let [error] = errors.as_slice() else { panic!("{name}: {errors:?}") };
+        let [label] = error.labels.as_slice() else { panic!("{name}: {error:?}") };
+        let file = outcome.sources.get(label.span.source).unwrap();
+        let line = changed.split("\nend = ").nth(1).unwrap().lines().next().unwrap();
+        assert_eq!(file.text[label.span.range()].to_owned(), line, "{name}");
+        assert!(label.text.starts_with(missing) && label.text.ends_with("is missing here"), "{name}: {}", label.text);
+        assert!(error.help.as_ref().unwrap().contains("frame `end`"), "{name}: {error:?}");
     }
 }

@@ -106,7 +106,8 @@ that they cannot be compared. The proof of the certificate does not apply to thi
 again with `impellerc verify part.nc --job job.imp`, or compile the job again to write both files.";
     USAGE = "IMP0828", "nothing to verify against",
         "`impellerc verify` measures NC text against a job, or compares the text with a certificate. It needs at \
-least one of the two.\n\nRemedy: add `--job job.imp`, `--certificate part.json`, or both.";
+least one of the two. `impellerc diff` needs the job of both texts: lengths of tools and axes of the machine are in it.\n\n\
+Remedy: add `--job job.imp`; `verify` takes `--certificate part.json` as well, or both.";
     CERTIFICATE_FIGURES = "IMP0829", "figures of the certificate differ from the measured ones",
         "The contracts were measured on the text. The certificate has other figures, and the digits of the NC words \
 do not explain the difference. The certificate was edited, or another version of the compiler measured it.\n\nRemedy: \

@@ -18,7 +18,9 @@ use self::movnrb::Movnrb;
 use super::statements::{self, Statement};
 use crate::kin::{Interpolation, Machine, PoseCurve};
 use crate::post::control::{MOST_FAULTS, number, shown};
-use crate::post::nc::{Direction, NcMove, NcPlace, NcPose, NcRetract, NcSection, NcStation, NcTool, ReadError};
+use crate::post::nc::{
+    Direction, ENDS_HERE, NcMove, NcPlace, NcPose, NcRetract, NcSection, NcStation, NcTool, ReadError,
+};
 use crate::post::tool_shape::{NcCutter, NcToolShape};
 use nalgebra::{Point3, Vector3};
 
@@ -57,7 +59,7 @@ pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<
     });
     if !state.ended && state.faults.len() < MOST_FAULTS {
         (state.line, state.quiet) = (text.lines().count().max(last), false);
-        state.fault("the text ends here, without FINI");
+        state.fault(format!("{ENDS_HERE}FINI"));
     }
     if state.faults.is_empty() { Ok(state.sections) } else { Err(state.faults) }
 }

@@ -9,7 +9,7 @@ use super::text::{code_name, count, decimal, first_word, program_name, without_c
 use crate::kin::Machine;
 use crate::post::control::modal::ModalGroup;
 use crate::post::control::{self, LengthWord, MOST_FAULTS, MotionWord, NcBlock, Smoothing, once, shown};
-use crate::post::nc::{NcSection, NcTool, ReadError};
+use crate::post::nc::{ENDS_HERE, NcSection, NcTool, ReadError};
 
 /// Largest level of G05.1 Q1.
 const LEVELS: u32 = 10;
@@ -52,7 +52,7 @@ pub(super) fn read(
     let mut faults = result.err().unwrap_or_default();
     if faults.len() < MOST_FAULTS {
         let line = text.strip_suffix('\n').unwrap_or(text).split('\n').count();
-        faults.push(ReadError { line, reason: "the text ends here, without `%` in its last line".to_owned() });
+        faults.push(ReadError { line, reason: format!("{ENDS_HERE}`%` in its last line") });
     }
     Err(faults)
 }

@@ -11,7 +11,7 @@ use crate::post::control::modal::{Modal, ModalGroup, Needed};
 use crate::post::control::{
     self, Act, Control, MotionWord, NcBlock, Smoothing, SmoothingTolerance, WorkOffsets, once, shown,
 };
-use crate::post::nc::{NcSection, NcTool, ReadError};
+use crate::post::nc::{ENDS_HERE, NcSection, NcTool, ReadError};
 
 /// Longest block with its continued lines.
 const LONGEST_BLOCK: usize = 512;
@@ -161,7 +161,7 @@ pub(super) fn read(text: &str, machine: &Machine, preset: &str) -> Result<Vec<Nc
     if reader.closed {
         return Ok(sections);
     }
-    let end = format!("the text ends here, without `END PGM {} MM`", shown(&reader.name.unwrap_or_default(), 40));
+    let end = format!("{ENDS_HERE}`END PGM {} MM`", shown(&reader.name.unwrap_or_default(), 40));
     Err(vec![ReadError { line: text.lines().count().max(1), reason: end }])
 }
 

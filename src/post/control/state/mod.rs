@@ -10,7 +10,7 @@ use super::{Act, Control, LengthWord, MOST_FAULTS, MotionWord, NcBlock, ROUNDING
 use crate::kin::{Angles, Machine};
 use crate::post::control::flow::{Flow, MOST_EXECUTED, Step};
 use crate::post::control::modal::{GROUPS, ModalGroup, Setting};
-use crate::post::nc::{Direction, NcSection, NcTool, ReadError};
+use crate::post::nc::{Direction, ENDS_HERE, NcSection, NcTool, ReadError};
 use nalgebra::Vector3;
 use std::sync::Arc;
 
@@ -511,7 +511,7 @@ pub(in crate::post) fn read_in_order(
     }
     if !state.ended {
         (state.quiet, state.understood, state.line) = (false, true, lines.len());
-        state.fault(format!("the text ends here, without {}", control.end));
+        state.fault(format!("{ENDS_HERE}{}", control.end));
     }
     if state.faults.is_empty() { Ok(state.sections) } else { Err(state.faults) }
 }
