@@ -167,17 +167,21 @@ impl<'a, 'c> Properties<'a, 'c> {
             self.damaged = true;
             return;
         }
+        self.add_unknown(name, known, unsure);
+        self.damaged = true;
+    }
+
+    /// Reports a property that the block does not have.
+    fn add_unknown(&mut self, name: &Name, known: &[&str], unsure: bool) {
         let diag = Diag::error(codes::UNKNOWN_PROPERTY, format!("{} has no property `{}`", self.owner, name.text));
         let diag = suggest(diag, &name.text, name.span, "property", known);
         let elsewhere: Vec<&str> =
             vocabulary::topics().filter(|t| t.property(&name.text).is_some()).map(|t| t.name).collect();
         if unsure && diag.fix.is_none() && !elsewhere.is_empty() {
             // Behind a missing bracket stand the properties of another block.
-            self.damaged = true;
             return;
         }
         if let Some(reason) = instead(&name.text).filter(|_| diag.fix.is_none()) {
-            self.damaged = true;
             if let Some((_, first)) = self.told.iter().find(|(told, _)| *told == reason) {
                 also_unknown(self.sink, *first, name.span);
                 return;
@@ -192,7 +196,6 @@ impl<'a, 'c> Properties<'a, 'c> {
             )),
             _ => diag,
         });
-        self.damaged = true;
     }
 
     /// Removes a property and returns its values.

@@ -284,7 +284,7 @@ fn a_missing_end_is_marked_where_it_is_missing() {
         ("siemens-840d", "end = [\"M30\"]", "end = []", "M30"),
         ("siemens-840d", "end = [\"M30\"]", "end = [\"; end\"]", "M30"),
         ("fanuc", "end = [\"M30\", \"%\"]", "end = [\"M30\"]", "`%` in its last line"),
-        ("fanuc", "end = [\"M30\", \"%\"]", "end = []", "`%` in its last line"),
+        ("fanuc", "end = [\"M30\", \"%\"]", "end = []", "M30"),
         ("heidenhain", "\"END PGM {program.file} MM\"]", "]", "`END PGM"),
     ] {
         let folder = tempfile::tempdir().unwrap();

@@ -297,8 +297,8 @@ impl<'a> ControlState<'a> {
         if group == ModalGroup::Spindle && self.stops_in_part(word) {
             return;
         }
-        // No manual that the project knows lets the work frame turn, or end a turn, under tool centre point control.
-        if group == ModalGroup::Rotation && self.transformation == Transformation::On {
+        // No manual of Fanuc that the project knows has it under tool centre point control. Other dialects turn sectors there.
+        if word == "G69" && self.transformation == Transformation::On {
             let [_, off] = self.control.transformation;
             self.fault(format!("`{word}` with the transformation on: write {off} before this block"));
             return;
