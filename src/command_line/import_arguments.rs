@@ -1,6 +1,7 @@
 //! Options of `impellerc import`.
 
 use super::ErrorFormat;
+use super::arguments::within;
 use clap::{Args, ValueEnum};
 use impellerc::driver::Import;
 use impellerc::import::{self, Axis, FaceChoice, FaceRole, Handedness, LengthUnit, Start, job_frame::Zero};
@@ -72,6 +73,10 @@ pub(super) struct ImportArguments {
     #[arg(long)]
     ruled: bool,
 
+    /// Largest distance between points of the files and the part
+    #[arg(long, default_value = "20um", value_name = "LENGTH", value_parser = within)]
+    within: f64,
+
     /// Row of blades, where the files have several
     #[arg(long, value_name = "NAME")]
     row: Option<String>,
@@ -115,6 +120,7 @@ impl ImportArguments {
             row: self.row,
             force: self.force,
             ruled: self.ruled,
+            within: Some(self.within),
             zero,
             options,
         }

@@ -7,7 +7,7 @@ use crate::diag::{Aborted, Diag, printable};
 use crate::import::faced_part;
 use crate::import::job_frame::Zero;
 use crate::import::outlines::{doubtful, outlines};
-use crate::import::part_source::PartSource;
+use crate::import::part_source::{PartSource, WITHIN};
 use crate::import::part_text;
 use crate::import::{self, Imported, ImportedRow, NoFile, Options, limits};
 use crate::output::Outputs;
@@ -28,6 +28,8 @@ pub struct Import {
     pub force: bool,
     /// Faces ruled from the first to the last section are meant, however far the sections between them lie beside.
     pub ruled: bool,
+    /// Largest distance of the part from the files, mm; `None` for the usual one.
+    pub within: Option<f64>,
     /// Zero of the part that is written.
     pub zero: Zero,
     /// What the caller states of the files.
@@ -71,7 +73,7 @@ fn run(options: &Import, stages: &mut Stages, outcome: &mut Outcome) -> Result<(
     let name = printable(stem.as_deref().unwrap_or("part")).into_owned();
     let source = PartSource::new((&imported, row), &divided, (&read, &name), options.zero);
     if options.output.is_some() && !options.ruled {
-        or_reported(source.leaves_nothing_out(), sink)?;
+        or_reported(source.lies_within(options.within.unwrap_or(WITHIN)), sink)?;
     }
     let mut said: String = part_text::summary(&source).into_iter().map(|line| line + "\n").collect();
     said.push_str(&notes(&imported, sources));

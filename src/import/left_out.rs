@@ -9,9 +9,6 @@ use crate::sections::outline::DividedSection;
 use crate::units::trim;
 use nalgebra::{Matrix2, Point2, Point3, Vector2};
 
-/// Largest distance of left out points from the part, mm: that of a tolerance of form, and less than any allowance of finishing.
-const MOST: f64 = 0.02;
-
 /// Rulings of a face that distances are taken from.
 const RULINGS: usize = 400;
 
@@ -144,10 +141,10 @@ pub(super) fn told(left: &LeftOut, blade: &str, sections: usize) -> String {
 /// Refuses a part that leaves out what does not lie on it.
 ///
 /// # Errors
-/// Points lie farther beside the part than a tolerance of form.
-pub(super) fn check(left: &[LeftOut], row: &ImportedRow) -> Result<(), Diag> {
+/// Points lie farther beside the part than `limit`, mm.
+pub(super) fn check(left: &[LeftOut], row: &ImportedRow, limit: f64) -> Result<(), Diag> {
     let worst = left.iter().max_by(|a, b| a.distance.total_cmp(&b.distance));
-    let Some(LeftOut { thing, blade, section, distance }) = worst.filter(|left| left.distance > MOST) else {
+    let Some(LeftOut { thing, blade, section, distance }) = worst.filter(|left| left.distance > limit) else {
         return Ok(());
     };
     let read = &row.blades[*blade];
@@ -164,10 +161,10 @@ pub(super) fn check(left: &[LeftOut], row: &ImportedRow) -> Result<(), Diag> {
         LeftOutThing::Shroud => format!("the shroud lies up to {distance} mm beside the tip of the blade `{name}`"),
     };
     Err(Diag::error(codes::LEFT_OUT, message)
-        .label(place, format!("the part would leave it out; at most {MOST} mm are left without a word"))
+        .label(place, format!("the part would leave it out; at most {} mm are left without a word", trim(limit, 4)))
         .help(
             "give the blade by closed sections, with hub and shroud: then the faces go through all of them; or state `--ruled` \
-             where ruled faces are meant",
+             where ruled faces are meant, or a larger `--within`",
         ))
 }
 

@@ -6,12 +6,16 @@ use super::repeated::ONE_POINT;
 use super::tip_meridian::TipMeridian;
 use super::wheel_ends::{self, CutMeridian};
 use super::{BladeSurfaces, Imported, ImportedRow};
-use crate::diag::Diag;
+use crate::diag::{Diag, codes::import as codes};
 use crate::sections::outline::DividedSection;
-use crate::units::trim;
+use crate::units::{length, trim};
 
 /// Most files that are named one by one.
 const NAMED: usize = 4;
+
+/// Largest distance of a part from its files where none is stated, mm: that of a tolerance of form, and less than any allowance
+/// of finishing.
+pub const WITHIN: f64 = 0.02;
 
 /// What is written.
 #[derive(Clone, Debug)]
@@ -54,12 +58,24 @@ impl<'a> PartSource<'a> {
         Self { imported, row, divided, read, name, zero, ends, tips, left }
     }
 
-    /// Refuses a part of ruled faces that leaves out what does not lie on them.
+    /// Refuses a part that lies too far from its files, whatever the reason.
     ///
     /// # Errors
-    /// Points that are left out lie farther from the part than a tolerance of form.
-    pub fn leaves_nothing_out(&self) -> Result<(), Diag> {
-        left_out::check(&self.left, self.row)
+    /// A point of the files lies farther from the part than `limit`, mm.
+    pub fn lies_within(&self, limit: f64) -> Result<(), Diag> {
+        left_out::check(&self.left, self.row, limit)?;
+        let within = self.within();
+        if within <= limit {
+            return Ok(());
+        }
+        let text = format!("points of the files would lie up to {} beside the part", length(within));
+        // Two digits, rounded up: what is stated must be enough.
+        let enough = (within * 1e2).ceil() / 1e2;
+        Err(Diag::error(codes::LEFT_OUT, text).note(format!("the limit is {}", length(limit))).help(format!(
+            "export the file with a finer tolerance, or state `--within {}mm` where this is near enough: part and certificate then \
+             state the distance",
+            trim(enough, 2)
+        )))
     }
 
     /// Names of the files.

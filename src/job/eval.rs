@@ -375,10 +375,11 @@ pub(super) fn suggest(diag: Diag, text: &str, span: Span, kind: &str, known: &[&
             diag.label(span, "not available").help(format!("available: {}", listed(known)))
         }
         None => {
-            let diag = diag.label(span, "not known").help(format!("known: {}", listed(known)));
+            let diag = diag.label(span, "not known");
+            let known = format!("known: {}", listed(known));
             match other_names::instead(text) {
-                Some(instead) => diag.note(instead),
-                None => diag,
+                Some(instead) => diag.help(instead).note(known),
+                None => diag.help(known),
             }
         }
     }

@@ -178,7 +178,7 @@ const OTHER_NAMES: &[(&str, &[&str])] = &[
 const INSTEAD: &[(&str, &str)] = &[
     (
         "coolant",
-        "the post writes the coolant: its frames have `M8` and `M9`; `impellerc posts siemens-840d` prints them",
+        "leave it out: the post writes the coolant, its frames have `M8` and `M9`; `impellerc posts siemens-840d` prints them",
     ),
     ("tilt", AXES),
     ("lead", AXES),
@@ -195,14 +195,12 @@ const INSTEAD: &[(&str, &str)] = &[
     ("cutting-direction", SENSE),
     ("deflection", LOADS),
     ("chatter", LOADS),
-    ("compensation", "paths are those of the stated diameter: the program has no radius compensation"),
-    ("work-offset", "the post has the work offset: `post siemens-840d { work-offset \"G55\" }`"),
+    ("compensation", "leave it out: paths are those of the stated diameter, the program has no radius compensation"),
+    ("work-offset", "state it with the post: `post siemens-840d { work-offset \"G55\" }`"),
 ];
-const AXES: &str =
-    "the compiler finds the tool axes itself; `method` says how, and `require clearance` how far all stays away";
-const HEIGHTS: &str = "the compiler finds safe heights itself: `[retract] z` of the machine file, and over the stock by `require clearance`";
-const LOADS: &str =
-    "no check covers deflection, vibration or wear; `require engagement` and `require removal-rate` keep loads small";
+const AXES: &str = "leave it out: the compiler finds the tool axes itself; `method` says how, and `require clearance` how far all stays away";
+const HEIGHTS: &str = "leave it out: the compiler finds safe heights itself, `[retract] z` of the machine file, and over the stock by `require clearance`";
+const LOADS: &str = "leave it out: no check covers deflection, vibration or wear; `require engagement` and `require removal-rate` keep loads small";
 const SENSE: &str = "`flank`, `point` and `fillet` take `milling climb` or `milling conventional`";
 
 /// What stands in the place of a word of another system that has no word here.

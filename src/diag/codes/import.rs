@@ -11,5 +11,5 @@ crate::codes! {
     SECTION = "IMP1008", "a section that has no faces and edges", include_str!("pages/IMP1008.md");
     SECTION_FACTS = "IMP1009", "a section with doubtful points", include_str!("pages/IMP1009.md");
     EXISTS = "IMP1010", "a written file exists already", include_str!("pages/IMP1010.md");
-    LEFT_OUT = "IMP1011", "sections beside the faces of the part", include_str!("pages/IMP1011.md");
+    LEFT_OUT = "IMP1011", "the part lies beside its files", include_str!("pages/IMP1011.md");
 }

@@ -194,7 +194,16 @@ fn sections_beside_ruled_faces_are_told() {
     let run = import(&stated, on.path());
     let said = text(&run.stderr);
     assert!(!run.status.success() && said.contains("IMP1011") && said.contains("the edges of section"), "{said}");
-    let run = import(&[&stated[..], &["--ruled"]].concat(), on.path());
+    let run = import(&[&stated[..], &["--within", "2mm"]].concat(), on.path());
+    assert!(run.status.success(), "{}", text(&run.stderr));
+    for wrong in ["0.1", "5 cm", "1m", "0mm"] {
+        assert_eq!(
+            import(&[&stated[..], &["--force", "--within", wrong]].concat(), on.path()).status.code(),
+            Some(2),
+            "{wrong}"
+        );
+    }
+    let run = import(&[&stated[..], &["--force", "--ruled"]].concat(), on.path());
     // The ends of the faces are found in the points of each section, here within 1.5 um along the face.
     assert!(run.status.success() && distance(&text(&run.stdout)) < 2e-3, "{}{}", text(&run.stdout), text(&run.stderr));
     assert!((0.5..1.1).contains(&within(on.path(), "wheel.imp")), "{}", within(on.path(), "wheel.imp"));

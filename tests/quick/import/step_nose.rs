@@ -3,7 +3,9 @@
 use super::{faults, good, noted};
 use crate::support::round_trip::part_files;
 use crate::support::step_text::{HubKind, MadeWheel, OVAL};
+use impellerc::import::job_frame::Zero;
 use impellerc::import::outlines::outlines;
+use impellerc::import::part_source::PartSource;
 use impellerc::import::{BladeSurfaces, FaceChoice, Imported, Options, Start};
 use impellerc::sections::outline::DividedSection;
 use impellerc::sections::{EdgeForm, SectionForm};
@@ -67,6 +69,14 @@ fn faces_that_meet_have_round_edges() {
             assert!(trailing.iter().any(|p| (p.z - (30.0 - inlet)).abs() < 0.01), "{trailing:?}");
         }
         assert!(noted(&made, "both faces meet at the inlet without a face between them"));
+        let (read, row) = (["a.step".to_owned()], &made.rows[0]);
+        let sections = [divided(&made)];
+        let part = PartSource::new((&made, row), &sections, (&read, "again"), Zero::File);
+        let diag = part.lies_within(0.9 * made.moved).expect_err("the limit is smaller");
+        let help = diag.help.unwrap();
+        let (_, enough) = help.split_once("`--within ").unwrap_or_else(|| panic!("{help}"));
+        let enough: f64 = enough.split_once("mm`").unwrap().0.parse().unwrap();
+        assert!(diag.code.id() == "IMP1011" && part.lies_within(enough).is_ok(), "{help}");
         let job = part_files(&made).job;
         for words in ["sections loops from", "leading-edge round", "trailing-edge round"] {
             assert!(job.contains(words), "{words} is not in\n{job}");
