@@ -281,6 +281,8 @@ impl<'a> Strip<'a> {
         let near = starts.iter().map(|start| self.near(start, targets.clone(), |p| p.target));
         let mut near: Vec<Vec<Placed>> = near.collect();
         let each = starts.iter().zip(&near).map(|(start, near)| (start, near.iter().map(|p| p.target).collect()));
+        // A fit takes a tenth of a second; of a cancelled run nobody asks for the best.
+        let each = each.take_while(|_| !self.around.is_cancelled());
         let (chosen, fit) = best_least_squares(each, &self.tool())?;
         Some((fit, near.swap_remove(chosen)))
     }
@@ -362,6 +364,9 @@ impl<'a> Strip<'a> {
             return None;
         }
         let (fit, placed) = self.fitted(FINENESS)?;
+        if self.around.is_cancelled() {
+            return None;
+        }
         let targets: Vec<Target> = placed.iter().map(|p| p.target).collect();
         let best = minimax(&fit, &self.tool(), &targets, GAIN);
         let violation = |(p, d): (&Placed, &Deviation)| ((p.target.low - d.value).max(d.value - p.target.high), *p);

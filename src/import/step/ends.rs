@@ -62,7 +62,7 @@ impl WheelEnds {
         }
         found.note(place, format!("the faces end within {root} um of the hub and within {tip} um of the shroud"));
         let mut ends = Self { lines, ranges, extend: gaps[0].max(gaps[1]), turned: [false; 2] };
-        ends.turned = [0, 1].map(|end| ends.is_turned(main, end));
+        ends.turned = ends.turned_of(main);
         for (k, blade) in blades.iter().enumerate() {
             ends.tell(k, blade, found)?;
         }
@@ -122,9 +122,14 @@ impl WheelEnds {
         Ok(())
     }
 
+    /// Which ends of a blade the lathe makes.
+    pub(super) fn turned_of(&self, blade: &StepBlade) -> [bool; 2] {
+        [0, 1].map(|end| self.is_turned(blade, end))
+    }
+
     /// Whether the lathe makes all ends of all blades.
     pub(super) fn all_turned(&self, blades: &[StepBlade]) -> bool {
-        blades.iter().all(|blade| [0, 1].into_iter().all(|end| self.is_turned(blade, end)))
+        blades.iter().all(|blade| self.turned_of(blade) == [true; 2])
     }
 
     /// Points (r, z) of hub and shroud from inlet to outlet, mm. They end with turned ends of the main blade. At another end the hub

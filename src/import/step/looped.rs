@@ -35,9 +35,9 @@ pub(super) struct LoopedSections {
     pub(super) forms: [EdgeForm; 2],
 }
 
-/// Sections of a blade: as many as its surfaces need. `hub` has points (r, z) from inlet to outlet. The error says why there are
-/// none.
-pub(super) fn sections(blade: &StepBlade, hub: &[[f64; 2]]) -> Result<LoopedSections, String> {
+/// Sections of a blade: as many as its surfaces need. `hub` has points (r, z) from inlet to outlet, `turned` says which ends the
+/// lathe makes. The error says why there are none.
+pub(super) fn sections(blade: &StepBlade, hub: &[[f64; 2]], turned: [bool; 2]) -> Result<LoopedSections, String> {
     let mut best: Option<LoopedSections> = None;
     for [rows, steps] in TRIED {
         let loops = loops(blade, hub, rows, steps)?;
@@ -51,7 +51,7 @@ pub(super) fn sections(blade: &StepBlade, hub: &[[f64; 2]]) -> Result<LoopedSect
             LoftFault::Points { .. } | LoftFault::Surface(_) => "no surface goes through its sections".to_owned(),
         })?;
         let forms = forms.first().copied().unwrap_or([EdgeForm::CutOff; 2]);
-        let distance = off(blade, &made);
+        let distance = off(blade, &made, turned);
         if best.as_ref().is_none_or(|best| distance < best.distance) {
             best = Some(LoopedSections { loops, distance, forms });
         }
@@ -113,8 +113,9 @@ fn divided(
     Ok((outline, edges.map(|edge| edge.form)))
 }
 
-/// Largest distance of places of the faces of the file from a blade, mm.
-fn off(blade: &StepBlade, made: &LoftedBlade) -> f64 {
+/// Largest distance of places of the faces of the file from a blade, mm. An end that the lathe makes is compared in the meridian
+/// plane, and not here.
+fn off(blade: &StepBlade, made: &LoftedBlade, turned: [bool; 2]) -> f64 {
     /// Places along faces, across a face of an edge, and up.
     const ALONG: usize = 97;
     const ACROSS: usize = 11;
@@ -145,7 +146,8 @@ fn off(blade: &StepBlade, made: &LoftedBlade) -> f64 {
     for edge in blade.edges.iter().filter(|edge| edge.form == Some(EdgeForm::Round)) {
         edge.sheets.iter().for_each(|sheet| compare(sheet, None, ACROSS));
     }
-    for (end, edge) in blade.edges.iter().enumerate().filter(|(_, edge)| edge.form == Some(EdgeForm::CutOff)) {
+    let is_cut = |end: usize| blade.edges[end].form == Some(EdgeForm::CutOff) && !turned[end];
+    for (end, edge) in blade.edges.iter().enumerate().filter(|(end, _)| is_cut(*end)) {
         let places = edge.sheets.iter().flat_map(|sheet| {
             heights
                 .iter()

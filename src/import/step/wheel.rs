@@ -76,7 +76,7 @@ impl<'a, 't> StepWheel<'a, 't> {
         let (mut read, surfaces) = if ends.all_turned(&blades) {
             of_faces(&blades, ends.extend, found)?
         } else {
-            of_loops(&blades, &hub, ends.extend, found)?
+            of_loops(&blades, &hub, &ends, found)?
         };
         for (blade, fillet) in read.iter_mut().zip(fillets) {
             blade.fillet = fillet;
@@ -253,13 +253,14 @@ fn of_faces(blades: &[StepBlade], extend: f64, found: &mut Found) -> Result<(Vec
 fn of_loops(
     blades: &[StepBlade],
     hub: &[[f64; 2]],
-    extend: f64,
+    ends: &WheelEnds,
     found: &mut Found,
 ) -> Result<(Vec<ImportedBlade>, BladeSurfaces), Diag> {
     let mut read = Vec::with_capacity(blades.len());
     for (k, blade) in blades.iter().enumerate() {
         let span = blade.faces[0].span;
-        let LoopedSections { loops, distance, forms } = looped::sections(blade, hub).map_err(|why| {
+        let read_as = looped::sections(blade, hub, ends.turned_of(blade));
+        let LoopedSections { loops, distance, forms } = read_as.map_err(|why| {
             Diag::error(codes::NOT_READ, "the faces of a blade give no closed sections")
                 .label(span, why)
                 .help("export sections of the blade as points, such as a table of closed loops")
@@ -270,7 +271,7 @@ fn of_loops(
         let edges = forms.map(Some);
         read.push(ImportedBlade { edges, pressure: Some(blade.pressure_side()), ..imported(k, blade, sections) });
     }
-    Ok((read, BladeSurfaces::Loops { extend, fit: looped::FIT }))
+    Ok((read, BladeSurfaces::Loops { extend: ends.extend, fit: looped::FIT }))
 }
 
 /// A blade with sections from root to tip.
