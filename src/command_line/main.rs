@@ -5,6 +5,7 @@
 
 mod arguments;
 mod import_arguments;
+mod lengths;
 mod watch;
 
 use arguments::{Arguments, Command, ErrorFormat, LibraryArguments, ReadingArguments};
