@@ -1,7 +1,7 @@
 //! Arguments of the command line: commands, options, their help.
 
 use super::import_arguments::ImportArguments;
-use super::lengths::chord;
+use super::quantities::{chord, with_unit};
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
@@ -471,10 +471,6 @@ fn sections(text: &str) -> Result<usize, String> {
 
 /// Number of bytes of a size such as `4GB` or `500 MB`.
 fn memory(text: &str) -> Result<f64, String> {
-    let text = text.trim();
-    let units = [("GB", 1e9), ("MB", 1e6)];
-    let split = units.iter().find_map(|(unit, size)| Some((text.strip_suffix(unit)?, size)));
-    let bytes = split.and_then(|(number, size)| Some(number.trim().parse::<f64>().ok()? * size));
-    let within = bytes.filter(|b| (1e8..=1e13).contains(b));
+    let within = with_unit(text, &[("GB", 1e9), ("MB", 1e6)]).filter(|b| (1e8..=1e13).contains(b));
     within.ok_or_else(|| "the size must be from 100MB to 10000GB, such as 4GB".to_owned())
 }

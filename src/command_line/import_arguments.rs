@@ -1,7 +1,7 @@
 //! Options of `impellerc import`.
 
 use super::ErrorFormat;
-use super::lengths::within;
+use super::quantities::within;
 use clap::{Args, ValueEnum};
 use impellerc::driver::Import;
 use impellerc::import::{self, Axis, FaceChoice, FaceRole, Handedness, LengthUnit, Start, job_frame::Zero};

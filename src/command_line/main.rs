@@ -5,7 +5,7 @@
 
 mod arguments;
 mod import_arguments;
-mod lengths;
+mod quantities;
 mod watch;
 
 use arguments::{Arguments, Command, ErrorFormat, LibraryArguments, ReadingArguments};

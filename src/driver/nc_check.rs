@@ -266,7 +266,7 @@ fn refuse_cells(shown: &str, file: &CertificateFile, program: &Program, sink: &m
     );
 }
 
-/// Least and largest share of the default cell at which the cells of a certificate are taken.
+/// How many times finer and coarser than the default the cells of a certificate may be.
 const FINER: f64 = 2.0;
 const COARSER: f64 = 16.0;
 

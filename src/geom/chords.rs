@@ -30,6 +30,15 @@ pub fn nearest<const D: usize>(p: &Point<f64, D>, line: &[Point<f64, D>]) -> Opt
     chords.map(chord).min_by(|a, b| a.distance.total_cmp(&b.distance))
 }
 
+/// Length of a line of chords up to each of its points.
+pub fn lengths<const D: usize>(line: &[Point<f64, D>]) -> Vec<f64> {
+    let mut lengths = vec![0.0];
+    for pair in line.windows(2) {
+        lengths.push(lengths[lengths.len() - 1] + nalgebra::distance(&pair[0], &pair[1]));
+    }
+    lengths
+}
+
 /// Distance of a point from a line of chords; infinite from a line without points.
 pub fn from_chords<const D: usize>(p: &Point<f64, D>, line: &[Point<f64, D>]) -> f64 {
     nearest(p, line).map_or(f64::INFINITY, |near| near.distance)

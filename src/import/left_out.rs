@@ -39,9 +39,8 @@ pub(super) struct LeftOut {
 
 /// The largest distances of all things that are left out.
 pub(super) fn all(imported: &Imported, divided: &[Vec<DividedSection>]) -> Vec<LeftOut> {
-    let blades = divided.iter().enumerate().filter_map(|(blade, divided)| Some((blade, of_blade(blade, divided)?)));
-    let blades = blades.flat_map(|(_, found)| found);
-    blades.chain(turned(imported, divided)).collect()
+    let blades = divided.iter().enumerate().filter_map(|(blade, divided)| of_blade(blade, divided));
+    blades.flatten().chain(turned(imported, divided)).collect()
 }
 
 /// Sections between the first and the last one, and edges, of a blade.
@@ -221,10 +220,7 @@ impl RuledFace {
 
 /// Points of a curve at equal shares of its length.
 fn evenly(points: &[Point3<f64>]) -> Vec<Point3<f64>> {
-    let mut lengths = vec![0.0];
-    for pair in points.windows(2) {
-        lengths.push(lengths[lengths.len() - 1] + nalgebra::distance(&pair[0], &pair[1]));
-    }
+    let lengths = chords::lengths(points);
     let whole = lengths[lengths.len() - 1];
     let at = |k: usize| {
         let length = whole * k as f64 / RULINGS as f64;

@@ -26,10 +26,7 @@ impl TipMeridian {
     /// The shroud of a wheel moved to the tips of its blades; `None` where the tips lie on no meridian.
     pub(super) fn of(shroud: &[[f64; 2]], divided: &[Vec<DividedSection>]) -> Option<Self> {
         let line: Vec<Point2<f64>> = shroud.iter().map(|p| Point2::from(*p)).collect();
-        let mut lengths = vec![0.0];
-        for pair in line.windows(2) {
-            lengths.push(lengths[lengths.len() - 1] + nalgebra::distance(&pair[0], &pair[1]));
-        }
+        let lengths = chords::lengths(&line);
         let step = lengths[lengths.len() - 1] / STEPS as f64;
         let tips: Vec<Point2<f64>> = divided
             .iter()

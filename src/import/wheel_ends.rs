@@ -75,10 +75,7 @@ fn cut(
     WheelEdges { lathe, rounded }: WheelEdges,
 ) -> Option<CutMeridian> {
     let points: Vec<Point2<f64>> = line.iter().map(|p| Point2::from(*p)).collect();
-    let mut lengths = vec![0.0];
-    for pair in points.windows(2) {
-        lengths.push(lengths[lengths.len() - 1] + nalgebra::distance(&pair[0], &pair[1]));
-    }
+    let lengths = chords::lengths(&points);
     let whole = *lengths.last()?;
     let along = |p: [f64; 2]| {
         let near = chords::nearest(&Point2::from(p), &points).filter(|near| near.chord + 1 < points.len());

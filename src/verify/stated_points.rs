@@ -45,8 +45,7 @@ impl ImportedReport {
     /// Both ways from the files to the surfaces that are cut, each with the kind of its figure. `form` has the second one, which a
     /// part of angles does not have.
     pub fn told(&self, form: &[StatedReport]) -> String {
-        let measured =
-            form.iter().map(|r| r.distance).fold(None, |most: Option<f64>, d| Some(most.map_or(d, |m| m.max(d))));
+        let measured = form.iter().map(|r| r.distance).reduce(f64::max);
         let measured = measured.map_or_else(
             || "from the job to the surfaces that are cut nothing is measured: it states no points".to_owned(),
             |distance| {

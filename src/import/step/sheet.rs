@@ -7,6 +7,7 @@ use super::face::{APART, StepChain, StepFace, four_sides};
 use super::surface::{StepSurface, SurfaceJet};
 use crate::diag::Diag;
 use crate::diag::codes::import as codes;
+use crate::geom::chords;
 use nalgebra::{Point3, Vector2};
 
 /// A side: parameters of the surface, by the share of its length.
@@ -78,10 +79,7 @@ impl StepSheet {
                 apart = apart.max(far);
                 places.push(Vector2::from(place));
             }
-            let mut lengths = vec![0.0];
-            for pair in side.points.windows(2) {
-                lengths.push(lengths[lengths.len() - 1] + nalgebra::distance(&pair[0], &pair[1]));
-            }
+            let lengths = chords::lengths(&side.points);
             let whole = lengths[lengths.len() - 1].max(f64::MIN_POSITIVE);
             let shares = lengths.into_iter().map(|l| l / whole).collect();
             placed.push(SheetSide { edges: side.edges.clone(), shares, places });

@@ -1,11 +1,14 @@
-//! Lengths with a unit as values of options.
+//! Numbers with a unit as values of options.
 
-/// Millimetres of a text such as `10um` or `0.01 mm`.
-fn millimetres(text: &str) -> Option<f64> {
+/// The value of a number with one of some units, such as `10um` or `4 GB`. Each unit has its size.
+pub(super) fn with_unit(text: &str, units: &[(&str, f64)]) -> Option<f64> {
     let text = text.trim();
-    let units = [("um", 1e-3), ("mm", 1.0)];
     let (number, size) = units.iter().find_map(|(unit, size)| Some((text.strip_suffix(unit)?, size)))?;
     Some(number.trim().parse::<f64>().ok()? * size)
+}
+
+fn millimetres(text: &str) -> Option<f64> {
+    with_unit(text, &[("um", 1e-3), ("mm", 1.0)])
 }
 
 /// Millimetres of a chord error.
