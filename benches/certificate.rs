@@ -3,18 +3,18 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a bench may stop at once")]
 
 use criterion::{BenchmarkId, Criterion, SamplingMode, criterion_group, criterion_main};
-use impellerc::collide::{Cutter, ToolSolid};
 use impellerc::driver::{self, Options, Outcome, Stages};
-use impellerc::geom::range::CellThickness;
-use impellerc::kin::{Chain, RotaryPose};
-use impellerc::part::kept::MilledTurned;
-use impellerc::part::{
+use impellerc::five_axis::{Chain, RotaryPose};
+use impellerc::nurbs::range::CellThickness;
+use impellerc::plan::passes::pipeline;
+use impellerc::tool_stock::collide::{Cutter, ToolSolid};
+use impellerc::verify::proof::sweep::Sweep;
+use impellerc::verify::surface::{Limits, certify, certify_shape};
+use impellerc::wheel::part::kept::MilledTurned;
+use impellerc::wheel::part::{
     PassageId, SurfaceId, SurfaceKind,
     chart::{Place, Shape},
 };
-use impellerc::passes::pipeline;
-use impellerc::verify::proof::sweep::Sweep;
-use impellerc::verify::surface::{Limits, certify, certify_shape};
 use nalgebra::{Point3, Vector3};
 use std::hint::black_box;
 use std::path::PathBuf;

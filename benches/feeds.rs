@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a bench may stop at once")]
 
 use criterion::{BenchmarkId, Criterion, SamplingMode, criterion_group, criterion_main};
-use impellerc::kin::feedrate::{AXES, Axes, Limits, Rounding, Station, plan};
+use impellerc::five_axis::feedrate::{AXES, Axes, Limits, Rounding, Station, plan};
 use std::hint::black_box;
 
 /// Stations on a closed curve that is run through again and again, with all five axes moving; spacing in mm, feed in mm/s.

@@ -4,16 +4,16 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a bench may stop at once")]
 
 use criterion::{BenchmarkId, Criterion, SamplingMode, criterion_group, criterion_main};
-use impellerc::analysis::flank::{self, Surroundings};
-use impellerc::diag::Sink;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::progress::Progress;
+use impellerc::base::units::Mm;
+use impellerc::diagnostics::Sink;
 use impellerc::driver::{self, Options, Outcome, Stages};
-use impellerc::entity::PrimaryMap;
 use impellerc::ir::{Contract, ContractKind, OperationKind};
-use impellerc::method::{Conflict, ErrorSide};
-use impellerc::part::BladeId;
-use impellerc::passes::{Obstacles, flank::plan};
-use impellerc::progress::Progress;
-use impellerc::units::Mm;
+use impellerc::plan::analysis::flank::{self, Surroundings};
+use impellerc::plan::passes::{Obstacles, flank::plan};
+use impellerc::wheel::method::{Conflict, ErrorSide};
+use impellerc::wheel::part::BladeId;
 use std::hint::black_box;
 use std::path::PathBuf;
 

@@ -10,9 +10,9 @@
 
 mod time;
 
+use impellerc::base::units::Mm;
 use impellerc::driver::{Options, Outcome, Stages, front};
-use impellerc::passes::pipeline;
-use impellerc::units::Mm;
+use impellerc::plan::passes::pipeline;
 use std::path::PathBuf;
 use std::time::Instant;
 use time::processor;

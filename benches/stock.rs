@@ -10,11 +10,11 @@
 
 mod time;
 
-use impellerc::collide::{Cutter, ToolSolid};
 use impellerc::driver::{Options, Outcome, Stages, front};
 use impellerc::ir::{Motion, Program};
-use impellerc::passes::pipeline;
-use impellerc::stock::{self, Field, Step, StepKind};
+use impellerc::plan::passes::pipeline;
+use impellerc::tool_stock::collide::{Cutter, ToolSolid};
+use impellerc::tool_stock::stock::{self, Field, Step, StepKind};
 use impellerc::verify::stock::{Settings, simulate};
 use nalgebra::{Point3, Vector3};
 use std::path::PathBuf;

@@ -1,10 +1,10 @@
 //! Readers of blade files, on texts in memory.
 
-use impellerc::diag::{Severity, Sink, render};
-use impellerc::import::outlines::{doubtful, outlines};
-use impellerc::import::{self, Axis, LengthUnit, Options};
-use impellerc::sections::ThicknessDirection;
-use impellerc::source::{SourceFile, SourceMap};
+use impellerc::diagnostics::{Severity, Sink, render};
+use impellerc::blade_files::outlines::{doubtful, outlines};
+use impellerc::blade_files::{self, Axis, LengthUnit, Options};
+use impellerc::blade::ThicknessDirection;
+use impellerc::base::source::{SourceFile, SourceMap};
 
 /// Stands between the files of a text.
 pub const BETWEEN: char = '\u{1}';
@@ -16,7 +16,7 @@ pub fn blades(names: &[&str], given: usize, text: &str) {
     let mut sources = SourceMap::default();
     let mut fetch = |name: &str, _: usize| {
         let found = files.iter().find(|(n, _)| *n == name);
-        found.map(|(n, text)| SourceFile::text(*n, *text)).ok_or_else(|| import::NoFile::from("there is no such file".to_owned()))
+        found.map(|(n, text)| SourceFile::text(*n, *text)).ok_or_else(|| blade_files::NoFile::from("there is no such file".to_owned()))
     };
     let stated = Options {
         unit: Some(LengthUnit::Millimetre),
@@ -28,7 +28,7 @@ pub fn blades(names: &[&str], given: usize, text: &str) {
     let given: Vec<String> = names.iter().take(given).map(|n| (*n).to_owned()).collect();
     for options in [Options::default(), stated] {
         let mut sink = Sink::default();
-        match import::read(&given, &mut fetch, &options, &mut sources) {
+        match blade_files::read(&given, &mut fetch, &options, &mut sources) {
             Err(diags) => {
                 assert!(!diags.is_empty(), "refused without a reason");
                 assert!(diags.iter().all(|d| d.severity == Severity::Error && d.help.is_some()), "a fault without a remedy");

@@ -2,15 +2,15 @@
 
 pub mod blades;
 
-use impellerc::diag::junit::junit;
-use impellerc::diag::sarif::sarif;
-use impellerc::diag::{Sink, codes, render};
+use impellerc::diagnostics::junit::junit;
+use impellerc::diagnostics::sarif::sarif;
+use impellerc::diagnostics::{Sink, codes, render};
 use impellerc::ir::Program;
 use impellerc::job::files::shipped;
 use impellerc::job::{self, Files, MissingFile};
-use impellerc::method::ModuloWay;
-use impellerc::post::{self, motion_of::motion_of};
-use impellerc::source::{SourceFile, SourceMap, Span};
+use impellerc::wheel::method::ModuloWay;
+use impellerc::nc::{self, motion_of::motion_of};
+use impellerc::base::source::{SourceFile, SourceMap, Span};
 use impellerc::{lower, syntax};
 use std::sync::OnceLock;
 
@@ -111,7 +111,7 @@ pub fn nc(post: &str, machine: &str, text: &str) {
 }
 
 fn on_machine(post: &str, program: &Program, text: &str) {
-    let Some(post) = post::find(post) else { panic!("no post {post}") };
+    let Some(post) = nc::find(post) else { panic!("no post {post}") };
     let (mut sources, mut sink) = (SourceMap::default(), Sink::default());
     let source = sources.add("part.nc", text);
     let span = |line: usize| sources.line_span(source, line).unwrap_or(Span::new(source, 0..0));

@@ -21,38 +21,38 @@ mod rest_stock;
 mod section_files;
 mod stages;
 
-use crate::diag::codes::{files, post as post_codes, syntax};
-use crate::diag::junit::Judged;
-use crate::diag::{Aborted, Diag, Sink, printable};
-use crate::export::certificate_file::{self, CertificateFile, HEAD, Inputs, NcText, OperationLines, sha256};
-use crate::export::picture;
-use crate::export::setup_sheet::{self, SheetInput};
-use crate::export::source_map::{SourceMapFile, WrittenLine};
-use crate::export::step::StepProtocol;
-use crate::ir::print::{self, Detail};
-use crate::ir::{Motion, Program};
-use crate::job::{Fault, Files, Job, MissingFile};
 use crate::output::Outputs;
-use crate::passes::pipeline::{self, Plan};
-use crate::post::{self, NcProgram, Post};
-use crate::progress::Progress;
-use crate::source::{Origin, SourceFile, SourceMap, Span};
-use crate::syntax::ast::{File, ItemKind};
-use crate::verify::Verified;
-use crate::verify::certificate::{Certificate, ContractReport, OperationReport};
-use crate::{analysis, job, lower};
+use ::report::certificate_file::{self, CertificateFile, HEAD, Inputs, NcText, OperationLines, sha256};
+use ::report::picture;
+use ::report::setup_sheet::{self, SheetInput};
+use ::report::source_map::{SourceMapFile, WrittenLine};
+use ::report::step::StepProtocol;
+use ::syntax::ast::{File, ItemKind};
+use base::progress::Progress;
+use base::source::{Origin, SourceFile, SourceMap, Span};
+use diagnostics::codes::{files, post as post_codes, syntax};
+use diagnostics::junit::Judged;
+use diagnostics::{Aborted, Diag, Sink, printable};
 pub use file_stamps::FileStamps;
 pub use import::{Import, import};
+use ir::print::{self, Detail};
+use ir::{Motion, Program};
+use job::{Fault, Files, Job, MissingFile};
 pub use job_check::check;
 pub use job_format::{Format, format};
 pub use language_service::serve;
 pub use library::DiskFiles;
 pub use library_list::{LibraryKind, library_schema, list_library};
+use nc::{NcProgram, Post};
 pub use nc_check::{NcCheck, verify};
 pub use nc_diff::{NcDiff, diff};
 pub use new_job::{BEGINNINGS, Beginning, new_job};
+use plan::analysis;
+use plan::passes::pipeline::{self, Plan};
 pub use stages::{Emit, PartForm, RunState, Stages};
 use std::path::{Path, PathBuf};
+use verify::Verified;
+use verify::certificate::{Certificate, ContractReport, OperationReport};
 
 /// Options that a compilation and a check of NC text share.
 #[derive(Clone, Debug, Default)]
@@ -187,7 +187,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     let inputs = inputs(sources);
     let shown = report::Shown {
         program: &program,
-        motion: judged.as_ref().map_or_else(|refused| refused, Verified::get),
+        motion: judged.as_ref().map_or_else(|refused| refused, |verified| verified),
         certificate: &certificate,
         notes,
         stock: &stock,
@@ -203,20 +203,20 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         return Err(Aborted);
     };
 
-    post::sectors::remark(post, &program, motion.get(), sink);
+    nc::sectors::remark(post, &program, motion, sink);
     let library = certificate_text::library_lines(sources);
     let written =
         stages.run("write", || Written::new(&program, motion, &certificate, post, (inputs.clone(), &library)));
     let mut written = or_reported(written, sink)?;
     if options.source_map.is_some() {
-        written.source_map = Some(or_reported(source_map(&program, motion.get(), sources, &written.nc), sink)?);
+        written.source_map = Some(or_reported(source_map(&program, motion, sources, &written.nc), sink)?);
     }
     written.setup_sheet = options.setup_sheet.as_ref().map(|path| {
         let html = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm"));
         setup_sheet(options, &program, (&certificate, &library), post, &written, html)
     });
-    let read = stages.run("read back", || post::read_back(post, &program, motion, &written.text));
-    let read = or_reported(read.map_err(|fault| post::refused(&program, &written.nc, &fault)), sink)?;
+    let read = stages.run("read back", || nc::read_back(post, &program, motion, &written.text));
+    let read = or_reported(read.map_err(|fault| nc::refused(&program, &written.nc, &fault)), sink)?;
     if options.emit == Some(Emit::Nc) {
         *emitted = Some(written.text);
         return Ok(());
@@ -284,7 +284,7 @@ fn check_before_planning(
 /// There is no such dialect. Other faults are in the sink alone.
 pub fn check_frames(program: &Program, sink: &mut Sink) -> Result<&'static dyn Post, Aborted> {
     let post = find_post(program, sink)?;
-    post::trial::check(post, program, sink);
+    nc::trial::check(post, program, sink);
     Ok(post)
 }
 
@@ -383,9 +383,9 @@ pub fn front(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> R
         disk: options.job.canonicalize().ok(),
         ..SourceFile::text(shown_path(&options.job), text.clone())
     });
-    let mut ast = stages.run("read", || crate::syntax::parse(&text, source, sink));
+    let mut ast = stages.run("read", || ::syntax::parse(&text, source, sink));
     if options.emit == Some(Emit::Ast) {
-        *emitted = Some(crate::syntax::print::print(&ast));
+        *emitted = Some(::syntax::print::print(&ast));
         return Ok(None);
     }
 
@@ -460,8 +460,8 @@ fn take_machine(name: &str, ast: &mut File, library: &mut DiskFiles, sink: &mut 
 /// The dialect that the post file names.
 fn find_post(program: &Program, sink: &mut Sink) -> Result<&'static dyn Post, Aborted> {
     let name = &program.post.dialect;
-    post::find(name).ok_or_else(|| {
-        let known: Vec<&str> = post::POSTS.iter().map(|p| p.name()).collect();
+    nc::find(name).ok_or_else(|| {
+        let known: Vec<&str> = nc::POSTS.iter().map(|p| p.name()).collect();
         sink.push(
             Diag::error(post_codes::UNKNOWN_POST, format!("there is no dialect `{name}`"))
                 .label(program.post.dialect_span, "not one of the dialects")
@@ -501,7 +501,7 @@ struct Written {
 /// First line of each operation in the text.
 fn restarts(program: &Program, nc: &NcProgram) -> Vec<usize> {
     let [_, _, start, ..] = &program.post.frames;
-    let begins = |line: &post::NcLine| line.frame.is_some_and(|span| start.iter().any(|t| t.span == span));
+    let begins = |line: &nc::NcLine| line.frame.is_some_and(|span| start.iter().any(|t| t.span == span));
     let stations = nc.lines.iter().enumerate().filter(|(_, line)| matches!(line.source, Some((_, 0))));
     stations.map(|(at, _)| at + 1 - nc.lines[..=at].iter().rev().take_while(|line| begins(line)).count() + 1).collect()
 }
@@ -525,7 +525,7 @@ fn setup_sheet(
         certificate,
         post: post.name(),
         library,
-        assumptions: &post::assumptions(post, program),
+        assumptions: &nc::assumptions(post, program),
         nc: (&file, written.nc.lines.len(), &body[..SHOWN_HASH]),
         restarts: &restarts,
     };
@@ -560,7 +560,7 @@ impl Written {
         (inputs, library): (Inputs, &[String]),
     ) -> Result<Self, Diag> {
         let head = head::lines(program, certificate, post, (&inputs, library));
-        let mut nc = post::emit(post, program, motion, &head);
+        let mut nc = crate::nc_text::write(post, program, motion, &head);
         // Order: the body, then the head without the line of the certificate, then the certificate.
         let [_, of_body, of_certificate] = HEAD;
         let fill = |nc: &mut NcProgram, word: &str, hash: &str| {
@@ -568,8 +568,8 @@ impl Written {
         };
         let body = sha256(certificate_file::body(&nc.text()).1.as_bytes());
         fill(&mut nc, of_body, &body);
-        let assumed = post::assumptions(post, program);
-        let text = NcText::new(post.name(), &nc.text(), operation_lines(program, motion.get(), &nc));
+        let assumed = nc::assumptions(post, program);
+        let text = NcText::new(post.name(), &nc.text(), operation_lines(program, motion, &nc));
         let text = NcText { assumed, ..text };
         let certificate = CertificateFile::new(certificate, inputs, text).and_then(|file| file.json());
         let certificate = certificate.map_err(|reason| {
@@ -650,7 +650,7 @@ fn read_job(path: &Path, sink: &mut Sink) -> Result<String, Aborted> {
         "a job is a text file; `impellerc new part.imp` writes one".to_owned()
     };
     let diag = match reading::read(path, MAX_JOB).map(|bytes| bytes.map(String::from_utf8)) {
-        Ok(Some(Ok(text))) => match post::recognise(&text).filter(|_| !text.contains("edition")) {
+        Ok(Some(Ok(text))) => match nc::recognise(&text).filter(|_| !text.contains("edition")) {
             None => return Ok(text),
             Some(post) => Diag::error(syntax::NOT_TEXT, format!("{shown} is NC text of {}, not a job", post.name()))
                 .help("give the job file: `impellerc job.imp`, or `impellerc verify part.nc --job job.imp`"),

@@ -7,10 +7,11 @@
 //! Each arrow reads the value on its left and makes the value on its right; nothing flows back. See `ARCHITECTURE.md`.
 //!
 //! Without the feature `cli` the library uses no disk, clock or terminal and starts no threads of its own. Text and
-//! files come through [`job::Files`]; [`progress::Progress`] shows the progress of a run, and cancels planning:
+//! files come through [`job::Files`]; [`base::progress::Progress`] shows the progress of a run, and cancels planning:
 //!
 //! ```
-//! use impellerc::{diag::Sink, job, lower, passes::pipeline, post, progress::Progress, source::SourceMap, syntax, verify};
+//! use impellerc::base::{progress::Progress, source::SourceMap};
+//! use impellerc::{diagnostics::Sink, job, lower, nc, nc_text, plan::passes::pipeline, syntax, verify};
 //!
 //! let text = include_str!("../jobs/small/small.imp");
 //! let curves = include_str!("../jobs/small/vane_curves.csv");
@@ -27,45 +28,20 @@
 //! let plan = pipeline::run_with(&program, &progress, &mut sink).expect("paths");
 //! let (motion, certificate) = verify::verify(&program, plan.motion, &mut sink).expect("a motion that holds");
 //! assert!(certificate.contracts.iter().all(|c| c.holds));
-//! let nc = post::emit(post::find("siemens-840d").expect("a post"), &program, &motion, &[]);
+//! let nc = nc_text::write(nc::find("siemens-840d").expect("a post"), &program, &motion, &[]);
 //! assert!(nc.text().contains("TRAORI"));
 //! ```
 
-#![forbid(unsafe_code)]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking"))]
 
-pub mod analysis;
-pub mod collide;
-pub mod compare;
-pub mod contract;
-pub mod diag;
+pub use {
+    axes, base, blade, blade_files, diagnostics, five_axis, ir, job, lower, nc, nurbs, plan, report, syntax,
+    tool_stock, verify, wheel,
+};
+
 #[cfg(feature = "cli")]
 pub mod driver;
-pub mod entity;
-pub mod envelope;
-pub mod export;
-pub mod geom;
-pub mod import;
-pub mod ir;
-pub mod job;
-pub mod kin;
-pub mod language;
-pub mod lower;
-pub mod material;
-pub mod method;
-pub mod operation;
-pub mod orient;
+pub mod nc_text;
 #[cfg(feature = "cli")]
 pub mod output;
-pub mod part;
-pub mod passes;
-pub mod post;
-pub mod post_file;
-pub mod progress;
-pub mod sections;
-pub mod source;
-pub mod stock;
-pub mod syntax;
-pub mod units;
-pub mod verify;

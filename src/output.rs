@@ -10,7 +10,7 @@
 pub mod interrupt;
 mod target;
 
-use crate::diag::{Diag, codes::files};
+use diagnostics::{Diag, codes::files};
 use std::fs::File;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};

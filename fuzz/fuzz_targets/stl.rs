@@ -2,7 +2,7 @@
 
 #![no_main]
 
-use impellerc::stock::{Field, stl};
+use impellerc::tool_stock::stock::{Field, stl};
 use impellerc_fuzz::{SMALL, Texts, front};
 use libfuzzer_sys::fuzz_target;
 

@@ -6,7 +6,7 @@ use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use impellerc::driver::{BEGINNINGS, Emit, Options, PartForm, PartOptions, RunOptions};
-use impellerc::export::step::StepProtocol;
+use impellerc::report::step::StepProtocol;
 use std::path::PathBuf;
 
 /// Exit codes, for the help.

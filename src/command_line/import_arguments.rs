@@ -3,10 +3,10 @@
 use super::ErrorFormat;
 use super::quantities::within;
 use clap::{Args, ValueEnum};
+use impellerc::blade::ThicknessDirection;
+use impellerc::blade::outline::Side;
+use impellerc::blade_files::{self, Axis, FaceChoice, FaceRole, Handedness, LengthUnit, Start, job_frame::Zero};
 use impellerc::driver::Import;
-use impellerc::import::{self, Axis, FaceChoice, FaceRole, Handedness, LengthUnit, Start, job_frame::Zero};
-use impellerc::sections::ThicknessDirection;
-use impellerc::sections::outline::Side;
 use std::path::PathBuf;
 
 /// What the import takes.
@@ -57,7 +57,7 @@ pub(super) struct ImportArguments {
     start: Option<StartArgument>,
 
     /// Side of the pressure face by the angle about the axis
-    #[arg(long = import::SIDE_OPTION, value_enum, value_name = "SIDE")]
+    #[arg(long = blade_files::SIDE_OPTION, value_enum, value_name = "SIDE")]
     side: Option<SideArgument>,
 
     /// Face of a STEP file by its role: hub, shroud, pressure, suction, inlet, outlet, fillet, splitter1-pressure and so on.
@@ -89,7 +89,7 @@ pub(super) struct ImportArguments {
 impl ImportArguments {
     /// The options in the form of the driver.
     pub(super) fn options(self) -> Import {
-        let options = import::Options {
+        let options = blade_files::Options {
             format: self.format,
             unit: self.unit,
             axis: self.axis,

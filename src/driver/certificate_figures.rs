@@ -4,7 +4,7 @@
 //! edited. Each kind of figure has its largest difference below; measured on `small` in four dialects, on `point` and on
 //! `reduced`, the differences are a quarter of it at most. Places are not compared: where two places are almost equally bad, the digits decide between them.
 
-use crate::diag::printable;
+use diagnostics::printable;
 use serde_json::Value;
 use std::collections::BTreeMap;
 

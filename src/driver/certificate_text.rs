@@ -2,12 +2,12 @@
 
 use super::report::Shown;
 use super::{RunOptions, shown_path};
-use crate::diag::{Diag, Severity, Sink};
-use crate::job::files::shipped;
-use crate::source::{Origin, SourceMap};
-use crate::verify::contracts;
-use crate::verify::summary::Verdict;
+use base::source::{Origin, SourceMap};
+use diagnostics::{Diag, Severity, Sink};
+use job::files::shipped;
 use std::path::Path;
+use verify::contracts;
+use verify::summary::Verdict;
 
 /// Name of the machine with the origin of its file.
 fn machine(name: &str, sources: &SourceMap) -> String {

@@ -1,13 +1,13 @@
 //! The head of an NC text: the comments that state tools, zero, conditions and figures, and their comparison with the job.
 
 use super::certificate_text;
-use crate::diag::{Diag, Severity, Sink, codes::post as codes, printable};
-use crate::export::certificate_file::{self, BLANK, HEAD, InputFile, Inputs};
-use crate::ir::Program;
-use crate::post::{self, Post, words};
-use crate::source::{SourceId, SourceMap, Span};
-use crate::units::trim;
-use crate::verify::certificate::Certificate;
+use ::report::certificate_file::{self, BLANK, HEAD, InputFile, Inputs};
+use base::source::{SourceId, SourceMap, Span};
+use base::units::trim;
+use diagnostics::{Diag, Severity, Sink, codes::post as codes, printable};
+use ir::Program;
+use nc::{Post, words};
+use verify::certificate::Certificate;
 
 /// Beginning of the first line of a head of this compiler.
 const MAKER: &str = "impellerc ";
@@ -43,7 +43,7 @@ pub(super) fn lines(
         "part {}, machine {}, zero at the origin of the part frame, mm",
         program.name, program.machine.name
     ));
-    lines.extend(post::assumptions(post, program).iter().map(|what| format!("assumed: {what}")));
+    lines.extend(nc::assumptions(post, program).iter().map(|what| format!("assumed: {what}")));
     for c in &certificate.contracts {
         lines.push(format!("{} {}{REQUIRED}{} {}", c.name(), c.figures[1], c.relation, c.figures[0]));
     }

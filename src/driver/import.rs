@@ -2,17 +2,17 @@
 
 use super::reading;
 use super::{Outcome, Stages, or_reported, output_names, shown_path};
-use crate::diag::codes::import as codes;
-use crate::diag::{Aborted, Diag, printable};
-use crate::import::faced_part;
-use crate::import::job_frame::Zero;
-use crate::import::outlines::{doubtful, outlines};
-use crate::import::part_source::{PartSource, WITHIN};
-use crate::import::part_text;
-use crate::import::{self, Imported, ImportedRow, NoFile, Options, limits};
 use crate::output::Outputs;
-use crate::sections::SectionForm;
-use crate::source::{SourceFile, SourceMap, Span};
+use base::source::{SourceFile, SourceMap, Span};
+use blade::SectionForm;
+use blade_files::faced_part;
+use blade_files::job_frame::Zero;
+use blade_files::outlines::{doubtful, outlines};
+use blade_files::part_source::{PartSource, WITHIN};
+use blade_files::part_text;
+use blade_files::{Imported, ImportedRow, NoFile, Options, limits};
+use diagnostics::codes::import as codes;
+use diagnostics::{Aborted, Diag, printable};
 use std::path::{Path, PathBuf};
 
 /// An import.
@@ -47,7 +47,7 @@ pub fn import(options: &Import, stages: &mut Stages) -> Outcome {
 fn run(options: &Import, stages: &mut Stages, outcome: &mut Outcome) -> Result<(), Aborted> {
     let Outcome { sources, sink, emitted, .. } = outcome;
     let names = or_reported(names(&options.files), sink)?;
-    let read = stages.run("read", || import::read(&names, &mut fetch, &options.options, sources));
+    let read = stages.run("read", || blade_files::read(&names, &mut fetch, &options.options, sources));
     let imported = read.map_err(|diags| {
         diags.into_iter().for_each(|diag| sink.push(diag));
         Aborted
@@ -151,7 +151,7 @@ fn own_name(name: &str) -> String {
 
 /// What was found or taken for granted, with its place.
 fn notes(imported: &Imported, sources: &SourceMap) -> String {
-    let line = |note: &import::Note| {
+    let line = |note: &blade_files::Note| {
         let span = note.span?;
         let file = sources.get(span.source)?;
         Some(format!("  {}:{}: {}\n", own_name(&file.name), sources.line_column(span).0, note.text))
@@ -192,7 +192,7 @@ fn names(given: &[PathBuf]) -> Result<Vec<String>, Diag> {
         inside.sort();
         let ending = |p: &Path| p.extension().map(|e| e.display().to_string().to_ascii_lowercase()).unwrap_or_default();
         let mut of_formats: Vec<PathBuf> = Vec::new();
-        for (_, endings) in import::formats() {
+        for (_, endings) in blade_files::formats() {
             of_formats = inside.iter().filter(|p| endings.contains(&ending(p).as_str())).cloned().collect();
             if !of_formats.is_empty() {
                 break;

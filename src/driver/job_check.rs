@@ -2,9 +2,9 @@
 //! needs, and the facts about the part show. Fits of the tool to the faces are left out, since they take most of the time.
 
 use super::{Options, Outcome, Stages, check_before_planning, front};
-use crate::analysis;
-use crate::diag::{Aborted, Severity};
-use crate::ir::Program;
+use diagnostics::{Aborted, Severity};
+use ir::Program;
+use plan::analysis;
 
 /// Checks a job. Options that name outputs and a stage are of no effect. Faults go to the sink of the outcome.
 pub fn check(options: &Options, stages: &mut Stages) -> Outcome {

@@ -1,11 +1,11 @@
 //! `impellerc fmt`: jobs in their usual form.
 
 use super::{MAX_JOB, Outcome, read_job, save, shown_path};
-use crate::diag::codes::{files, syntax};
-use crate::diag::{Aborted, Diag, Sink};
 use crate::output::Outputs;
-use crate::source::SourceFile;
-use crate::syntax::Unformatted;
+use ::syntax::Unformatted;
+use base::source::SourceFile;
+use diagnostics::codes::{files, syntax};
+use diagnostics::{Aborted, Diag, Sink};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
@@ -68,7 +68,7 @@ fn formatted(path: &Path, stdin: bool, outcome: &mut Outcome) -> Result<(String,
     let text = if stdin { standard_input(sink)? } else { read_job(path, sink)? };
     let name = if stdin { "standard input".to_owned() } else { shown_path(path) };
     let source = sources.add_file(SourceFile::text(name.clone(), text.clone()));
-    match crate::syntax::format(&text, source, sink) {
+    match ::syntax::format(&text, source, sink) {
         Ok(after) => Ok((text, after)),
         Err(Unformatted::Faulty) => Err(Aborted),
         Err(Unformatted::Differs) => {

@@ -1,11 +1,11 @@
 //! Machine, tool, curve and mesh files on the disk, and the library that ships with the compiler.
 
 use super::reading;
-use crate::diag::codes::files;
-use crate::diag::{Diag, printable};
-use crate::job::files::shipped;
-use crate::job::{Fault, Files, MissingFile};
-use crate::source::{Origin, SourceFile};
+use base::source::{Origin, SourceFile};
+use diagnostics::codes::files;
+use diagnostics::{Diag, printable};
+use job::files::shipped;
+use job::{Fault, Files, MissingFile};
 use std::cell::RefCell;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ const MAX_LIBRARY: u64 = 4 << 20;
 /// Largest curve file that is read.
 const MAX_CURVES: u64 = 64 << 20;
 
-/// Largest mesh file that is read: that of [`crate::stock::stl::MOST_TRIANGLES`] in the binary form.
+/// Largest mesh file that is read: that of [`tool_stock::stock::stl::MOST_TRIANGLES`] in the binary form.
 const MAX_MESH: u64 = 256 << 20;
 
 /// Files of a job. The order of search is the library of the command line, the `_lib` folders from the folder of the

@@ -2,10 +2,10 @@
 
 use super::library::Listed;
 use super::{DiskFiles, Outcome, or_reported};
-use crate::diag::codes::files;
-use crate::diag::{Aborted, Diag};
-use crate::job::{Files, LibraryFile};
-use crate::source::Origin;
+use base::source::Origin;
+use diagnostics::codes::files;
+use diagnostics::{Aborted, Diag};
+use job::{Files, LibraryFile};
 use std::path::Path;
 
 /// Kind of library file.
@@ -37,7 +37,7 @@ pub fn library_schema(kind: LibraryKind) -> String {
         LibraryKind::Tools => LibraryFile::Tools,
         LibraryKind::Posts => LibraryFile::Post,
     };
-    format!("{:#}\n", crate::job::library_schema(kind))
+    format!("{:#}\n", job::library_schema(kind))
 }
 
 /// Lists the files of a kind for jobs in the working folder, or gives the text of one of them.

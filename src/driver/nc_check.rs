@@ -5,20 +5,20 @@ use super::{
     or_reported, reading, report, rest_stock, save, shown_path,
 };
 use super::{certificate_figures, certificate_text, head};
-use crate::analysis;
-use crate::diag::codes::post as codes;
-use crate::diag::{Aborted, Diag, Sink, printable};
-use crate::export::certificate_file::{self, CertificateFile, HEAD, InputFile, Inputs};
-use crate::export::source_map::{LaidMap, SourceMapFile};
-use crate::ir::Program;
 use crate::output::Outputs;
-use crate::post::motion_of::{NcMotion, READ_PASS};
-use crate::post::{self, Post};
-use crate::source::{SourceFile, SourceId, SourceMap, Span};
-use crate::units::trim;
-use crate::verify::{self, Certificate};
+use ::report::certificate_file::{self, CertificateFile, HEAD, InputFile, Inputs};
+use ::report::source_map::{LaidMap, SourceMapFile};
+use base::source::{SourceFile, SourceId, SourceMap, Span};
+use base::units::trim;
+use diagnostics::codes::post as codes;
+use diagnostics::{Aborted, Diag, Sink, printable};
+use ir::Program;
+use nc::Post;
+use nc::motion_of::{NcMotion, READ_PASS};
+use plan::analysis;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use verify::Certificate;
 
 /// Options of a check of NC text.
 #[derive(Clone, Debug, Default)]
@@ -181,7 +181,7 @@ fn measure(
     // The dialect is that of the command line, or else of the job, unless the text clearly has the words of another
     // dialect.
     let post = find_post(program, sink)?;
-    let post = if check.run.post.is_some() { post } else { post::clearly_other(text, post).unwrap_or(post) };
+    let post = if check.run.post.is_some() { post } else { nc::clearly_other(text, post).unwrap_or(post) };
     let mut motion = stages.run("read NC", || read_motion(post, program, sources, source, sink))?;
     if let Some(map) = map {
         name_passes(&mut motion, map);
@@ -429,7 +429,7 @@ fn compare_conditions(shown: &str, file: &CertificateFile, (post, program): (&dy
         sink.push(Diag::error(codes::CERTIFICATE_FIGURES, text).help(help));
         return;
     }
-    let due = post::assumptions(post, program);
+    let due = nc::assumptions(post, program);
     let [missing, more] = [(&due, &file.nc.assumed), (&file.nc.assumed, &due)]
         .map(|(all, other)| all.iter().find(|line| !other.contains(line)));
     let text = match (missing, more) {
@@ -526,7 +526,7 @@ pub(super) fn read_motion(
 ) -> Result<NcMotion, Aborted> {
     let text = sources.get(source).map_or("", |f| f.text.as_str());
     let span = |line: usize| sources.line_span(source, line).unwrap_or(Span::new(source, 0..0));
-    post::judge(post, program, text, &span, sink).map(|commands| commands.motion).ok_or(Aborted)
+    nc::judge(post, program, text, &span, sink).map(|commands| commands.motion).ok_or(Aborted)
 }
 
 /// Puts a label at the NC block of a finding first, and adds a label at the operation in the job.
@@ -550,7 +550,7 @@ fn with_line(
         }
     }
     if let Some(span) = sources.line_span(source, line) {
-        let label = crate::diag::Label { span, text: "this block".to_owned() };
+        let label = diagnostics::Label { span, text: "this block".to_owned() };
         diag.labels.insert(0, label);
     }
     diag

@@ -2,18 +2,19 @@
 
 use super::nc_check::{program, read_motion, read_nc};
 use super::{Outcome, RunOptions, Stages, find_post, shown_path};
-use crate::compare::{self, ComparedMotion, Difference, OperationDifference};
-use crate::contract::clock;
-use crate::diag::codes::post as codes;
-use crate::diag::{Aborted, Diag, Severity, Sink};
-use crate::ir::Program;
-use crate::post::motion_of::NcMotion;
-use crate::post::recognise;
-use crate::source::{SourceFile, SourceId};
-use crate::units::trim;
+use crate::nc_text::compare;
+use base::source::{SourceFile, SourceId};
+use base::units::trim;
+use diagnostics::codes::post as codes;
+use diagnostics::{Aborted, Diag, Severity, Sink};
+use ir::Program;
 use nalgebra::Point3;
+use nc::compare::{ComparedMotion, Difference, OperationDifference};
+use nc::motion_of::NcMotion;
+use nc::recognise;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use wheel::contract::clock;
 
 /// Options of a comparison.
 #[derive(Clone, Debug, Default)]
@@ -59,7 +60,7 @@ fn run(options: &NcDiff, stages: &mut Stages, outcome: &mut Outcome) -> Result<(
     let second = text(options, (1, job), stages, outcome)?;
     let found = stages.run("compare", || {
         let sides = [&first, &second].map(|t| ComparedMotion { program: &t.program, motion: &t.motion.motion });
-        compare::compare(sides)
+        compare(sides)
     });
     outcome.emitted = Some(table([&first, &second], &found).map_err(|_| Aborted)?);
     let differing = found.iter().enumerate().filter(|(_, o)| !o.is_same());

@@ -1,9 +1,9 @@
 //! `impellerc new`: a commented job that compiles, to begin with.
 
 use super::{Outcome, or_reported, save, shown_path};
-use crate::diag::codes::files;
-use crate::diag::{Aborted, Diag};
 use crate::output::Outputs;
+use diagnostics::codes::files;
+use diagnostics::{Aborted, Diag};
 use std::path::{Path, PathBuf};
 
 /// A job to begin with.

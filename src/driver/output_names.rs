@@ -1,7 +1,7 @@
 //! Endings of the names of outputs: a file is never named like a form that is not written into it.
 
 use super::{Emit, Options, PartForm, shown_path};
-use crate::diag::{Diag, codes::files};
+use diagnostics::{Diag, codes::files};
 use std::path::{Path, PathBuf};
 
 /// What is written into a file.

@@ -1,20 +1,20 @@
 //! The part as a file for other programs.
 
 use super::{Options, PartForm, Stages, or_reported, output_names, section_files, shown_path};
-use crate::diag::codes::{files, geometry};
-use crate::diag::{Aborted, Diag, Sink};
-use crate::export::step::StepFile;
-use crate::export::three_mf::three_mf;
-use crate::export::turbogrid::turbogrid;
-use crate::ir::Program;
 use crate::output::Outputs;
-use crate::part::blade_loops::blade_loops;
-use crate::part::shell::{PatchFault, Shell, ShellFault, ShellSurface, shell};
-use crate::part::solid::{self, Volume};
-use crate::part::{Part, SurfaceKind};
-use crate::source::SourceMap;
-use crate::units::trim;
+use ::report::step::StepFile;
+use ::report::three_mf::three_mf;
+use ::report::turbogrid::turbogrid;
+use base::source::SourceMap;
+use base::units::trim;
+use diagnostics::codes::{files, geometry};
+use diagnostics::{Aborted, Diag, Sink};
+use ir::Program;
 use std::path::{Path, PathBuf};
+use wheel::part::blade_loops::blade_loops;
+use wheel::part::shell::{PatchFault, Shell, ShellFault, ShellSurface, shell};
+use wheel::part::solid::{self, Volume};
+use wheel::part::{Part, SurfaceKind};
 
 /// What the solid is.
 const SOLID: &str = "finished part, closed by bore and back of its stock";

@@ -1,7 +1,7 @@
 //! Reads files of any kind and size with bounded memory, and gives the reason when a file cannot be read.
 
-use crate::diag::Diag;
-use crate::diag::codes::files;
+use diagnostics::Diag;
+use diagnostics::codes::files;
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read};
 use std::path::Path;

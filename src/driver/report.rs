@@ -1,12 +1,12 @@
 //! Writes the report from the values of the stages.
 
 use super::stages::Stages;
-use crate::diag::Sink;
-use crate::export::report::{self, Input, StockStage};
-use crate::ir::{ClPlan, Motion, Program};
-use crate::post::NcProgram;
-use crate::post::motion_of::NcMotion;
-use crate::verify::Certificate;
+use ::report::report::{self, Input, StockStage};
+use diagnostics::Sink;
+use ir::{ClPlan, Motion, Program};
+use nc::NcProgram;
+use nc::motion_of::NcMotion;
+use verify::Certificate;
 
 /// Content of the report of a run, whether its NC was accepted or not.
 pub(super) struct Shown<'a> {

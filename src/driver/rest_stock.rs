@@ -1,15 +1,15 @@
 //! Verification that also writes the stock after each operation as a mesh.
 
 use super::RunOptions;
-use crate::diag::codes::verification;
-use crate::diag::{Aborted, Diag, Sink};
-use crate::export::report::StockStage;
-use crate::ir::{Motion, Program};
 use crate::output::Outputs;
-use crate::progress::Progress;
-use crate::stock::{Field, Mesh};
-use crate::verify::{self, Certificate, Verified, stock::Settings};
+use ::report::report::StockStage;
+use base::progress::Progress;
+use diagnostics::codes::verification;
+use diagnostics::{Aborted, Diag, Sink};
+use ir::{Motion, Program};
 use std::path::{Path, PathBuf};
+use tool_stock::stock::{Field, Mesh};
+use verify::{Certificate, Verified, stock::Settings};
 
 /// Options of the stock simulation.
 pub(super) struct Asked<'a> {

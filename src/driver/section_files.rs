@@ -1,15 +1,15 @@
 //! The sections of the part as files, and how near a part that is read from them comes to the part.
 
-use crate::diag::Diag;
-use crate::export::turbogrid::{TurboGridFiles, TurboGridNames};
-use crate::geom::proximity::Patch;
-use crate::import::{self, Imported, Options as ImportOptions};
-use crate::part::Part;
-use crate::part::blade_loops::{BladeLoops, blade_loops};
-use crate::sections::Outline;
-use crate::sections::loft::{LoftedBlade, loft};
-use crate::source::{SourceFile, SourceMap};
+use ::report::turbogrid::{TurboGridFiles, TurboGridNames};
+use base::source::{SourceFile, SourceMap};
+use blade::Outline;
+use blade::loft::{LoftedBlade, loft};
+use blade_files::{Imported, Options as ImportOptions};
+use diagnostics::Diag;
+use nurbs::proximity::Patch;
 use std::path::{Path, PathBuf};
+use wheel::part::Part;
+use wheel::part::blade_loops::{BladeLoops, blade_loops};
 
 /// Largest distance of a point to the curve of its section, mm, with which the sections are read back.
 const FIT: f64 = 1e-3;
@@ -42,8 +42,12 @@ pub(super) fn read_back(files: &TurboGridFiles, names: &TurboGridNames) -> Resul
             .map(|(_, text)| SourceFile::text(name, text.as_str()))
             .ok_or_else(|| "there is no such file".to_owned().into())
     };
-    let read =
-        import::read(&["sections.inf".to_owned()], &mut fetch, &ImportOptions::default(), &mut SourceMap::default());
+    let read = blade_files::read(
+        &["sections.inf".to_owned()],
+        &mut fetch,
+        &ImportOptions::default(),
+        &mut SourceMap::default(),
+    );
     read.map_err(|mut faults| faults.swap_remove(0))
 }
 
@@ -52,7 +56,7 @@ pub(super) fn read_back(files: &TurboGridFiles, names: &TurboGridNames) -> Resul
 /// `None` where the sections do not divide into faces and edges, or have no surfaces.
 pub(super) fn distance_between(part: &Part, written: &[BladeLoops], read: &Imported) -> Option<f64> {
     let row = read.rows.first()?;
-    let divided = import::outlines::outlines(row, read.hub.as_deref(), &ImportOptions::default()).ok()?;
+    let divided = blade_files::outlines::outlines(row, read.hub.as_deref(), &ImportOptions::default()).ok()?;
     let count = written.first()?.loops.len();
     let finer = blade_loops(part, 2 * count - 1).ok()?;
     let mut worst = 0.0_f64;

@@ -1,7 +1,7 @@
 //! The stages of a run: their times, their display on a terminal, and the values that can be printed.
 
-use crate::diag::Aborted;
-use crate::progress::{Progress, State};
+use base::progress::{Progress, State};
+use diagnostics::Aborted;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};

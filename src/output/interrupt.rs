@@ -128,7 +128,7 @@ fn end(signal: i32, tell: bool) {
         if let Some(streaming) = &unfinished.streaming {
             done.push_str(&format!("; {streaming} may have received a part of its text"));
         }
-        let _ = writeln!(std::io::stderr(), "\nended by {name}: {}", crate::diag::printable(&done));
+        let _ = writeln!(std::io::stderr(), "\nended by {name}: {}", diagnostics::printable(&done));
     }
     let _ = signal_hook::low_level::emulate_default_handler(signal);
 }

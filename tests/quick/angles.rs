@@ -1,16 +1,16 @@
 //! Blades by angles and thicknesses: the made surfaces against what the job states.
 
 use crate::parts::enclosed;
-use impellerc::analysis::flank;
-use impellerc::collide::Cutter;
-use impellerc::diag::{Severity, Sink, render};
-use impellerc::geom::proximity::Patch;
+use impellerc::base::source::SourceMap;
+use impellerc::diagnostics::{Severity, Sink, render};
 use impellerc::ir::Program;
 use impellerc::job::{self, InMemory};
 use impellerc::lower;
-use impellerc::part::{BladeId, Face, FaceId, Part, Surface};
-use impellerc::source::SourceMap;
+use impellerc::nurbs::proximity::Patch;
+use impellerc::plan::analysis::flank;
 use impellerc::syntax;
+use impellerc::tool_stock::collide::Cutter;
+use impellerc::wheel::part::{BladeId, Face, FaceId, Part, Surface};
 use nalgebra::{Point3, Rotation3, Vector3};
 use std::sync::LazyLock;
 
@@ -244,7 +244,7 @@ fn lean_turns_and_straight_curves_are_places() {
         }
     }
     assert!(worst < FIT, "{worst}");
-    let at = |surface: &impellerc::geom::Revolution, length: f64| {
+    let at = |surface: &impellerc::nurbs::Revolution, length: f64| {
         let (mut u, mut gone) = (0.0, 0.0);
         while gone < length {
             gone += (surface.meridian(u + 1e-5).point - surface.meridian(u).point).norm();

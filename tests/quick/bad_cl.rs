@@ -1,10 +1,10 @@
 //! Bad CL data: every fault is an error with its line; no panic, no endless loop, bounded memory.
 
 use crate::support;
-use impellerc::diag::Sink;
-use impellerc::kin::Machine;
-use impellerc::post::{self, MOST_FAULTS, NcSection, ReadError, motion_of::motion_of};
-use impellerc::source::Span;
+use impellerc::base::source::Span;
+use impellerc::diagnostics::Sink;
+use impellerc::five_axis::Machine;
+use impellerc::nc::{self, MOST_FAULTS, NcSection, ReadError, motion_of::motion_of};
 use proptest::prelude::*;
 use std::sync::LazyLock;
 
@@ -39,7 +39,7 @@ FINI
 ";
 
 fn read(text: &str) -> Result<Vec<NcSection>, Vec<ReadError>> {
-    post::find("apt-cl").unwrap().read(text, &MACHINE)
+    nc::find("apt-cl").unwrap().read(text, &MACHINE)
 }
 
 /// No cutter touches stock while the spindle stands.

@@ -2,12 +2,12 @@
 
 use crate::support;
 use crate::support::bounded;
-use impellerc::diag::Sink;
-use impellerc::kin::Machine;
-use impellerc::post::{
+use impellerc::base::source::Span;
+use impellerc::diagnostics::Sink;
+use impellerc::five_axis::Machine;
+use impellerc::nc::{
     self, Direction, MOST_FAULTS, NcMove, NcPlace, NcRetract, NcSection, Post, ReadError, motion_of::motion_of,
 };
-use impellerc::source::Span;
 use proptest::prelude::*;
 use std::sync::LazyLock;
 
@@ -102,7 +102,7 @@ fn machine(dialect: &str) -> &'static Machine {
 }
 
 fn sections(dialect: &str, text: &str) -> Result<Vec<NcSection>, Vec<ReadError>> {
-    post::find(dialect).unwrap().read(text, machine(dialect))
+    nc::find(dialect).unwrap().read(text, machine(dialect))
 }
 
 fn read(dialect: &str, text: &str) -> Result<Vec<NcMove>, Vec<ReadError>> {
@@ -149,13 +149,13 @@ fn klartext_by_m128_and_by_tcpm_is_the_same() {
     let own = Machine { own_words: vec!["M25".to_owned(), "M116".to_owned()], ..machine("heidenhain").clone() };
     let with = |word: &str| HEIDENHAIN.replace("6 M126", &format!("6 M126 {word}"));
     refused("heidenhain", "6 M126", "6 M126 M25", "add it to `own-words`");
-    assert_eq!(post::find("heidenhain").unwrap().read(&with("M25"), &own).unwrap()[0].moves.len(), 4);
-    assert!(post::find("heidenhain").unwrap().read(&with("M116"), &own).is_err());
+    assert_eq!(nc::find("heidenhain").unwrap().read(&with("M25"), &own).unwrap()[0].moves.len(), 4);
+    assert!(nc::find("heidenhain").unwrap().read(&with("M116"), &own).is_err());
     // On an axis without end M126 takes the other way.
     let far = HEIDENHAIN.replace("C+22", "C+222");
     let mut endless = machine("heidenhain").clone();
     (endless.rotary[1].min, endless.rotary[1].max) = (-50.0, 50.0);
-    let faults = post::find("heidenhain").unwrap().read(&far, &endless).unwrap_err();
+    let faults = nc::find("heidenhain").unwrap().read(&far, &endless).unwrap_err();
     assert!(faults[0].line == 23 && faults[0].reason.contains("on the shorter way"), "{faults:?}");
     refused("heidenhain", "TX+0.17101007", "TX+0.18", "length");
     refused("heidenhain", "TX+0.17101007 ", "", "LN without TX");
@@ -704,7 +704,7 @@ fn many_wrong_blocks_are_told_in_short() {
     let lines = std::cell::Cell::new(0);
     let span = |line: usize| {
         lines.set(lines.get() + 1);
-        Span::new(impellerc::source::SourceId(0), line..line)
+        Span::new(impellerc::base::source::SourceId(0), line..line)
     };
     assert!(motion_of(&program, &moves, &span, &mut sink).is_none());
     assert!(
@@ -831,7 +831,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
     #[test]
     fn changed_text_is_read_or_refused_with_a_line_of_it((which, text) in mutated()) {
-        let post: &dyn Post = post::POSTS[which];
+        let post: &dyn Post = nc::POSTS[which];
         match post.read(&text, machine(post.name())) {
             Ok(sections) => {
                 for m in sections.iter().flat_map(|s| &s.moves) {

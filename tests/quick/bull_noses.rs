@@ -3,12 +3,12 @@
 use crate::channel_floor::{Ways, azimuth};
 use crate::larger_balls::with_tools;
 use crate::support::jobs;
-use impellerc::collide::Cutter;
-use impellerc::collide::tool::tool_coordinates;
-use impellerc::diag::Sink;
+use impellerc::diagnostics::Sink;
 use impellerc::ir::{ClPoint, Contract, ContractKind, Drive, Program};
-use impellerc::method::AxisMethod;
-use impellerc::passes::pipeline::{self, Plan};
+use impellerc::plan::passes::pipeline::{self, Plan};
+use impellerc::tool_stock::collide::Cutter;
+use impellerc::tool_stock::collide::tool::tool_coordinates;
+use impellerc::wheel::method::AxisMethod;
 use nalgebra::{Point3, Vector2};
 use std::collections::BTreeMap;
 use std::sync::LazyLock;

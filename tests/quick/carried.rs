@@ -2,10 +2,10 @@
 
 use crate::support;
 use crate::support::jobs;
-use impellerc::diag::Sink;
+use impellerc::base::progress::Progress;
+use impellerc::diagnostics::Sink;
+use impellerc::five_axis::Carried;
 use impellerc::ir::{Motion, MoveKind, Program};
-use impellerc::kin::Carried;
-use impellerc::progress::Progress;
 use impellerc::verify::carried::{CarriedReport, check, report};
 use nalgebra::Point3;
 use std::f64::consts::FRAC_PI_2;

@@ -1,15 +1,15 @@
 //! Channel floors of constant scallop.
 
 use crate::support::{self, jobs};
-use impellerc::collide::Cutter;
-use impellerc::diag::Sink;
-use impellerc::entity::PrimaryMap;
-use impellerc::geom::proximity::Patch;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::units::Mm;
+use impellerc::diagnostics::Sink;
 use impellerc::ir::{CcPass, CcPoint, Contract, ContractKind, OperationKind, Program};
-use impellerc::method::{AxisMethod, Lines, Spacing};
-use impellerc::part::{FaceId, Surface};
-use impellerc::passes::pipeline;
-use impellerc::units::Mm;
+use impellerc::nurbs::proximity::Patch;
+use impellerc::plan::passes::pipeline;
+use impellerc::tool_stock::collide::Cutter;
+use impellerc::wheel::method::{AxisMethod, Lines, Spacing};
+use impellerc::wheel::part::{FaceId, Surface};
 use nalgebra::{Point3, Vector3};
 use std::collections::BTreeMap;
 
@@ -243,7 +243,7 @@ fn the_ball_that_would_do_is_named() {
             program.part = program.part.with_fillet(fillet.map(Mm));
             let mut sink = Sink::default();
             let _ = pipeline::run(&program, &mut sink);
-            let error = |d: &&impellerc::diag::Diag| ["IMP0450", "IMP0403", "IMP0408"].contains(&d.code.id());
+            let error = |d: &&impellerc::diagnostics::Diag| ["IMP0450", "IMP0403", "IMP0408"].contains(&d.code.id());
             sink.diags().iter().find(error).map(|d| (d.code.id().to_owned(), d.help.clone().unwrap_or_default()))
         };
         let (found, help) = refused(radius, fillet).expect("an error");

@@ -2,19 +2,19 @@
 //! and the effect of `allow`.
 
 use crate::support;
-use impellerc::collide::Cutter;
-use impellerc::contract::{ContractKind, Cuts, Guarded, Scope};
-use impellerc::diag::{Severity, Sink, codes::verification};
-use impellerc::entity::PrimaryMap;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::progress::Progress;
+use impellerc::base::source::Span;
+use impellerc::base::units::Mm;
+use impellerc::diagnostics::{Severity, Sink, codes::verification};
 use impellerc::ir::{Allowed, Contract, Motion, OperationId, OperationKind, Program};
-use impellerc::method::{Flank, FlankMethod};
-use impellerc::part::{BladeId, Guides, Part, Stock, SurfaceClass, solid};
-use impellerc::passes::pipeline;
-use impellerc::progress::Progress;
-use impellerc::source::Span;
-use impellerc::units::Mm;
+use impellerc::plan::passes::pipeline;
+use impellerc::tool_stock::collide::Cutter;
 use impellerc::verify::stock::Settings;
 use impellerc::verify::{Certificate, certify_with};
+use impellerc::wheel::contract::{ContractKind, Cuts, Guarded, Scope};
+use impellerc::wheel::method::{Flank, FlankMethod};
+use impellerc::wheel::part::{BladeId, Guides, Part, Stock, SurfaceClass, solid};
 use std::sync::LazyLock;
 
 /// Coarse finishing of all vanes and channels of a part that has three of the paper's vanes at half their size, with

@@ -1,10 +1,10 @@
 //! The cost of a plan is known before it starts: jobs that would need too much are refused, with a value that fits.
 
 use crate::support::jobs;
-use impellerc::analysis::cost;
-use impellerc::diag::Sink;
-use impellerc::diag::codes::{job as codes, planning};
+use impellerc::diagnostics::Sink;
+use impellerc::diagnostics::codes::{job as codes, planning};
 use impellerc::driver::{self, Options, Outcome, Stages};
+use impellerc::plan::analysis::cost;
 use std::process::Command;
 
 const JOB: &str = include_str!("../../jobs/wei2021/wei2021.imp");

@@ -1,7 +1,7 @@
 //! The documents: links lead to files, commands are those of the command line, texts of the language have no fault.
 
-use impellerc::diag::Sink;
-use impellerc::source::SourceId;
+use impellerc::base::source::SourceId;
+use impellerc::diagnostics::Sink;
 use impellerc::syntax;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -2,16 +2,16 @@
 //! other. It shares only the positions of the tool with the stock of the verifier.
 
 use crate::support::{self, jobs};
-use impellerc::collide::{Cutter, ToolSolid};
-use impellerc::contract::{ContractKind, Cuts};
-use impellerc::diag::Sink;
-use impellerc::entity::PrimaryMap;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::progress::Progress;
+use impellerc::diagnostics::Sink;
 use impellerc::ir::{Contract, JointMove, Motion, MotionOperation, MoveKind, Operation, Program, Tool};
-use impellerc::part::TurnedProfile;
-use impellerc::passes::pipeline;
-use impellerc::progress::Progress;
-use impellerc::stock::{SLICES, Slices};
+use impellerc::plan::passes::pipeline;
+use impellerc::tool_stock::collide::{Cutter, ToolSolid};
+use impellerc::tool_stock::stock::{SLICES, Slices};
 use impellerc::verify::stock::{OperationStock, Settings, default_cell, simulate};
+use impellerc::wheel::contract::{ContractKind, Cuts};
+use impellerc::wheel::part::TurnedProfile;
 use nalgebra::{Point3, Vector3};
 use std::collections::BTreeMap;
 use std::ops::Range;

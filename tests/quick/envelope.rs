@@ -2,10 +2,10 @@
 //! (cylinders, computed there by another program), and brute force.
 
 use crate::support;
-use impellerc::collide::{Cutter, Section};
-use impellerc::envelope::target::{LEVER, Of};
-use impellerc::envelope::{Measured, Mounted, Target, ease, finest, least_squares, minimax};
-use impellerc::geom::{DualCurve, RuledSurface};
+use impellerc::axes::envelope::target::{LEVER, Of};
+use impellerc::axes::envelope::{Measured, Mounted, Target, ease, finest, least_squares, minimax};
+use impellerc::nurbs::{DualCurve, RuledSurface};
+use impellerc::tool_stock::collide::{Cutter, Section};
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::FRAC_PI_2;
 

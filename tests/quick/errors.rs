@@ -1,8 +1,8 @@
 //! The report of every code as a golden, and the manual pages.
 
-use impellerc::analysis;
-use impellerc::diag::{Code, Severity, codes, render};
+use impellerc::diagnostics::{Code, Severity, codes, render};
 use impellerc::driver::{self, Options, Outcome, Stages};
+use impellerc::plan::analysis;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 

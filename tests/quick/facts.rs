@@ -1,20 +1,20 @@
 //! Facts about the paper's impeller, and the reach of the tools of a job in it.
 
 use crate::support;
-use impellerc::analysis::beside::{self, Beside};
-use impellerc::analysis::reach::{self, Reach};
-use impellerc::analysis::{self, outliers, throat, twist};
-use impellerc::collide::Cutter;
-use impellerc::diag::{Diag, Severity, Sink};
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::source::{SourceId, Span};
+use impellerc::base::units::Mm;
+use impellerc::diagnostics::{Diag, Severity, Sink};
 use impellerc::driver::{Options, Stages, compile};
-use impellerc::entity::PrimaryMap;
-use impellerc::geom::NurbsCurve;
 use impellerc::ir::{Contract, ContractKind, OperationKind, Program};
-use impellerc::method::{AxisMethod, Lines};
-use impellerc::operation::VaneAllowance;
-use impellerc::part::{BladeId, FaceId, Guides, Part, RulingEnd, Surface, SurfaceKind};
-use impellerc::source::{SourceId, Span};
-use impellerc::units::Mm;
+use impellerc::nurbs::NurbsCurve;
+use impellerc::plan::analysis::beside::{self, Beside};
+use impellerc::plan::analysis::reach::{self, Reach};
+use impellerc::plan::analysis::{self, outliers, throat, twist};
+use impellerc::tool_stock::collide::Cutter;
+use impellerc::wheel::method::{AxisMethod, Lines};
+use impellerc::wheel::operation::VaneAllowance;
+use impellerc::wheel::part::{BladeId, FaceId, Guides, Part, RulingEnd, Surface, SurfaceKind};
 use nalgebra::Point3;
 use support::{operation, tool, wei_data, wei_part, wei_program};
 

@@ -3,12 +3,12 @@
 
 use crate::support;
 use crate::support::jobs;
-use impellerc::diag::Sink;
+use impellerc::diagnostics::Sink;
 use impellerc::ir::{Motion, MoveKind, OperationKind, Program};
-use impellerc::method::{Flank, FlankMethod};
-use impellerc::part::{FaceId, Surface};
-use impellerc::passes::pipeline;
+use impellerc::plan::passes::pipeline;
 use impellerc::verify::Certificate;
+use impellerc::wheel::method::{Flank, FlankMethod};
+use impellerc::wheel::part::{FaceId, Surface};
 use nalgebra::{Point3, Vector3};
 use std::sync::LazyLock;
 
@@ -44,7 +44,7 @@ fn brute(program: &Program, motion: &Motion, p: &Point3<f64>) -> f64 {
             let tips = [0, 1].map(|k| program.machine.forward(&pair[k].joints).tip);
             let at = |t: f64| {
                 let (a, b) = (&pair[0].joints, &pair[1].joints);
-                let axis = program.machine.chain.tool_axis(impellerc::kin::between(a.rotary, b.rotary, t));
+                let axis = program.machine.chain.tool_axis(impellerc::five_axis::between(a.rotary, b.rotary, t));
                 let d = p - (tips[0] + (tips[1] - tips[0]) * t);
                 let s = d.dot(&axis);
                 solid.cutter_distance((d - axis * s).norm(), s)
@@ -150,7 +150,7 @@ fn a_dropped_strip_is_found() {
         let mut operation = program.operations[id].clone();
         operation.kind =
             OperationKind::Flank { faces: vec![FaceId::PRESSURE], flank: Flank::by_ruling(FlankMethod::TwoPoint, 4) };
-        program.operations = impellerc::entity::PrimaryMap::new();
+        program.operations = impellerc::base::entity::PrimaryMap::new();
         program.operations.push(operation);
     }
     let motion = planned(&program);
@@ -170,7 +170,7 @@ fn a_dropped_strip_is_found() {
         .part
         .face(FaceId::PRESSURE)
         .surface
-        .closest(&Point3::from(found.point), impellerc::geom::proximity::Patch { u: [0.0, 1.0], v: [0.0, 1.0] });
+        .closest(&Point3::from(found.point), impellerc::nurbs::proximity::Patch { u: [0.0, 1.0], v: [0.0, 1.0] });
     let low = program.part.fillet_tangent(FaceId::PRESSURE, foot.u, 3.0).unwrap();
     let share = (foot.v - low) / (1.0 - low);
     assert!(share > 0.2 && share < 0.55, "{share}");

@@ -1,6 +1,6 @@
 //! Runs of the axes within speed, acceleration and jerk, against closed forms, brute force and finite differences.
 
-use impellerc::kin::feedrate::{AXES, Axes, Limits, Profile, Rounding, Station, jerk, plan};
+use impellerc::five_axis::feedrate::{AXES, Axes, Limits, Profile, Rounding, Station, jerk, plan};
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
 

@@ -3,10 +3,10 @@
 
 use crate::support::jobs::{self, Compiled};
 use ciborium::Value;
-use impellerc::diag::{Sink, codes::verification};
+use impellerc::base::source::Span;
+use impellerc::diagnostics::{Sink, codes::verification};
+use impellerc::five_axis::control::Planning;
 use impellerc::ir::{Motion, Program};
-use impellerc::method::Planning;
-use impellerc::source::Span;
 use impellerc::verify::certificate::ContractReport;
 use impellerc::verify::{Certificate, certify, finite};
 use std::collections::BTreeSet;

@@ -1,16 +1,15 @@
 //! The front end as an editor uses it: without a disk, with faults in the text, cancelled at any time.
 
 use crate::support::sources;
-use impellerc::diag::{Sink, codes};
+use impellerc::base::progress::Progress;
+use impellerc::base::source::SourceMap;
+use impellerc::diagnostics::{Sink, codes};
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::ir::print;
 use impellerc::job::{self, InMemory, PartialJob};
 use impellerc::lower;
-use impellerc::passes::pipeline;
-use impellerc::progress::Progress;
-use impellerc::source::SourceMap;
+use impellerc::plan::passes::pipeline;
 use impellerc::syntax::{self, ast::File};
-use std::path::Path;
 use std::time::Duration;
 
 const REDUCED: &str = include_str!("../../jobs/reduced/reduced.imp");
@@ -194,7 +193,7 @@ const OUTSIDE: [&str; 11] = [
 
 #[test]
 fn the_library_has_no_disk_clock_terminal_or_threads_of_its_own() {
-    let all = sources::files(Path::new("src"));
+    let all = sources::all_files();
     // `lib.rs` leaves these out without the feature `cli`.
     let command_line = ["src/command_line", "src/driver", "src/output"];
     let own = all.iter().filter(|p| !command_line.iter().any(|c| p.starts_with(c) || p.starts_with(format!("{c}.rs"))));

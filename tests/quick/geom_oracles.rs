@@ -1,11 +1,11 @@
 //! Oracles of the geometry: finite differences, exact shapes, invariance, and two independent implementations.
 
 use crate::support;
-use impellerc::geom::interpolate::chord_parameters;
-use impellerc::geom::knots::merge_knots;
-use impellerc::geom::proximity::Patch;
-use impellerc::geom::range::{Interval, Jet};
-use impellerc::geom::{GeomError, LoftedSurface, NurbsCurve, NurbsSurface, Revolution, RuledSurface, interpolate};
+use impellerc::nurbs::interpolate::chord_parameters;
+use impellerc::nurbs::knots::merge_knots;
+use impellerc::nurbs::proximity::Patch;
+use impellerc::nurbs::range::{Interval, Jet};
+use impellerc::nurbs::{GeomError, LoftedSurface, NurbsCurve, NurbsSurface, Revolution, RuledSurface, interpolate};
 use nalgebra::{Point3, Point4, Rotation3, Vector2, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};

@@ -5,7 +5,7 @@ use crate::support::golden::{GOLDENS, bytes, check, nc};
 use crate::support::jobs::{self, Compiled};
 use impellerc::driver::{self, Emit, Stages};
 use impellerc::ir::print::{self, Detail};
-use impellerc::post;
+use impellerc::nc;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -23,9 +23,9 @@ fn reduced_job_stage_by_stage() {
     check("reduced", "cc", &print::cc(&c.program, &c.plan.cc, Detail::Summary));
     check("reduced", "cl", &print::cl(&c.program, &c.plan.cl, Detail::Summary));
     check("reduced", "motion", &print::motion(&c.program, &c.plan.motion, Detail::Summary));
-    check("reduced", "certificate", &c.certificate.text(&c.program, c.motion.get()));
+    check("reduced", "certificate", &c.certificate.text(&c.program, &c.motion));
     let mut all = String::new();
-    for post in post::POSTS {
+    for post in nc::POSTS {
         let text = nc(jobs::reduced(post.name()), *post);
         check("reduced", post.name(), &text);
         all.push_str(&bytes(post.name(), &text));
@@ -46,7 +46,7 @@ fn wheels_by_angles() {
 fn reduced_job_is_the_same_on_one_thread_and_on_two() {
     let alone = Compiled::on_threads(1, jobs::program("reduced", None));
     let texts = [&alone, jobs::reduced("siemens-840d")].map(|c| {
-        let certificate = c.certificate.text(&c.program, c.motion.get());
+        let certificate = c.certificate.text(&c.program, &c.motion);
         (print::motion(&c.program, &c.plan.motion, Detail::Full), certificate)
     });
     assert!(texts[0] == texts[1]);

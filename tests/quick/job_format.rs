@@ -1,7 +1,7 @@
 //! `impellerc fmt`: nothing of a job is lost, the form is that of its own result, and files with faults stay as they are.
 
-use impellerc::diag::Sink;
-use impellerc::source::SourceId;
+use impellerc::base::source::SourceId;
+use impellerc::diagnostics::Sink;
 use impellerc::syntax::{self, Unformatted};
 use proptest::prelude::*;
 use std::path::{Path, PathBuf};

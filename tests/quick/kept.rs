@@ -3,27 +3,27 @@
 
 use crate::support;
 use crate::support::jobs;
-use impellerc::collide::{Cutter, Section, ToolSolid};
-use impellerc::contract::Scope;
-use impellerc::diag::{Severity, Sink};
-use impellerc::entity::PrimaryMap;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::progress::Progress;
+use impellerc::base::source::Span;
+use impellerc::base::units::{Mm, Mm3PerMin};
+use impellerc::diagnostics::{Severity, Sink};
+use impellerc::five_axis::Chain;
 use impellerc::ir::{Allowed, Contract, ContractKind, Motion, MoveKind, Operation, OperationKind, Program, Tool};
-use impellerc::kin::Chain;
-use impellerc::material::Material;
-use impellerc::operation::VaneAllowance;
-use impellerc::part::{
-    BladeId, Clamping, Surface, SurfaceKind,
-    chart::Shape,
-    kept::{MilledTurned, kept},
-};
-use impellerc::passes::pipeline;
-use impellerc::progress::Progress;
-use impellerc::source::Span;
-use impellerc::units::{Mm, Mm3PerMin};
+use impellerc::plan::passes::pipeline;
+use impellerc::tool_stock::collide::{Cutter, Section, ToolSolid};
 use impellerc::verify::kept::{KeptReport, KeptSurfaces};
 use impellerc::verify::proof::sweep::Sweep;
 use impellerc::verify::stock::{self, Settings};
 use impellerc::verify::{allowance, certify_with, clamping};
+use impellerc::wheel::contract::Scope;
+use impellerc::wheel::material::Material;
+use impellerc::wheel::operation::VaneAllowance;
+use impellerc::wheel::part::{
+    BladeId, Clamping, Surface, SurfaceKind,
+    chart::Shape,
+    kept::{MilledTurned, kept},
+};
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -528,7 +528,7 @@ fn the_whole_contract_bounds_kept_surfaces() {
     let (mut program, motion) = down([11.0, 0.0, -10.03], MoveKind::Cut);
     assert_eq!(measured(&program, &motion).allowed, 0.1);
     let mut hub = Contract::whole(ContractKind::Gouge, 1e-3);
-    hub.scope.surfaces = vec![impellerc::part::SurfaceClass::Hub];
+    hub.scope.surfaces = vec![impellerc::wheel::part::SurfaceClass::Hub];
     program.contracts =
         vec![hub, Contract::whole(ContractKind::Gouge, 0.05), Contract::whole(ContractKind::Gouge, 0.02)];
     assert_eq!(measured(&program, &motion).allowed, 0.02);

@@ -1,14 +1,14 @@
 //! The job language: accepted texts, refused texts, and the words of the messages.
 
-use impellerc::contract::{ContractKind, Cuts, Guarded};
-use impellerc::diag::{Code, Sink, codes, render};
+use impellerc::base::source::{SourceFile, SourceId, SourceMap};
+use impellerc::diagnostics::{Code, Sink, codes, render};
 use impellerc::job::files::shipped;
 use impellerc::job::model::{CutterKind, OperationKind};
 use impellerc::job::{self, Files, Job, MissingFile};
-use impellerc::method::{AxisMethod, Lines, Milling, Spacing};
-use impellerc::part::{BladeId, SurfaceClass, SurfaceKind};
-use impellerc::source::{SourceFile, SourceId, SourceMap};
 use impellerc::syntax;
+use impellerc::wheel::contract::{ContractKind, Cuts, Guarded};
+use impellerc::wheel::method::{AxisMethod, Lines, Milling, Spacing};
+use impellerc::wheel::part::{BladeId, SurfaceClass, SurfaceKind};
 use proptest::prelude::*;
 
 const JOB: &str = include_str!("../../jobs/wei2021/wei2021.imp");
@@ -80,14 +80,14 @@ fn the_main_job_reads_as_it_is_written() {
     assert_eq!(read.codes(), []);
     let job = read.job.unwrap();
     assert_eq!(job.part.vanes.0, 8);
-    assert_eq!(job.part.main().fillet, Some(impellerc::units::Mm(3.0).into()));
+    assert_eq!(job.part.main().fillet, Some(impellerc::base::units::Mm(3.0).into()));
     assert_eq!(job.part.main().faces().unwrap()[0].tip.points[0], [15.0578, -38.5221, 0.0]);
     assert_eq!(job.part.main().faces().unwrap()[1].root.points[6], [-3.9268, -58.9631, -32.5]);
     let names: Vec<&str> = job.operations.iter().map(|o| o.name.as_str()).collect();
     assert_eq!(names, ["groove", "expand", "groove2", "expand2", "flank", "channel"]);
     assert_eq!(job.operations[0].speed.get(), 4500.0);
     assert_eq!(job.operations[0].feed.get(), 150.0);
-    let scallop = impellerc::units::Mm(0.012);
+    let scallop = impellerc::base::units::Mm(0.012);
     assert_eq!(
         job.operations[5].kind,
         OperationKind::Channel {
@@ -139,14 +139,14 @@ fn a_channel_with_tools_is_an_operation_for_each() {
     assert_eq!([larger, last].map(|o| o.feed.get()), [300.0; 2]);
     assert_eq!([larger, last].map(|o| job.tools[o.tool].diameter.get()), [10.0, 6.0]);
     // The larger ball leaves a default, which is printed; the last one leaves nothing.
-    assert_eq!(larger.kind.of_larger_tool(), Some(impellerc::units::Mm(0.2)));
+    assert_eq!(larger.kind.of_larger_tool(), Some(impellerc::base::units::Mm(0.2)));
     assert_eq!(last.kind.of_larger_tool(), None);
     let printed = job::print::print(&job);
     let of_larger = printed.split("operation channel channel\n").nth(1).unwrap().split("operation").next().unwrap();
     assert!(of_larger.contains("  allowance vane 0.2 mm\n"), "{of_larger}");
     assert!(!printed.split("operation channel channel2").nth(1).unwrap().contains("allowance"), "{printed}");
     let given = read(&floor("tools t9, t3  speed 8000 rpm  feed 300 mm/min  allowance vane 0.35 mm")).job.unwrap();
-    assert_eq!(given.operations[5].kind.of_larger_tool(), Some(impellerc::units::Mm(0.35)));
+    assert_eq!(given.operations[5].kind.of_larger_tool(), Some(impellerc::base::units::Mm(0.35)));
     // A bull nose has a method of its own for its axis.
     let bull = read(&floor("tools t8, t3  speed 8000 rpm  feed 300 mm/min")).job.unwrap();
     let methods = [5, 6].map(|k: usize| bull.operations[k].kind.axis_method());
@@ -342,19 +342,19 @@ fn units_are_converted_and_checked() {
     let job = |text: String| read(&text).job.unwrap_or_else(|| panic!("faulty"));
     assert_eq!(
         job(changed("fillet 3 mm", "fillet 0.25 in")).part.main().fillet,
-        Some(impellerc::units::Mm(6.35).into())
+        Some(impellerc::base::units::Mm(6.35).into())
     );
     assert_eq!(
         job(changed("fillet 3 mm", "fillet 3000 um")).part.main().fillet,
-        Some(impellerc::units::Mm(3.0).into())
+        Some(impellerc::base::units::Mm(3.0).into())
     );
     assert_eq!(
         job(changed("fillet 3 mm", "fillet (1 mm + 2 mm) * 4 / 3 - 1 mm")).part.main().fillet,
-        Some(impellerc::units::Mm(3.0).into())
+        Some(impellerc::base::units::Mm(3.0).into())
     );
     assert_eq!(
         job(changed("fillet 3 mm", "fillet 150 % * 2 mm")).part.main().fillet,
-        Some(impellerc::units::Mm(3.0).into())
+        Some(impellerc::base::units::Mm(3.0).into())
     );
     // A cutting speed of 100 m/min at 8 mm, and 0.01 mm a tooth.
     let job = job(changed("speed 4500 rpm  feed 150 mm/min", "speed 100 m/min  feed 0.01 mm/tooth"));
@@ -382,11 +382,14 @@ fn tools_of_each_kind_are_read() {
     let size = "flutes 4  flute 20 mm  reach 40 mm";
     assert_eq!(with(&format!("flat {{ diameter 6 mm  {size} }}")).kind, CutterKind::Flat);
     let bull = with(&format!("bull {{ diameter 6 mm  corner 2 mm  {size}  number 12 }}"));
-    assert_eq!((bull.kind, bull.number), (CutterKind::Bull(impellerc::units::Mm(2.0)), 12));
+    assert_eq!((bull.kind, bull.number), (CutterKind::Bull(impellerc::base::units::Mm(2.0)), 12));
     let taper = with(&format!("tapered-ball {{ diameter 4 mm  angle 3 deg  {size}  shank 6 mm }}"));
-    assert_eq!((taper.kind, taper.shank.get()), (CutterKind::TaperedBall(impellerc::units::Rad::from_deg(3.0)), 6.0));
+    assert_eq!(
+        (taper.kind, taper.shank.get()),
+        (CutterKind::TaperedBall(impellerc::base::units::Rad::from_deg(3.0)), 6.0)
+    );
     let barrel = with("barrel { diameter 10 mm  barrel 85 mm  tip 2 mm  flutes 4  flute 25 mm  reach 40 mm }");
-    let mm = impellerc::units::Mm;
+    let mm = impellerc::base::units::Mm;
     assert_eq!(barrel.kind, CutterKind::Barrel { barrel: mm(85.0), tip: mm(2.0) });
     // Tangent circles: 2 + sqrt(83^2 - 80^2).
     assert!((barrel.kind.least_flute(barrel.diameter).0 - 24.113).abs() < 1e-3);
@@ -439,7 +442,11 @@ fn contracts_of_each_kind_are_read() {
     let job = read.job.unwrap();
     let found: Vec<_> = job.contracts.iter().skip(3).map(|c| (c.kind, c.bound.value(), c.scope.clone())).collect();
     let is = |kind, bound: f64, operations: &[usize], surfaces: &[SurfaceClass]| {
-        (kind, bound, impellerc::contract::Scope { operations: operations.to_vec(), surfaces: surfaces.to_vec() })
+        (
+            kind,
+            bound,
+            impellerc::wheel::contract::Scope { operations: operations.to_vec(), surfaces: surfaces.to_vec() },
+        )
     };
     use SurfaceClass::{Edge, Fillet, Hub};
     let expected = [

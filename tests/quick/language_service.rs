@@ -340,7 +340,7 @@ fn figures_stand_beside_speeds_and_feeds() {
     let of_line = found.as_array().unwrap().iter().filter(|hint| hint["position"]["line"] == json!(line));
     let labels: Vec<&str> = of_line.filter_map(|hint| hint["label"].as_str()).collect();
     let due = number("feed", "mm/min") / number("speed", "rpm") / 4.0;
-    assert_eq!(labels[1], format!("= {} mm/tooth", impellerc::units::trim(due, 4)), "{found}");
+    assert_eq!(labels[1], format!("= {} mm/tooth", impellerc::base::units::trim(due, 4)), "{found}");
     editor.close();
 }
 

@@ -2,15 +2,15 @@
 
 use crate::channel_floor::{Ways, azimuth, contact_length, on_hub};
 use crate::support::{self, jobs};
-use impellerc::collide::Cutter;
-use impellerc::diag::{Severity, Sink};
-use impellerc::entity::PrimaryMap;
-use impellerc::geom::proximity::Patch;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::units::Mm;
+use impellerc::diagnostics::{Severity, Sink};
 use impellerc::ir::{CcPass, Contract, ContractKind, OperationKind, Program};
-use impellerc::method::{AxisMethod, Lines, Spacing};
-use impellerc::part::Surface;
-use impellerc::passes::pipeline::{self, Plan};
-use impellerc::units::Mm;
+use impellerc::nurbs::proximity::Patch;
+use impellerc::plan::passes::pipeline::{self, Plan};
+use impellerc::tool_stock::collide::Cutter;
+use impellerc::wheel::method::{AxisMethod, Lines, Spacing};
+use impellerc::wheel::part::Surface;
 use std::sync::LazyLock;
 
 const ALLOWANCE: f64 = 0.2;

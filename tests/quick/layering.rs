@@ -1,63 +1,31 @@
-//! Dependencies of modules: a module uses only modules further left in its own layer and modules below, see
-//! `ARCHITECTURE.md`.
+//! Rules of the source tree that no compiler holds: what crates never depend on, where names of axes and faces may
+//! stand, how long files and functions are, see `ARCHITECTURE.md`.
 
-use crate::support::sources::files;
-use std::collections::BTreeSet;
+use crate::support::sources::all_files;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-/// What each module may name beside itself and the foundation.
-const MAY: &[(&str, &[&str])] = &[
-    ("units", &[]),
-    ("progress", &[]),
-    ("post_file", &[]),
-    ("contract", &["part"]),
-    ("entity", &[]),
-    ("material", &[]),
-    ("method", &[]),
-    ("operation", &["part"]),
-    ("source", &[]),
-    ("diag", &[]),
-    ("geom", &[]),
-    ("kin", &["geom"]),
-    ("collide", &[]),
-    ("stock", &["collide"]),
-    ("sections", &["geom"]),
-    ("import", &["sections", "geom"]),
-    ("part", &["geom", "sections", "collide", "stock"]),
-    ("envelope", &["geom", "collide"]),
-    ("orient", &["geom"]),
-    ("syntax", &[]),
-    ("job", &["syntax", "import", "sections", "part", "stock"]),
-    ("ir", &["part", "geom", "kin", "collide"]),
-    ("language", &["job", "syntax"]),
-    ("lower", &["job", "ir", "part", "sections", "geom", "kin", "collide"]),
-    ("analysis", &["envelope", "ir", "part", "geom", "kin", "collide"]),
-    ("passes", &["analysis", "ir", "part", "geom", "kin", "collide", "stock", "envelope", "orient"]),
-    ("verify", &["ir", "part", "geom", "kin", "collide", "stock"]),
-    ("compare", &["verify", "ir", "kin"]),
-    ("post", &["verify", "ir", "geom", "kin"]),
-    ("export", &["verify", "ir", "part", "geom", "kin", "collide", "stock"]),
-    ("output", &[]),
+/// What a crate never depends on, through others neither: planner and verifier do not know each other, and no engine
+/// knows diagnostics.
+const NEVER: &[(&str, &str)] = &[
+    ("plan", "verify"),
+    ("verify", "plan"),
+    ("nc", "plan"),
+    ("nurbs", "diagnostics"),
+    ("five-axis", "diagnostics"),
+    ("tool-stock", "diagnostics"),
+    ("blade", "diagnostics"),
+    ("wheel", "diagnostics"),
+    ("axes", "diagnostics"),
+    ("ir", "diagnostics"),
 ];
 
-/// Every module may name these.
-const FOUNDATION: &[&str] = &[
-    "units",
-    "contract",
-    "material",
-    "method",
-    "operation",
-    "post_file",
-    "entity",
-    "source",
-    "diag",
-    "entity_id",
-    "codes",
-    "progress",
-];
+/// Libraries that stand alone.
+const ALONE: &[(&str, &[&str])] = &[("nurbs", &[]), ("five-axis", &["nurbs"]), ("tool-stock", &[])];
 
-/// The engines know neither diagnostics nor texts.
-const ENGINES: &[&str] = &["geom", "sections", "kin", "collide", "stock", "part", "envelope", "orient"];
+/// The one crate that names a library, so that the library can be exchanged there.
+const OWNERS: &[(&str, &str)] =
+    &[("parry3d-f64", "tool-stock"), ("pest", "syntax"), ("toml", "job"), ("spade", "nurbs")];
 
 const FORBIDDEN_NAMES: &[&str] = &["util", "helper", "common", "misc", "manager"];
 
@@ -67,83 +35,61 @@ const LONGEST_FILE: usize = 700;
 /// Lines from which a function is more than one thought.
 const LONGEST_FUNCTION: usize = 80;
 
-/// Top-level module of a source file.
-fn module(path: &Path) -> String {
-    let first = path.strip_prefix("src").unwrap().components().next().unwrap().as_os_str().to_str().unwrap();
-    first.trim_end_matches(".rs").to_owned()
+/// Dependencies of each crate, those of its tests left out.
+fn dependencies() -> BTreeMap<String, BTreeSet<String>> {
+    let manifest = |folder: PathBuf| {
+        let text = std::fs::read_to_string(folder.join("Cargo.toml")).unwrap();
+        let table: toml::Table = text.parse().unwrap();
+        let names = table["dependencies"].as_table().unwrap().keys().cloned().collect();
+        (folder.file_name().unwrap().to_str().unwrap().to_owned(), names)
+    };
+    std::fs::read_dir("crates").unwrap().map(|e| manifest(e.unwrap().path())).collect()
 }
 
-/// Modules named by `crate::` paths, groups of a `use` included.
-fn named(text: &str) -> Vec<String> {
-    let mut names = Vec::new();
-    let word = |s: &str| s.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
-    for (i, _) in text.match_indices("crate::") {
-        let rest = &text[i + "crate::".len()..];
-        if let Some(group) = rest.strip_prefix('{') {
-            let mut depth = 0;
-            let mut item = true;
-            for (k, c) in group.char_indices() {
-                match c {
-                    '{' => depth += 1,
-                    '}' if depth == 0 => break,
-                    '}' => depth -= 1,
-                    ',' if depth == 0 => item = true,
-                    c if item && c.is_alphabetic() => {
-                        names.push(word(&group[k..]));
-                        item = false;
-                    }
-                    _ => {}
-                }
-            }
-        } else {
-            names.push(word(rest));
-        }
-    }
-    names
+/// All crates of this tree that a crate depends on, through others as well.
+fn below(name: &str, all: &BTreeMap<String, BTreeSet<String>>) -> BTreeSet<String> {
+    let own = all[name].iter().filter(|n| all.contains_key(*n));
+    own.flat_map(|n| below(n, all).into_iter().chain([n.clone()])).collect()
 }
 
 #[test]
-fn modules_name_only_what_lies_below_them() {
-    let all = files(Path::new("src"));
-    let mut faults = Vec::new();
-    for path in &all {
-        let own = module(path);
-        let text = std::fs::read_to_string(path).unwrap();
-        // Comments may name anything.
-        let code: String =
-            text.lines().filter(|l| !l.trim_start().starts_with("//")).map(|l| format!("{l}\n")).collect();
-        let Some((_, may)) = MAY.iter().find(|(m, _)| *m == own) else {
-            assert!(["lib", "command_line", "driver"].contains(&own.as_str()), "{} has no layer", path.display());
-            continue;
-        };
-        for name in named(&code) {
-            let engine = ENGINES.contains(&own.as_str());
-            let founded =
-                FOUNDATION.contains(&name.as_str()) && !(engine && ["diag", "source"].contains(&name.as_str()));
-            if name != own && !founded && !may.contains(&name.as_str()) {
-                faults.push(format!("{} names {name}", path.display()));
-            }
-        }
-        for (krate, owner) in [("parry3d_f64", "collide"), ("pest", "syntax"), ("toml::", "job"), ("spade", "geom")] {
-            if own != owner && code.contains(&format!("use {krate}")) {
-                faults.push(format!("{} names {krate}", path.display()));
-            }
-        }
+fn crates_depend_on_what_lies_below_them() {
+    let all = dependencies();
+    for (name, never) in NEVER {
+        assert!(!below(name, &all).contains(*never), "{name} depends on {never}");
     }
-    assert!(faults.is_empty(), "{}", faults.join("\n"));
+    for (name, may) in ALONE {
+        assert_eq!(below(name, &all), may.iter().map(|m| (*m).to_owned()).collect(), "{name}");
+    }
+    for (library, owner) in OWNERS {
+        let users: Vec<&String> = all.iter().filter(|(_, d)| d.contains(*library)).map(|(name, _)| name).collect();
+        assert_eq!(users, [owner], "{library}");
+    }
 }
 
 /// Where letters of rotary axes may stand: kinematics of named controls, machine files, texts for people and for machines.
-const LETTERS: &[&str] =
-    &["src/kin/", "src/job/library.rs", "src/job/library_schema.rs", "src/post/", "src/diag/codes/"];
+const LETTERS: &[&str] = &[
+    "crates/five-axis/",
+    "crates/job/src/library.rs",
+    "crates/job/src/library_schema.rs",
+    "crates/nc/",
+    "crates/diagnostics/src/codes/",
+];
 
 /// Where the names of a blade's faces may stand: the part, the language, and pages for people.
-const FACES: &[&str] =
-    &["src/part/", "src/sections/", "src/import/", "src/syntax/", "src/job/", "src/lower/", "src/diag/codes/"];
+const FACES: &[&str] = &[
+    "crates/wheel/src/part/",
+    "crates/blade/",
+    "crates/blade-files/",
+    "crates/syntax/",
+    "crates/job/",
+    "crates/lower/",
+    "crates/diagnostics/src/codes/",
+];
 
 /// Lines of the code, tests of a file left out, that name something outside of the places where it may stand.
 fn named_outside(places: &[&str], names: impl Fn(&str) -> bool) -> Vec<String> {
-    let all = files(Path::new("src"));
+    let all = all_files();
     let mut faults = Vec::new();
     for path in all.iter().filter(|p| !places.iter().any(|place| p.starts_with(place))) {
         let text = std::fs::read_to_string(path).unwrap();
@@ -178,7 +124,7 @@ fn rotary_axes_have_no_letters_outside_of_texts() {
 
 #[test]
 fn files_have_headers_and_stay_short() {
-    let all = files(Path::new("src"));
+    let all = all_files();
     for path in &all {
         let text = std::fs::read_to_string(path).unwrap();
         assert!(text.starts_with("//!"), "{} has no header", path.display());
@@ -217,7 +163,7 @@ fn functions(text: &str) -> Vec<(String, usize)> {
 
 #[test]
 fn functions_stay_short() {
-    let all = files(Path::new("src"));
+    let all = all_files();
     let mut long = Vec::new();
     for path in &all {
         let text = std::fs::read_to_string(path).unwrap();
@@ -227,10 +173,10 @@ fn functions_stay_short() {
     assert!(long.is_empty(), "{}", long.join("\n"));
 }
 
-/// Files of `src` outside of a folder whose code names it as a module, and the number of such lines in each.
+/// Files beside and outside of a folder whose code names it as a module, and the number of such lines in each.
 fn naming(folder: &Path) -> Vec<(String, usize)> {
     let name = folder.file_name().unwrap().to_str().unwrap().to_owned();
-    let all = files(Path::new("src"));
+    let all = all_files();
     let forms = [format!("{name}::"), format!("mod {name};")];
     let other = format!("analysis::{name}::");
     let names = |line: &&str| {
@@ -250,26 +196,34 @@ fn naming(folder: &Path) -> Vec<(String, usize)> {
 
 #[test]
 fn a_dialect_is_one_folder_and_one_line() {
-    let folders = std::fs::read_dir("src/post").unwrap().map(|e| e.unwrap().path());
+    let folders = std::fs::read_dir("crates/nc/src").unwrap().map(|e| e.unwrap().path());
     let dialects: Vec<PathBuf> = folders.filter(|p| p.join("writer.rs").is_file()).collect();
     // A folder has a dialect, or a family of dialects that differ by data.
-    let families: BTreeSet<&str> = impellerc::post::POSTS.iter().map(|post| post.family()).collect();
+    let families: BTreeSet<&str> = impellerc::nc::POSTS.iter().map(|post| post.family()).collect();
     assert_eq!(dialects.len(), families.len());
     for dialect in dialects {
         assert!(dialect.join("reader.rs").is_file(), "{} has no reader", dialect.display());
         let found: Vec<_> = naming(&dialect).into_iter().filter(|(path, _)| !path.ends_with("motion_of.rs")).collect();
         let folder = dialect.file_name().unwrap().to_str().unwrap().replace('_', "-");
-        let members = impellerc::post::POSTS.iter().filter(|post| post.family() == folder).count();
+        let members = impellerc::nc::POSTS.iter().filter(|post| post.family() == folder).count();
         // Its `mod` and its places in `POSTS`.
-        assert_eq!(found, [("src/post/mod.rs".to_owned(), 1 + members)], "{}", dialect.display());
+        assert_eq!(found, [("crates/nc/src/lib.rs".to_owned(), 1 + members)], "{}", dialect.display());
     }
 }
 
 #[test]
 fn an_operation_is_one_folder_and_a_line_in_the_pipeline() {
     for room in ["rough", "flank", "point", "channel"] {
-        let found = naming(&Path::new("src/passes").join(room));
+        let found = naming(&Path::new("crates/plan/src/passes").join(room));
         let places: Vec<&str> = found.iter().map(|(path, _)| path.as_str()).collect();
-        assert_eq!(places, ["src/passes/axis/orient_tool.rs", "src/passes/mod.rs", "src/passes/pipeline.rs"], "{room}");
+        assert_eq!(
+            places,
+            [
+                "crates/plan/src/passes/axis/orient_tool.rs",
+                "crates/plan/src/passes/mod.rs",
+                "crates/plan/src/passes/pipeline.rs"
+            ],
+            "{room}"
+        );
     }
 }

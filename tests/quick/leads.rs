@@ -1,15 +1,15 @@
 //! Leads of lines on blades that begin inside of the part.
 
 use crate::support::{self, jobs};
-use impellerc::collide::Cutter;
-use impellerc::diag::Sink;
-use impellerc::entity::PrimaryMap;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::units::Mm;
+use impellerc::diagnostics::Sink;
 use impellerc::ir::OperationKind;
-use impellerc::method::{AxisMethod, Lines};
-use impellerc::part::SurfaceKind;
-use impellerc::passes::pipeline;
-use impellerc::units::Mm;
+use impellerc::plan::passes::pipeline;
+use impellerc::tool_stock::collide::Cutter;
 use impellerc::verify::certify;
+use impellerc::wheel::method::{AxisMethod, Lines};
+use impellerc::wheel::part::SurfaceKind;
 
 /// The lowest line on the pressure face of the splitter touches the hub, which is hollow along its meridian, and the face leans
 /// over the hub at its leading edge: an arc along the normal of the face went 0.3 mm into the hub.

@@ -1,11 +1,11 @@
 //! Jobs that start from what is left of the blank.
 
 use crate::support::jobs;
-use impellerc::diag::{Severity, Sink, codes};
+use impellerc::base::progress::Progress;
+use impellerc::diagnostics::{Severity, Sink, codes};
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::ir::{Motion, Program};
-use impellerc::progress::Progress;
-use impellerc::stock::{Field, Mesh, stl};
+use impellerc::tool_stock::stock::{Field, Mesh, stl};
 use impellerc::verify;
 use impellerc::verify::left::Left;
 use impellerc::verify::stock::{Settings, StockReport, simulate};

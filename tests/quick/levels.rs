@@ -2,14 +2,14 @@
 
 use crate::support;
 use crate::support::squares::{nearest, squares};
-use impellerc::collide::Cutter;
-use impellerc::diag::Sink;
-use impellerc::entity::PrimaryMap;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::units::Mm;
+use impellerc::diagnostics::Sink;
 use impellerc::ir::{MoveKind, OperationKind, Program};
-use impellerc::method::{AxisMethod, FaceOrder, Flank, FlankMethod, Lines, Milling};
-use impellerc::part::{BladeId, Surface, SurfaceKind};
-use impellerc::passes::pipeline;
-use impellerc::units::Mm;
+use impellerc::plan::passes::pipeline;
+use impellerc::tool_stock::collide::Cutter;
+use impellerc::wheel::method::{AxisMethod, FaceOrder, Flank, FlankMethod, Lines, Milling};
+use impellerc::wheel::part::{BladeId, Surface, SurfaceKind};
 
 /// Sectors of the programs, and samples along and across a face.
 const SECTORS: [u32; 2] = [0, 3];

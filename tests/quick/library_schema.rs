@@ -1,6 +1,6 @@
 //! The JSON schemas of library files, compared with the readers of these files: same keys, same required keys, same forms.
 
-use impellerc::diag::Sink;
+use impellerc::diagnostics::Sink;
 use impellerc::job::files::shipped;
 use impellerc::job::{LibraryFile, library_schema, read_library_file};
 use serde_json::{Value, json};

@@ -1,10 +1,10 @@
 //! The removal rate of a link is that of its fastest part, however long its way through air is.
 
 use crate::plunge::{block, findings, of_one_operation};
-use impellerc::diag::Severity;
-use impellerc::entity::PrimaryMap;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::units::Mm;
+use impellerc::diagnostics::Severity;
 use impellerc::ir::{JointMove, Motion, MoveKind, Program, Tool};
-use impellerc::units::Mm;
 use nalgebra::{Point3, Vector3};
 
 /// Speed of links and of cuts, mm/s.

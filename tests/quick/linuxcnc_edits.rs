@@ -2,8 +2,8 @@
 //! refuses, and means what it means. `tests/quick/linuxcnc_interpreter.rs` says where the interpreter comes from.
 
 use super::linuxcnc_interpreter::{LinuxCnc, machine};
-use impellerc::kin::Machine;
-use impellerc::post::{self, Direction, NcMove, NcPlace, NcRetract, NcSection};
+use impellerc::five_axis::Machine;
+use impellerc::nc::{self, Direction, NcMove, NcPlace, NcRetract, NcSection};
 use nalgebra::Vector3;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -925,7 +925,7 @@ fn campaign(linuxcnc: &LinuxCnc, count: usize) -> Vec<String> {
     let texts: Vec<&str> = all.iter().map(|(_, text)| text.as_str()).collect();
     let answers = linuxcnc.edits(&machine, &texts, &TOOLS, PART);
     assert_eq!(answers.len(), all.len());
-    let reader = post::find("linuxcnc").unwrap();
+    let reader = nc::find("linuxcnc").unwrap();
     let mut counts: BTreeMap<&str, [usize; 4]> = BTreeMap::new();
     let mut wrong = Vec::new();
     for text in [INLINE, CALLED] {

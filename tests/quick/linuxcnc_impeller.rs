@@ -4,14 +4,14 @@
 //! The program is not part of this repository. `IMPELLERC_LINUXCNC` names the folder of the unpacked package; without
 //! the program the tests report that they were skipped.
 
-use impellerc::diag::{Severity, Sink};
+use impellerc::base::source::Span;
+use impellerc::diagnostics::{Severity, Sink};
 use impellerc::driver::{self, Options, Outcome, Stages};
+use impellerc::five_axis::Machine;
 use impellerc::ir::{Motion, Program};
-use impellerc::kin::Machine;
-use impellerc::part::sample;
-use impellerc::post::{self, Post, motion_of::motion_of};
-use impellerc::source::Span;
+use impellerc::nc::{self, Post, motion_of::motion_of};
 use impellerc::verify::{Certificate, certify};
+use impellerc::wheel::part::sample;
 use nalgebra::{Point3, Vector3};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -42,7 +42,7 @@ fn job() -> Program {
 }
 
 fn linuxcnc() -> &'static dyn Post {
-    post::find("linuxcnc").unwrap()
+    nc::find("linuxcnc").unwrap()
 }
 
 /// Faults of the program as it stands: line, what is said, and why by the manual ("G Codes", "M Codes", "Coordinates"). M2

@@ -7,10 +7,10 @@
 
 use crate::support;
 use impellerc::driver::{self, Emit, Options, Outcome, RunOptions, Stages};
+use impellerc::five_axis::Machine;
 use impellerc::ir::Program;
-use impellerc::kin::Machine;
-use impellerc::post::{self, Direction, NcMove, NcTool};
-use impellerc::post_file::Sectors;
+use impellerc::nc::{self, Direction, NcMove, NcTool};
+use impellerc::wheel::post_file::Sectors;
 use nalgebra::{Point3, Rotation3, Vector3};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree as _;
@@ -288,7 +288,7 @@ fn unturned([x, y, z, tilt, c]: [f64; 5], turn: f64) -> [f64; 5] {
 /// Compares every move under the kinematics with our reader's, and its joints and its tool axis with those of our machine.
 /// Gives their number.
 fn compare(linuxcnc: &LinuxCnc, machine: &Machine, text: &str) -> Result<usize, String> {
-    let sections = post::find("linuxcnc").unwrap().read(text, machine).map_err(|faults| format!("{faults:?}"))?;
+    let sections = nc::find("linuxcnc").unwrap().read(text, machine).map_err(|faults| format!("{faults:?}"))?;
     let read: Vec<NcMove> = sections.into_iter().flat_map(|s| s.moves).collect();
     let all = meant(linuxcnc, machine)?;
     let meant: Vec<&Meant> = all.iter().filter(|m| m.transformed).collect();
@@ -403,16 +403,16 @@ fn a_turned_part_is_what_the_interpreter_and_the_kinematics_mean() {
     let mut program = support::program_for("linuxcnc", &support::flank_only(&[0]));
     program.machine.chain = program.machine.chain.with_part(Rotation3::from_euler_angles(0.05, -0.05, 0.7));
     let planned = support::jobs::Compiled::new(program);
-    let post = post::find("linuxcnc").unwrap();
-    let text = post::emit(post, &planned.program, &planned.motion, &[]).text();
-    post::read_back(post, &planned.program, &planned.motion, &text).unwrap();
+    let post = nc::find("linuxcnc").unwrap();
+    let text = nc::emit(post, &planned.program, &planned.motion, &[]).text();
+    nc::read_back(post, &planned.program, &planned.motion, &text).unwrap();
     let machine = planned.program.machine.in_work_frame();
     linuxcnc.prepare(&machine, &text, &tools(&planned.program));
     assert!(compare(&linuxcnc, &machine, &text).unwrap() > 200);
     // The joints of the module put the tool where the motion has it on the part.
     let poses: Vec<[f64; 5]> =
         meant(&linuxcnc, &machine).unwrap().iter().filter(|m| m.transformed).map(|m| m.to).collect();
-    let meant = planned.motion.get().operations.iter().flat_map(|o| &o.moves[1..o.moves.len() - 1]);
+    let meant = planned.motion.operations.iter().flat_map(|o| &o.moves[1..o.moves.len() - 1]);
     let mut compared = 0;
     for (module, m) in linuxcnc.joints(&machine, &poses).iter().zip(meant) {
         let off = m.joints.xyz + Vector3::z() * TOOL_LENGTH - Vector3::new(module[0], module[1], module[2]);
@@ -432,7 +432,7 @@ fn sectors_as_subprograms_are_what_the_interpreter_means() {
     let [short, long] = [Sectors::Subprogram, Sectors::Inline].map(|sectors| {
         let mut program = planned.program.clone();
         program.post.sectors = sectors;
-        post::emit(post::find("linuxcnc").unwrap(), &program, &planned.motion, &[]).text()
+        nc::emit(nc::find("linuxcnc").unwrap(), &program, &planned.motion, &[]).text()
     });
     assert!(short.contains("R45\n") && short.contains("o101 call") && !long.contains("call"));
     let poses = [&short, &long].map(|text| {
@@ -502,7 +502,7 @@ fn at([x, y, z, ..]: [f64; 5], rotary: [f64; 2]) -> NcMove {
         turn: None,
         curve: None,
         frame_turned: false,
-        interpolation: impellerc::kin::Interpolation::RotaryLinear,
+        interpolation: impellerc::five_axis::Interpolation::RotaryLinear,
     }
 }
 

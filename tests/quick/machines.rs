@@ -2,22 +2,24 @@
 //! plain vectors put it, and rotary axes that end within a pass.
 
 use crate::support::{self, jobs};
-use impellerc::compare::{ComparedMotion, compare};
-use impellerc::diag::Sink;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::progress::Progress;
+use impellerc::base::source::Span;
+use impellerc::diagnostics::Sink;
 use impellerc::driver::{self, Options, Outcome, Stages};
-use impellerc::entity::PrimaryMap;
+use impellerc::five_axis::control::{LengthTo, ModuloWay};
+use impellerc::five_axis::{Chain, Joints, Machine, RotaryPose};
 use impellerc::ir::{OperationKind, Program, Tool};
-use impellerc::kin::{Chain, Joints, Machine, RotaryPose};
-use impellerc::method::{AxisMethod, LengthTo, ModuloWay};
-use impellerc::passes::pipeline;
-use impellerc::post;
-use impellerc::post::motion_of::motion_of;
-use impellerc::progress::Progress;
-use impellerc::source::Span;
+use impellerc::nc;
+use impellerc::nc::compare::ComparedMotion;
+use impellerc::nc::motion_of::motion_of;
+use impellerc::nc_text::compare;
+use impellerc::plan::passes::pipeline;
 use impellerc::verify::proof::sweep::Sweep;
 use impellerc::verify::stock::Settings;
 use impellerc::verify::surface::{self, Limits};
 use impellerc::verify::{SPACING, examine};
+use impellerc::wheel::method::AxisMethod;
 use nalgebra::{Point3, Rotation3, Vector3};
 use std::path::Path;
 
@@ -90,7 +92,7 @@ fn every_kind_reaches_the_cutter_locations_of_the_plan() {
         let (program, outcome) = front(name, &with_text(changes));
         let program = program.unwrap_or_else(|| panic!("{name}: {:?}", outcome.sink.diags()));
         let machine = &program.machine;
-        let heads = machine.chain.axes().iter().filter(|a| a.carries == impellerc::kin::Carries::Tool).count();
+        let heads = machine.chain.axes().iter().filter(|a| a.carries == impellerc::five_axis::Carries::Tool).count();
         assert!(impellerc::ir::print::program(&program).contains(&format!("  {} carries the ", machine.names()[3])));
         let mut reached = 0;
         for operation in &motion.operations {
@@ -138,7 +140,7 @@ fn the_verifier_samples_sweeps_of_every_kind() {
         let sweep = Sweep::through(tool, chain, poses).unwrap();
         let reports = surface::certify(
             &planned_for.part,
-            impellerc::part::kept::MilledTurned::default(),
+            impellerc::wheel::part::kept::MilledTurned::default(),
             &[sweep],
             2.0 * SPACING,
             &Limits::default(),
@@ -172,7 +174,7 @@ fn the_verifier_samples_sweeps_of_every_kind() {
 #[test]
 fn a_bc_table_cuts_what_an_ac_table_cuts() {
     let planned = jobs::small("siemens-840d");
-    let ac = post::emit(post::find("siemens-840d").unwrap(), &planned.program, &planned.motion, &[]).text();
+    let ac = nc::emit(nc::find("siemens-840d").unwrap(), &planned.program, &planned.motion, &[]).text();
     let folder = tempfile::tempdir().unwrap();
     let job = job_on(folder.path(), "bc", &with_text(KINDS[0].1));
     let mut options = Options { output: Some(folder.path().join("part.nc")), ..job };
@@ -381,7 +383,7 @@ fn text_on(machine: &str, operations: &[&str]) -> (Program, String) {
     // Less is roughed than in the whole job, and coarse cells show more depth than there is.
     let mut tools = PrimaryMap::new();
     for (_, tool) in program.tools.iter() {
-        tools.push(Tool { max_depth: impellerc::units::Mm(30.0), ..tool.clone() });
+        tools.push(Tool { max_depth: impellerc::base::units::Mm(30.0), ..tool.clone() });
     }
     program.tools = tools;
     // The largest cells that a job may have: the stock has no part in what is compared.
@@ -389,9 +391,9 @@ fn text_on(machine: &str, operations: &[&str]) -> (Program, String) {
     let motion = pipeline::run(&program, &mut sink).unwrap_or_else(|_| panic!("{:?}", sink.diags())).motion;
     let (motion, _) = examine(&program, motion, &mut settings, &Progress::default(), &mut sink).expect("a certificate");
     let motion = motion.unwrap_or_else(|_| panic!("{machine}: {:?}", sink.diags()));
-    let post = post::find("siemens-840d").unwrap();
-    let text = post::emit(post, &program, &motion, &[]).text();
-    post::read_back(post, &program, &motion, &text).unwrap();
+    let post = nc::find("siemens-840d").unwrap();
+    let text = nc::emit(post, &program, &motion, &[]).text();
+    nc::read_back(post, &program, &motion, &text).unwrap();
     (program, text)
 }
 
@@ -399,7 +401,7 @@ fn text_on(machine: &str, operations: &[&str]) -> (Program, String) {
 /// of each machine. Operations do not depend on each other: what the axes do is decided for each one.
 fn cuts_the_same(name: &str, operations: &[&str]) {
     let reference = jobs::reduced("siemens-840d");
-    let meant = post::emit(post::find("siemens-840d").unwrap(), &reference.program, &reference.motion, &[]).text();
+    let meant = nc::emit(nc::find("siemens-840d").unwrap(), &reference.program, &reference.motion, &[]).text();
     let names = reference.program.operations.iter().map(|(_, o)| o.name.as_str());
     let meant = names.zip(feed_blocks(&reference.program, &meant)).filter(|(name, _)| operations.contains(name));
     let meant: Vec<Vec<FeedBlock>> = meant.map(|(_, blocks)| blocks).collect();
@@ -608,7 +610,7 @@ fn keys_for_posts_are_handed_on() {
     }
     // Planned and verified without a travel: C turns to where it likes.
     let compiled = jobs::Compiled::new(program.clone());
-    let certificate = compiled.certificate.text(&compiled.program, compiled.motion.get());
+    let certificate = compiled.certificate.text(&compiled.program, &compiled.motion);
     assert!(certificate.contains("  of            no limits  "), "{certificate}");
     // A post that writes positions of the tip refuses the centre, before planning.
     let folder = tempfile::tempdir().unwrap();
@@ -623,7 +625,7 @@ fn keys_for_posts_are_handed_on() {
 /// both texts are the same.
 fn an_endless_table_means_the_same(compiled: &jobs::Compiled) {
     for dialect in ["siemens-840d", "heidenhain", "fanuc"] {
-        let post = post::find(dialect).unwrap();
+        let post = nc::find(dialect).unwrap();
         let endless = support::with_post(dialect, &compiled.program);
         let endless = Program { machine: Machine { length_to: LengthTo::Tip, ..endless.machine.clone() }, ..endless };
         let mut limited = endless.clone();
@@ -631,10 +633,10 @@ fn an_endless_table_means_the_same(compiled: &jobs::Compiled) {
         (c.min, c.max, c.modulo) = (-20.0 * std::f64::consts::PI, 20.0 * std::f64::consts::PI, None);
         let texts = [&endless, &limited].map(|program| {
             let mut sink = Sink::default();
-            post.check(program, compiled.motion.get(), &mut sink);
+            post.check(program, &compiled.motion, &mut sink);
             assert!(!sink.has_errors(), "{dialect}: {:?}", sink.diags());
-            let text = post::emit(post, program, &compiled.motion, &[]).text();
-            post::read_back(post, program, &compiled.motion, &text).unwrap_or_else(|d| panic!("{dialect}: {d:?}"));
+            let text = nc::emit(post, program, &compiled.motion, &[]).text();
+            nc::read_back(post, program, &compiled.motion, &text).unwrap_or_else(|d| panic!("{dialect}: {d:?}"));
             text
         });
         assert_ne!(texts[0], texts[1], "{dialect}");

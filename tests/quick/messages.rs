@@ -1,9 +1,9 @@
 //! Messages never end the program: the faults of any text are reported in every format, in bounded time and size.
 
-use impellerc::diag::junit::junit;
-use impellerc::diag::sarif::sarif;
-use impellerc::diag::{Diag, Sink, codes, render};
-use impellerc::source::{SourceMap, Span};
+use impellerc::base::source::{SourceMap, Span};
+use impellerc::diagnostics::junit::junit;
+use impellerc::diagnostics::sarif::sarif;
+use impellerc::diagnostics::{Diag, Sink, codes, render};
 use std::process::Command;
 
 /// The reports of a run on a job text, by format.

@@ -2,17 +2,17 @@
 
 use crate::support::squares::{nearest, squares};
 use crate::support::{self, golden, jobs};
-use impellerc::collide::Cutter;
-use impellerc::collide::tool::tool_coordinates;
-use impellerc::diag::Sink;
-use impellerc::entity::PrimaryMap;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::units::Mm;
+use impellerc::diagnostics::Sink;
 use impellerc::ir::{Contract, ContractKind, MoveKind, OperationKind, Program};
-use impellerc::method::{AxisMethod, Flank, FlankMethod, Lines, Milling};
-use impellerc::part::chart::{self, Chart, Shape};
-use impellerc::part::{BladeId, Surface, SurfaceKind};
-use impellerc::passes::pipeline;
-use impellerc::post;
-use impellerc::units::Mm;
+use impellerc::nc;
+use impellerc::plan::passes::pipeline;
+use impellerc::tool_stock::collide::Cutter;
+use impellerc::tool_stock::collide::tool::tool_coordinates;
+use impellerc::wheel::method::{AxisMethod, Flank, FlankMethod, Lines, Milling};
+use impellerc::wheel::part::chart::{self, Chart, Shape};
+use impellerc::wheel::part::{BladeId, Surface, SurfaceKind};
 use nalgebra::{Point3, Vector3};
 
 /// Samples along and across a face.
@@ -30,7 +30,11 @@ fn program(kind: OperationKind) -> Program {
     program
 }
 
-fn lines(surface: fn(impellerc::part::FaceId) -> SurfaceKind, lines: Lines, milling: Option<Milling>) -> OperationKind {
+fn lines(
+    surface: fn(impellerc::wheel::part::FaceId) -> SurfaceKind,
+    lines: Lines,
+    milling: Option<Milling>,
+) -> OperationKind {
     let surfaces = BladeId::MAIN.faces().map(surface).to_vec();
     OperationKind::Point { surfaces, scallop: Mm(0.4), lines, milling, levels: None, method: AxisMethod::Blend }
 }
@@ -133,7 +137,7 @@ fn lines_on_faces_and_fillets_keep_their_sense() {
 
 #[test]
 fn the_spindle_turns_clockwise() {
-    for post in post::POSTS {
+    for post in nc::POSTS {
         let text = golden::nc(jobs::reduced(post.name()), *post);
         let words: Vec<&str> = text.split([' ', ',', '\n']).collect();
         let [right, wrong] = if post.name() == "apt-cl" { ["CLW", "CCLW"] } else { ["M3", "M4"] };

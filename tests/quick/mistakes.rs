@@ -1,7 +1,7 @@
 //! What people write by mistake, in the table `mistakes.toml`: each mistake gives at most two errors or warnings, at its place,
 //! and a job that follows the help has none of them. `docs/mistakes.md` shows the table with the messages.
 
-use impellerc::diag::{Diag, Severity};
+use impellerc::diagnostics::{Diag, Severity};
 use impellerc::driver::{self, Options, RunOptions, Stages};
 use rayon::prelude::*;
 use serde::Deserialize;

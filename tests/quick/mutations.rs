@@ -3,16 +3,16 @@
 
 use crate::support;
 use crate::support::jobs::{self, Compiled};
-use impellerc::diag::{Severity, Sink, codes, render};
-use impellerc::export::certificate_file::{self, CertificateFile};
+use impellerc::base::source::{Origin, SourceFile, SourceId, SourceMap, Span};
+use impellerc::diagnostics::{Severity, Sink, codes, render};
+use impellerc::five_axis::control::ModuloWay;
+use impellerc::five_axis::{LinearAxis, Machine};
 use impellerc::ir::Program;
 use impellerc::job::files::shipped;
 use impellerc::job::{self, Files, MissingFile};
-use impellerc::kin::{LinearAxis, Machine};
 use impellerc::lower;
-use impellerc::method::ModuloWay;
-use impellerc::post::{self, MOST_FAULTS, Post, motion_of::motion_of};
-use impellerc::source::{Origin, SourceFile, SourceId, SourceMap, Span};
+use impellerc::nc::{self, MOST_FAULTS, Post, motion_of::motion_of};
+use impellerc::report::certificate_file::{self, CertificateFile};
 use impellerc::syntax;
 use proptest::prelude::*;
 use proptest::sample::{Index, select};
@@ -185,7 +185,7 @@ impl Files for Memory {
 }
 
 /// Faults of a text as a whole, or of a part that is not there, have no place in it.
-const WITHOUT_PLACE: [impellerc::diag::Code; 2] = [codes::syntax::EMPTY, codes::job::MISSING_ITEM];
+const WITHOUT_PLACE: [impellerc::diagnostics::Code; 2] = [codes::syntax::EMPTY, codes::job::MISSING_ITEM];
 
 /// Reads a job down to its program; false when it was refused.
 fn front(text: &str, mut files: Memory) -> Result<bool, TestCaseError> {
@@ -328,8 +328,8 @@ fn extreme_numbers_in_certificates() {
 static NC: LazyLock<(Program, Vec<String>)> = LazyLock::new(|| {
     let Compiled { program, motion, .. } = jobs::flank();
     // The first passes say all that there is to say; a reader of long texts would be slow here.
-    let of = |p: &dyn Post| post::emit(p, &support::program_for(p.name(), program), motion, &[]).lines;
-    let whole = post::POSTS.iter().map(|p| of(*p));
+    let of = |p: &dyn Post| nc::emit(p, &support::program_for(p.name(), program), motion, &[]).lines;
+    let whole = nc::POSTS.iter().map(|p| of(*p));
     let texts = whole.map(|lines| {
         let ends = lines.len() - 12;
         // Some controls turn the tables to the first target in blocks of their own.
@@ -343,7 +343,7 @@ static NC: LazyLock<(Program, Vec<String>)> = LazyLock::new(|| {
 /// The texts that the fuzz targets begin with: their posts, their names and what they say.
 static CORPUS: LazyLock<Vec<(&'static dyn Post, String, String)>> = LazyLock::new(|| {
     let mut texts = Vec::new();
-    for post in post::POSTS {
+    for post in nc::POSTS {
         let folder = format!("fuzz/corpus/{}", post.name().replace('-', "_"));
         let Ok(entries) = std::fs::read_dir(folder) else { continue };
         let mut paths: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
@@ -399,9 +399,9 @@ proptest! {
     #![proptest_config(config(2000))]
 
     #[test]
-    fn nc_texts(which in 0..post::POSTS.len(), changes in changes()) {
+    fn nc_texts(which in 0..nc::POSTS.len(), changes in changes()) {
         let (program, texts) = &*NC;
-        let post = post::POSTS[which];
+        let post = nc::POSTS[which];
         nc_text(post, &support::program_for(post.name(), program), &changed(&texts[which], &changes))?;
     }
 
@@ -431,7 +431,7 @@ fn the_originals_are_read() {
         assert!(front(job, Memory::with(CURVES, curves.to_owned())).unwrap());
     }
     let (program, texts) = &*NC;
-    for (post, text) in post::POSTS.iter().zip(texts) {
+    for (post, text) in nc::POSTS.iter().zip(texts) {
         let sections = post.read(text, &support::program_for(post.name(), program).machine).unwrap();
         assert!(motion_of(program, &sections, &|_| Span::default(), &mut Sink::default()).is_some(), "{}", post.name());
     }

@@ -1,15 +1,16 @@
 //! `impellerc diff`: what differs for the machine between two motions, and between two texts of one job.
 
 use crate::support::{self, jobs};
-use impellerc::compare::{ComparedMotion, OperationDifference, compare};
-use impellerc::diag::{Severity, Sink};
+use impellerc::base::source::Span;
+use impellerc::diagnostics::{Severity, Sink};
+use impellerc::five_axis::between;
 use impellerc::ir::{JointMove, Motion, MoveKind, Program};
 use impellerc::job::files::shipped;
 use impellerc::job::shipped_post;
-use impellerc::kin::between;
-use impellerc::post::{self, motion_of::motion_of};
-use impellerc::post_file::Orientation;
-use impellerc::source::Span;
+use impellerc::nc::compare::{ComparedMotion, OperationDifference};
+use impellerc::nc::{self, motion_of::motion_of};
+use impellerc::nc_text::compare;
+use impellerc::wheel::post_file::Orientation;
 use std::process::Command;
 
 const JOB: &str = "jobs/reduced/reduced.imp";
@@ -114,8 +115,8 @@ fn cl_data_are_the_same_for_the_machine_as_nc_text() {
     let compiled = jobs::reduced("siemens-840d");
     let [nc, cl] = ["siemens-840d", "apt-cl"].map(|dialect| {
         let program = support::with_post(dialect, &compiled.program);
-        let post = post::find(dialect).unwrap();
-        let text = post::emit(post, &program, &compiled.motion, &[]).text();
+        let post = nc::find(dialect).unwrap();
+        let text = nc::emit(post, &program, &compiled.motion, &[]).text();
         let sections = post.read(&text, &program.machine).unwrap();
         let mut sink = Sink::default();
         let motion = motion_of(&program, &sections, &|_| Span::default(), &mut sink).unwrap().motion;
@@ -138,11 +139,11 @@ fn every_pair_of_posts_means_the_same() {
     for name in names {
         let file = shipped_post(name).unwrap();
         for orientation in Orientation::ALL {
-            let post = post::find(&file.dialect).unwrap();
+            let post = nc::find(&file.dialect).unwrap();
             let mut program = support::with_post(name, &compiled.program);
             program.post.orientation = orientation;
             let mut sink = Sink::default();
-            post.check(&program, compiled.motion.get(), &mut sink);
+            post.check(&program, &compiled.motion, &mut sink);
             // The motion was planned for LinuxCNC; other posts have no words for its stops, which do not count here.
             let refused = sink.diags().iter().any(|d| d.severity == Severity::Error && d.code.id() != "IMP0809");
             let takes =
@@ -153,7 +154,7 @@ fn every_pair_of_posts_means_the_same() {
                 continue;
             }
             let mut sink = Sink::default();
-            let text = post::emit(post, &program, &compiled.motion, &[]).text();
+            let text = nc::emit(post, &program, &compiled.motion, &[]).text();
             let sections = post.read(&text, &program.machine).unwrap_or_else(|e| panic!("{name}: {e:?}"));
             let motion = motion_of(&program, &sections, &|_| Span::default(), &mut sink);
             let motion = motion.unwrap_or_else(|| panic!("{name}: {:?}", sink.diags())).motion;
@@ -192,7 +193,7 @@ fn texts_of_two_dialects_are_the_same_for_the_machine() {
     for (dialect, _) in DIALECTS {
         let compiled = jobs::reduced(dialect);
         let program = support::with_post(dialect, &compiled.program);
-        let text = post::emit(post::find(dialect).unwrap(), &program, &compiled.motion, &[]).text();
+        let text = nc::emit(nc::find(dialect).unwrap(), &program, &compiled.motion, &[]).text();
         std::fs::write(place(dialect), text).unwrap();
     }
     let [siemens, linuxcnc] = DIALECTS.map(|(dialect, _)| place(dialect));

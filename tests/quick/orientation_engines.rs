@@ -1,14 +1,14 @@
 //! Engines of tool orientation against closed forms and brute force.
 
 use crate::support;
-use impellerc::collide::{Cloud, CloudPoint, Cutter};
-use impellerc::geom::elliptic_cone::{EllipticCone, frame_about};
-use impellerc::geom::moving_least_squares::{Patch, curvatures};
-use impellerc::geom::{SurfaceCurvature, Triangulation};
-use impellerc::kin::Chain;
-use impellerc::orient::inscribe::{Proof, covered, inscribe};
-use impellerc::orient::{AxisCandidate, Corridor, Costs, Energy, Weights, greedy};
-use impellerc::part::{BladeId, Surface};
+use impellerc::axes::orient::inscribe::{Proof, covered, inscribe};
+use impellerc::axes::orient::{AxisCandidate, Corridor, Costs, Energy, Weights, greedy};
+use impellerc::five_axis::Chain;
+use impellerc::nurbs::elliptic_cone::{EllipticCone, frame_about};
+use impellerc::nurbs::moving_least_squares::{Patch, curvatures};
+use impellerc::nurbs::{SurfaceCurvature, Triangulation};
+use impellerc::tool_stock::collide::{Cloud, CloudPoint, Cutter};
+use impellerc::wheel::part::{BladeId, Surface};
 use nalgebra::{Point3, Vector2, Vector3};
 use std::f64::consts::{PI, TAU};
 
@@ -279,7 +279,7 @@ fn a_cone_is_inscribed_between_two_walls() {
     let asked = 0.5;
     let distance = |d: &Vector3<f64>, p: &Point3<f64>| {
         let tip = centre - d * 3.0;
-        let (rho, s) = impellerc::collide::tool::tool_coordinates(p, &tip, d);
+        let (rho, s) = impellerc::tool_stock::collide::tool::tool_coordinates(p, &tip, d);
         solid.distance(rho, s)
     };
     // Turned by less than cap, a point at r from the centre of the ball moves by at most cap r.

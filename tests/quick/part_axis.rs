@@ -2,12 +2,12 @@
 
 use crate::machines::{front, with_text};
 use crate::support::{self, jobs::Compiled};
-use impellerc::diag::Sink;
+use impellerc::base::source::Span;
+use impellerc::diagnostics::Sink;
+use impellerc::five_axis::Joints;
 use impellerc::ir::{OperationKind, Program};
-use impellerc::kin::Joints;
-use impellerc::post;
-use impellerc::post_file::{Decimals, PathForm};
-use impellerc::source::Span;
+use impellerc::nc;
+use impellerc::wheel::post_file::{Decimals, PathForm};
 use nalgebra::{Rotation3, Vector3};
 
 /// A table B along Y on a table that tilts about X from -25 to 135 deg: at A90 the tool stands along B, on the side of -Y.
@@ -57,15 +57,15 @@ fn a_wheel_on_a_table_along_y_is_cut_in_every_dialect() {
     let compiled = Compiled::new(program);
     for dialect in ["siemens-840d", "heidenhain", "fanuc", "apt-cl"] {
         let program = support::with_post(dialect, &compiled.program);
-        let post = post::find(dialect).unwrap();
-        let nc = post::emit(post, &program, &compiled.motion, &[]);
+        let post = nc::find(dialect).unwrap();
+        let nc = nc::emit(post, &program, &compiled.motion, &[]);
         let text = nc.text();
-        post::read_back(post, &program, &compiled.motion, &text).unwrap_or_else(|d| panic!("{dialect}: {d:?}"));
+        nc::read_back(post, &program, &compiled.motion, &text).unwrap_or_else(|d| panic!("{dialect}: {d:?}"));
         // What `verify` takes from the text is the motion.
         let mut sink = Sink::default();
-        let read = post::judge(post, &program, &text, &|_| Span::default(), &mut sink).unwrap().motion.motion;
+        let read = nc::judge(post, &program, &text, &|_| Span::default(), &mut sink).unwrap().motion.motion;
         assert!(!sink.has_errors(), "{dialect}: {:?}", sink.diags());
-        for (read, meant) in read.operations.iter().zip(&compiled.motion.get().operations) {
+        for (read, meant) in read.operations.iter().zip(&compiled.motion.operations) {
             assert_eq!(read.moves.len(), meant.moves.len(), "{dialect}");
             for (r, m) in read.moves.iter().zip(&meant.moves) {
                 assert!((r.joints.xyz - m.joints.xyz).amax() < 0.01, "{dialect}: {r:?} {m:?}");
@@ -75,7 +75,7 @@ fn a_wheel_on_a_table_along_y_is_cut_in_every_dialect() {
         let mut compared = 0;
         for line in &nc.lines {
             let Some((operation, index)) = line.source else { continue };
-            let joints = compiled.motion.get().operations[operation as usize].moves[index as usize].joints;
+            let joints = compiled.motion.operations[operation as usize].moves[index as usize].joints;
             let [words, part] = by_hand(&joints);
             let pose = program.machine.forward(&joints);
             assert!((pose.tip.coords - part[0]).amax() < 1e-9 && (pose.axis - part[1]).amax() < 1e-9);
@@ -96,9 +96,9 @@ fn a_wheel_on_a_table_along_y_is_cut_in_every_dialect() {
         let mut other = program.clone();
         other.machine.chain = other.machine.chain.with_part(Rotation3::identity());
         let head =
-            post::assumptions(post, &program).iter().any(|line| line.contains("Z of the part points along (0, -1, 0)"));
+            nc::assumptions(post, &program).iter().any(|line| line.contains("Z of the part points along (0, -1, 0)"));
         assert_eq!(head, dialect != "apt-cl");
-        let foreign = post::read_back(post, &other, &compiled.motion, &text);
+        let foreign = nc::read_back(post, &other, &compiled.motion, &text);
         assert_eq!(foreign.is_ok(), dialect != "apt-cl", "{foreign:?}");
     }
 }
@@ -113,10 +113,10 @@ fn splines_and_few_digits_of_a_turned_part_read_back() {
     };
     let text = |program: Program| {
         let compiled = Compiled::new(program);
-        let post = post::find(&compiled.program.post.dialect).unwrap();
-        let text = post::emit(post, &compiled.program, &compiled.motion, &[]).text();
-        post::read_back(post, &compiled.program, &compiled.motion, &text).unwrap();
-        let splines = compiled.motion.get().operations.iter().map(|o| o.splines.len()).sum::<usize>();
+        let post = nc::find(&compiled.program.post.dialect).unwrap();
+        let text = nc::emit(post, &compiled.program, &compiled.motion, &[]).text();
+        nc::read_back(post, &compiled.program, &compiled.motion, &text).unwrap();
+        let splines = compiled.motion.operations.iter().map(|o| o.splines.len()).sum::<usize>();
         (text, splines)
     };
     let mut program = turned("siemens-840d");
@@ -211,10 +211,10 @@ fn a_part_that_is_reached_from_below_alone_is_told() {
     assert_eq!(program.machine.reached_from_below(), Some(Vector3::new(0.0, -1.0, 0.0)));
     let groove =
         program.operations.iter().find(|(_, o)| matches!(o.kind, OperationKind::Groove { .. })).unwrap().1.clone();
-    program.operations = impellerc::entity::PrimaryMap::new();
+    program.operations = impellerc::base::entity::PrimaryMap::new();
     program.operations.push(groove);
     let mut sink = Sink::default();
-    assert!(impellerc::passes::pipeline::run(&program, &mut sink).is_err());
+    assert!(impellerc::plan::passes::pipeline::run(&program, &mut sink).is_err());
     let told = sink.diags().iter().any(|d| d.notes.iter().any(|note| note.contains("`[part] direction = [0, -1, 0]`")));
     assert!(told, "{:?}", sink.diags());
 }

@@ -2,14 +2,16 @@
 //! measured.
 
 use crate::support::jobs;
+use impellerc::base::progress::Progress;
 use impellerc::driver::{self, Options, Outcome, Stages};
-use impellerc::geom::proximity::Patch;
 use impellerc::ir::Program;
-use impellerc::part::chart::{self, Shape};
-use impellerc::part::{Across, BladeId, FaceId, FaceSurface, Part, Sample, Surface, SurfaceKind, kept, sample, solid};
-use impellerc::progress::Progress;
+use impellerc::nurbs::proximity::Patch;
 use impellerc::verify::proof::sweep::Sweep;
 use impellerc::verify::surface::{self, Limits};
+use impellerc::wheel::part::chart::{self, Shape};
+use impellerc::wheel::part::{
+    Across, BladeId, FaceId, FaceSurface, Part, Sample, Surface, SurfaceKind, kept, sample, solid,
+};
 use nalgebra::{Point3, Rotation3, Vector3};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -291,7 +293,7 @@ fn errors_with(changes: &[(&str, &str)]) -> Vec<String> {
     let mut options = Options { job: folder.path().join("job.imp"), ..Options::default() };
     options.run.library = Some(PathBuf::from("jobs/_lib"));
     let outcome = driver::compile(&options, &mut Stages::default());
-    let errors = outcome.sink.diags().iter().filter(|d| d.severity == impellerc::diag::Severity::Error);
+    let errors = outcome.sink.diags().iter().filter(|d| d.severity == impellerc::diagnostics::Severity::Error);
     errors.map(|d| format!("{}: {}", d.code.id(), d.message)).collect()
 }
 

@@ -1,11 +1,11 @@
 //! Before, between and behind operations: heights at which axes move from unknown positions, and paths down and up.
 
 use crate::support::jobs;
-use impellerc::analysis;
-use impellerc::diag::{Sink, codes::verification};
-use impellerc::entity::PrimaryMap;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::diagnostics::{Sink, codes::verification};
+use impellerc::five_axis::Carried;
 use impellerc::ir::{MoveKind, Program};
-use impellerc::kin::Carried;
+use impellerc::plan::analysis;
 use impellerc::verify::{certify, machine, perimeter};
 
 /// Every operation begins over its first target and ends over its last one, at the retract height less the tool.

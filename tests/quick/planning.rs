@@ -1,12 +1,12 @@
 //! Planning of the paper's part.
 
 use crate::support::{self, jobs};
-use impellerc::collide::{Cutter, Section};
-use impellerc::diag::{Severity, Sink, codes::kinematics, codes::verification};
-use impellerc::entity::PrimaryMap;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::progress::Progress;
+use impellerc::diagnostics::{Severity, Sink, codes::kinematics, codes::verification};
 use impellerc::ir::MoveKind;
-use impellerc::passes::pipeline;
-use impellerc::progress::Progress;
+use impellerc::plan::passes::pipeline;
+use impellerc::tool_stock::collide::{Cutter, Section};
 use impellerc::verify::stock::Settings;
 use impellerc::verify::{certify, certify_with};
 

@@ -2,21 +2,21 @@
 //! other. The points share only the positions of the tool with the stocks of planner and verifier.
 
 use crate::support;
-use impellerc::collide::{Cutter, ToolSolid};
-use impellerc::diag::{Severity, Sink, codes};
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::progress::Progress;
+use impellerc::base::source::SourceMap;
+use impellerc::base::units::Mm;
+use impellerc::diagnostics::{Severity, Sink, codes};
 use impellerc::driver::{self, Options, Outcome, Stages};
-use impellerc::entity::PrimaryMap;
 use impellerc::ir::{JointMove, Motion, MotionOperation, MoveKind, Program, Tool};
 use impellerc::job::model::OperationSpec;
 use impellerc::job::{self, InMemory};
-use impellerc::operation::{OperationKind, VaneAllowance};
-use impellerc::part::{Surface, TurnedProfile};
-use impellerc::passes::pipeline;
-use impellerc::progress::Progress;
-use impellerc::source::SourceMap;
+use impellerc::plan::passes::pipeline;
 use impellerc::syntax;
-use impellerc::units::Mm;
+use impellerc::tool_stock::collide::{Cutter, ToolSolid};
 use impellerc::verify::stock::{OperationStock, Settings, report, simulate};
+use impellerc::wheel::operation::{OperationKind, VaneAllowance};
+use impellerc::wheel::part::{Surface, TurnedProfile};
 use nalgebra::{Point3, Vector3};
 use std::sync::LazyLock;
 

@@ -6,13 +6,13 @@
 //! whole text, and the certificate of the motion that it commands.
 
 use crate::support::jobs;
-use impellerc::diag::{Severity, Sink};
+use impellerc::base::progress::Progress;
+use impellerc::base::source::{SourceFile, SourceMap, Span};
+use impellerc::diagnostics::{Severity, Sink};
 use impellerc::driver::{self, Options, RunOptions, Stages};
 use impellerc::ir::{Motion, Program};
 use impellerc::job::{self, InMemory};
-use impellerc::post;
-use impellerc::progress::Progress;
-use impellerc::source::{SourceFile, SourceMap, Span};
+use impellerc::nc;
 use impellerc::verify::certify_with;
 use impellerc::verify::stock::Settings;
 use std::collections::BTreeMap;
@@ -106,15 +106,15 @@ fn with_text(program: &Program, text: &str) -> Option<Program> {
 
 /// What the compiler says: the reason of its refusal.
 fn compiled(program: &Program, motion: &impellerc::verify::Verified<Motion>) -> Result<(), String> {
-    let post = post::find(&program.post.dialect).unwrap();
+    let post = nc::find(&program.post.dialect).unwrap();
     let mut sink = Sink::default();
-    post::trial::check(post, program, &mut sink);
-    post.check(program, motion.get(), &mut sink);
+    nc::trial::check(post, program, &mut sink);
+    post.check(program, &motion, &mut sink);
     if let Some(diag) = sink.diags().iter().find(|diag| diag.severity == Severity::Error) {
         return Err(diag.message.clone());
     }
-    let text = post::emit(post, program, motion, &[]).text();
-    post::read_back(post, program, motion, &text).map(|_| ()).map_err(|fault| fault.reason)
+    let text = nc::emit(post, program, motion, &[]).text();
+    nc::read_back(post, program, motion, &text).map(|_| ()).map_err(|fault| fault.reason)
 }
 
 /// Motions that were certified, with what is wrong with them. Many post files command the same motion to the last digit.
@@ -160,10 +160,10 @@ fn verified(
     motion: &impellerc::verify::Verified<Motion>,
     certified: &mut Certified,
 ) -> Result<(), String> {
-    let post = post::find(&program.post.dialect).unwrap();
-    let text = post::emit(post, program, motion, &[]).text();
+    let post = nc::find(&program.post.dialect).unwrap();
+    let text = nc::emit(post, program, motion, &[]).text();
     let mut sink = Sink::default();
-    let commands = post::judge(post, program, &text, &|_| Span::default(), &mut sink);
+    let commands = nc::judge(post, program, &text, &|_| Span::default(), &mut sink);
     let Some(commands) = commands.filter(|_| !sink.has_errors()) else { return Err(first(&sink)) };
     certified.fault(program, commands.motion.motion).map_or(Ok(()), Err)
 }

@@ -1,13 +1,13 @@
 //! The texts of all dialects mean the motion, and the readers notice when they do not.
 
 use crate::support::{self, jobs};
-use impellerc::diag::Sink;
+use impellerc::base::source::Span;
+use impellerc::diagnostics::Sink;
 use impellerc::ir::{Motion, Program};
-use impellerc::passes::pipeline;
-use impellerc::post::{self, NcMove, NcProgram, NcSection, Post};
-use impellerc::post_file::{Decimals, LineEnd, Orientation, Template};
-use impellerc::source::Span;
+use impellerc::nc::{self, NcMove, NcProgram, NcSection, Post};
+use impellerc::plan::passes::pipeline;
 use impellerc::verify::{Verified, verify};
+use impellerc::wheel::post_file::{Decimals, LineEnd, Orientation, Template};
 use proptest::prelude::*;
 use std::ops::Range;
 use std::sync::LazyLock;
@@ -30,19 +30,18 @@ fn program(post: &dyn Post) -> (Program, &'static Verified<Motion>) {
 fn written(post: &dyn Post) -> NcProgram {
     let (program, motion) = program(post);
     let mut sink = Sink::default();
-    post.check(&program, motion.get(), &mut sink);
+    post.check(&program, &motion, &mut sink);
     assert!(!sink.has_errors(), "{:?}", sink.diags());
-    post::emit(post, &program, motion, &["a test (with brackets); and more".to_owned()])
+    nc::emit(post, &program, motion, &["a test (with brackets); and more".to_owned()])
 }
 
 #[test]
 fn texts_read_back_as_the_motion_within_the_word_quantum() {
-    for post in post::POSTS {
+    for post in nc::POSTS {
         let (program, motion) = program(*post);
         let text = written(*post).text();
-        let found =
-            post::read_back(*post, &program, motion, &text).unwrap_or_else(|d| panic!("{}: {d:?}", post.name()));
-        assert_eq!(found.moves, motion.get().operations.iter().map(|o| o.moves.len()).sum::<usize>());
+        let found = nc::read_back(*post, &program, motion, &text).unwrap_or_else(|d| panic!("{}: {d:?}", post.name()));
+        assert_eq!(found.moves, motion.operations.iter().map(|o| o.moves.len()).sum::<usize>());
         let digits = &program.post.decimals;
         let half = |decimals: usize| 0.5 * 10f64.powi(-i32::try_from(decimals).unwrap());
         assert!(found.tip <= half(digits.length) + 1e-10, "{}: {}", post.name(), found.tip);
@@ -59,7 +58,7 @@ fn texts_read_back_as_the_motion_within_the_word_quantum() {
 
 #[test]
 fn both_orientations_read_back() {
-    for post in post::POSTS {
+    for post in nc::POSTS {
         let (mut program, motion) = program(*post);
         for (k, orientation) in Orientation::ALL.into_iter().enumerate() {
             program.post.orientation = orientation;
@@ -68,14 +67,14 @@ fn both_orientations_read_back() {
                 continue;
             }
             let mut sink = Sink::default();
-            post.check(&program, motion.get(), &mut sink);
+            post.check(&program, &motion, &mut sink);
             if sink.has_errors() {
                 // G43.5 leaves the choice of the rotary positions to the control, which is not certain with two tables.
                 assert_eq!((post.family(), orientation), ("fanuc", Orientation::Vectors));
                 continue;
             }
-            let text = post::emit(*post, &program, motion, &[]).text();
-            let found = post::read_back(*post, &program, motion, &text);
+            let text = nc::emit(*post, &program, motion, &[]).text();
+            let found = nc::read_back(*post, &program, motion, &text);
             assert!(found.is_ok(), "{} by {}: {found:?}", post.name(), orientation.name());
         }
     }
@@ -83,7 +82,7 @@ fn both_orientations_read_back() {
 
 #[test]
 fn bytes_are_plain() {
-    for post in post::POSTS {
+    for post in nc::POSTS {
         let text = written(*post).text();
         assert!(text.is_ascii() && text.ends_with('\n') && !text.ends_with("\n\n"), "{}", post.name());
         assert!(!text.contains('\r') && !text.contains("-0.0000 "), "{}", post.name());
@@ -111,8 +110,8 @@ fn put(line: &str, range: Range<usize>, text: &str) -> String {
 /// A frame parks the machine where its file says; an axis without a place stays, and Z is at the retract height.
 #[test]
 fn a_program_ends_at_home() {
-    let (mut program, motion) = program(post::find("siemens-840d").unwrap());
-    let post = post::find("siemens-840d").unwrap();
+    let (mut program, motion) = program(nc::find("siemens-840d").unwrap());
+    let post = nc::find("siemens-840d").unwrap();
     let lines = ["SUPA G0 Z{home.z} D0", "SUPA G0 X{home.x} D0", "SUPA G0 Y{home.y} D0", "M30"];
     program.post.frames[4] = lines.map(|line| Template::new(line, Span::default()).unwrap()).to_vec();
     for (home, end) in [
@@ -121,12 +120,12 @@ fn a_program_ends_at_home() {
     ] {
         program.machine.home = home;
         let mut sink = Sink::default();
-        post::trial::check(post, &program, &mut sink);
+        nc::trial::check(post, &program, &mut sink);
         assert!(!sink.has_errors(), "{:?}", sink.diags());
-        let text = post::emit(post, &program, motion, &[]).text();
+        let text = nc::emit(post, &program, motion, &[]).text();
         let last: Vec<&str> = text.lines().rev().take(3).map(|line| line.split_once(' ').unwrap().1).collect();
         assert_eq!(last.into_iter().rev().collect::<Vec<_>>(), end);
-        assert!(post::read_back(post, &program, motion, &text).is_ok());
+        assert!(nc::read_back(post, &program, motion, &text).is_ok());
     }
 }
 
@@ -141,22 +140,22 @@ fn the_work_offset_is_stated_once() {
         ("mitsubishi", &["G56", "G54.1 P96"], &["G60"]),
     ];
     for (dialect, offsets, others) in cases {
-        let post = post::find(dialect).unwrap();
+        let post = nc::find(dialect).unwrap();
         let (mut program, motion) = program(post);
         let usual = post.offsets().unwrap().usual;
         let frames = |program: &Program| {
             let mut sink = Sink::default();
-            post::trial::check(post, program, &mut sink);
+            nc::trial::check(post, program, &mut sink);
             sink.diags().iter().map(|d| d.message.clone()).collect::<Vec<_>>()
         };
-        let usual_text = post::emit(post, &program, motion, &[]).text();
+        let usual_text = nc::emit(post, &program, motion, &[]).text();
         for name in offsets {
             program.post.offset = Some(((*name).to_owned(), Span::default()));
             assert!(frames(&program).is_empty(), "{dialect} {name}: {:?}", frames(&program));
-            let text = post::emit(post, &program, motion, &[]).text();
+            let text = nc::emit(post, &program, motion, &[]).text();
             assert!(text.contains(name) && text != usual_text);
-            post::read_back(post, &program, motion, &text).unwrap_or_else(|d| panic!("{dialect} {name}: {d:?}"));
-            let assumed = post::assumptions(post, &program);
+            nc::read_back(post, &program, motion, &text).unwrap_or_else(|d| panic!("{dialect} {name}: {d:?}"));
+            let assumed = nc::assumptions(post, &program);
             let due = format!("{}{name} is the part origin", if dialect == "heidenhain" { "preset " } else { "" });
             assert!(assumed.iter().any(|line| line.starts_with(&due)), "{assumed:?}");
             assert!(!assumed.iter().any(|line| line.contains('{')), "{assumed:?}");
@@ -167,7 +166,7 @@ fn the_work_offset_is_stated_once() {
                 dialect == "heidenhain" || said.iter().any(|said| faults[0].reason.contains(said)),
                 "{dialect} {name}: {faults:?}"
             );
-            let other = post::read_back(post, &program, motion, &usual_text);
+            let other = nc::read_back(post, &program, motion, &usual_text);
             assert!(other.is_err(), "{dialect} {name}");
         }
         for name in others {
@@ -176,13 +175,13 @@ fn the_work_offset_is_stated_once() {
             assert!(said.len() == 1 && said[0].contains("has no work offset"), "{dialect} {name}: {said:?}");
         }
         program.post.offset = Some((usual.to_owned(), Span::default()));
-        assert_eq!(post::emit(post, &program, motion, &[]).text(), usual_text);
+        assert_eq!(nc::emit(post, &program, motion, &[]).text(), usual_text);
     }
-    let post = post::find("apt-cl").unwrap();
+    let post = nc::find("apt-cl").unwrap();
     let (mut program, _) = program(post);
     program.post.offset = Some(("G54".to_owned(), Span::default()));
     let mut sink = Sink::default();
-    post::trial::check(post, &program, &mut sink);
+    nc::trial::check(post, &program, &mut sink);
     assert!(sink.diags()[0].message.contains("has no work offset"), "{:?}", sink.diags());
 }
 
@@ -204,11 +203,11 @@ fn conditions_that_no_word_excludes_are_named() {
         ("mitsubishi", &["EXT", "wear", "RESET and M30 cancel", "handle"]),
         ("linuxcnc", &["WRAPPED_ROTARY", "conventional-directions", "REMAP", "eoffset", "X, Y, A, B, C"]),
     ];
-    for post in post::POSTS {
+    for post in nc::POSTS {
         let (program, motion) = program(*post);
-        let assumed = post::assumptions(*post, &program);
+        let assumed = nc::assumptions(*post, &program);
         let head: Vec<String> = assumed.iter().map(|line| format!("assumed: {line}")).collect();
-        let text = post::emit(*post, &program, motion, &head).text();
+        let text = nc::emit(*post, &program, motion, &head).text();
         for line in head.iter().map(|line| words_of_comment(line)) {
             assert!(text.contains(&line), "{}: {line} is cut off or altered in\n{text}", post.name());
         }
@@ -225,46 +224,46 @@ fn conditions_that_no_word_excludes_are_named() {
 /// A post file that writes another offset than it states is refused, with the line to state it.
 #[test]
 fn a_frame_with_another_work_offset_is_refused() {
-    let post = post::find("fanuc").unwrap();
+    let post = nc::find("fanuc").unwrap();
     let (mut program, _) = program(post);
     for line in &mut program.post.frames[2] {
         *line = Template::new(&line.text().replace("{work-offset}", "G55"), Span::default()).unwrap();
     }
     let mut sink = Sink::default();
-    post::trial::check(post, &program, &mut sink);
+    nc::trial::check(post, &program, &mut sink);
     let message = &sink.diags()[0].message;
     assert!(message.contains("a move with G55") && message.contains("`work-offset \"G55\"`"), "{message}");
     program.post.offset = Some(("G55".to_owned(), Span::default()));
     let mut sink = Sink::default();
-    post::trial::check(post, &program, &mut sink);
+    nc::trial::check(post, &program, &mut sink);
     assert!(!sink.has_errors(), "{:?}", sink.diags());
 }
 
 /// The transformation that a post file names is among what is assumed.
 #[test]
 fn the_number_of_the_transformation_is_assumed() {
-    let post = post::find("siemens-840d").unwrap();
+    let post = nc::find("siemens-840d").unwrap();
     let (mut program, motion) = program(post);
-    assert!(post::assumptions(post, &program)[0].starts_with("TRAORI is the transformation of the machine file"));
+    assert!(nc::assumptions(post, &program)[0].starts_with("TRAORI is the transformation of the machine file"));
     program.post.transformation = [0, 1].map(|_| Template::new("TRAORI(2)", Span::default()).unwrap());
     let mut sink = Sink::default();
-    post::trial::check(post, &program, &mut sink);
+    nc::trial::check(post, &program, &mut sink);
     assert!(!sink.has_errors(), "{:?}", sink.diags());
-    let text = post::emit(post, &program, motion, &[]).text();
-    assert!(post::read_back(post, &program, motion, &text).is_ok() && text.contains(" TRAORI(2)\n"));
-    assert!(post::assumptions(post, &program)[0].starts_with("TRAORI(2) is the transformation of the machine file"));
+    let text = nc::emit(post, &program, motion, &[]).text();
+    assert!(nc::read_back(post, &program, motion, &text).is_ok() && text.contains(" TRAORI(2)\n"));
+    assert!(nc::assumptions(post, &program)[0].starts_with("TRAORI(2) is the transformation of the machine file"));
 }
 
 /// What must be noticed: a changed digit, a dropped line, a swapped pair of lines, a lost word.
 #[test]
 fn a_changed_text_is_noticed() {
-    for post in post::POSTS {
+    for post in nc::POSTS {
         let (program, motion) = program(*post);
         let nc = written(*post);
         let poses = nc.lines.iter().enumerate().filter(|(_, l)| l.source.is_some() && coordinate(&l.text, 2).is_some());
         let mut moves: Vec<usize> = poses.map(|(i, _)| i).collect();
         let up = moves.pop().unwrap();
-        let judge = |lines: Vec<String>| post::read_back(*post, &program, motion, &(lines.join("\n") + "\n"));
+        let judge = |lines: Vec<String>| nc::read_back(*post, &program, motion, &(lines.join("\n") + "\n"));
         let lines = || nc.lines.iter().map(|l| l.text.clone()).collect::<Vec<_>>();
         assert!(judge(lines()).is_ok());
         // The stations at retract height.
@@ -319,9 +318,9 @@ fn coarse_words_are_planned_and_proved() {
         let mut sink = Sink::default();
         let plan = pipeline::run(&program, &mut sink).expect("a plan");
         let (motion, _) = verify(&program, plan.motion, &mut sink).expect("a certificate");
-        let post = post::find(&program.post.dialect).unwrap();
-        let text = post::emit(post, &program, &motion, &[]).text();
-        let found = post::read_back(post, &program, &motion, &text).unwrap_or_else(|d| panic!("{d:?}"));
+        let post = nc::find(&program.post.dialect).unwrap();
+        let text = nc::emit(post, &program, &motion, &[]).text();
+        let found = nc::read_back(post, &program, &motion, &text).unwrap_or_else(|d| panic!("{d:?}"));
         assert!(found.tip < 1e-9 && found.axis < 2e-8, "{found:?}");
         let line = text.lines().find(|l| l.contains(" G1 ")).unwrap();
         let digits = |word: &str| line.split(word).nth(1).unwrap().split([' ', '.']).nth(1).unwrap().len();
@@ -337,25 +336,25 @@ fn line_ends_and_block_numbers_are_chosen() {
     let (mut program, motion) = (PROGRAM.0.clone(), &PROGRAM.1);
     program.post.line_end = LineEnd::CrLf;
     program.post.block_numbers = 5;
-    let post = post::find("siemens-840d").unwrap();
-    let text = post::emit(post, &program, motion, &["a comment".to_owned()]).text();
+    let post = nc::find("siemens-840d").unwrap();
+    let text = nc::emit(post, &program, motion, &["a comment".to_owned()]).text();
     assert_eq!(text.matches("\r\n").count(), text.matches('\n').count());
     assert!(text.starts_with("; %_N_WEI2021_MPF\r\n; a comment\r\n"));
     assert!(text.contains("\nN5 G17") && text.contains("\nN10 TRAFOOF\r\n"));
-    let found = post::read_back(post, &program, motion, &text);
+    let found = nc::read_back(post, &program, motion, &text);
     assert!(found.is_ok(), "{found:?}");
     program.post.block_numbers = 0;
-    assert!(post::emit(post, &program, motion, &[]).text().lines().all(|l| !l.starts_with('N')));
+    assert!(nc::emit(post, &program, motion, &[]).text().lines().all(|l| !l.starts_with('N')));
 }
 
 /// A program can be started at each operation: the text from there is read without a fault, beginning with an unknown
 /// control, and commands the same moves.
 #[test]
 fn each_operation_is_a_restart_point() {
-    for post in post::POSTS {
+    for post in nc::POSTS {
         let small = jobs::small(post.name());
         let program = support::with_post(post.name(), &small.program);
-        let nc = post::emit(*post, &program, &small.motion, &[]);
+        let nc = nc::emit(*post, &program, &small.motion, &[]);
         let starts: Vec<usize> =
             (0..nc.lines.len()).filter(|i| nc.lines[*i].text.contains("a restart point")).collect();
         assert_eq!(starts.len(), 3, "{}", post.name());
@@ -379,7 +378,7 @@ fn each_operation_is_a_restart_point() {
 proptest! {
     #[test]
     fn readers_never_panic(text in "[A-Z0-9=.()\" \n;-]{0,200}") {
-        for post in post::POSTS {
+        for post in nc::POSTS {
             let (program, _) = program(*post);
             let _ = post.read(&text, &program.machine);
         }

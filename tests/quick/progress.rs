@@ -1,10 +1,10 @@
 //! Progress of long work: on a terminal the stages with their completed shares, in a pipe nothing.
 
-use impellerc::diag::Sink;
+use impellerc::base::progress::{Progress, State};
+use impellerc::diagnostics::Sink;
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::ir::Program;
-use impellerc::passes::pipeline;
-use impellerc::progress::{Progress, State};
+use impellerc::plan::passes::pipeline;
 use impellerc::verify;
 use impellerc::verify::stock::Settings;
 use std::collections::BTreeMap;

@@ -1,13 +1,13 @@
 //! `ramp` of a tool: what the language means by it, ramps of the planner, and what the verifier finds in motions made by hand.
 
 use crate::plunge::{block, findings, judged, of_one_operation, planned};
-use impellerc::diag::{Severity, Sink, codes};
-use impellerc::entity::PrimaryMap;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::source::SourceMap;
+use impellerc::base::units::Rad;
+use impellerc::diagnostics::{Severity, Sink, codes};
 use impellerc::ir::{JointMove, Motion, MoveKind, Program, Tool};
 use impellerc::job::{self, InMemory};
-use impellerc::source::SourceMap;
 use impellerc::syntax;
-use impellerc::units::Rad;
 use nalgebra::{Point3, Vector3};
 
 const JOB: &str = include_str!("../../jobs/small/rough.imp");

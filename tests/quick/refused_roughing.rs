@@ -2,10 +2,10 @@
 //! `tests/slow/refused_roughing.rs` follows the ways out to a plan.
 
 use crate::support::jobs::{self, errors, number_behind, rough_with};
-use impellerc::diag::codes::{geometry, kinematics, orientation, planning};
-use impellerc::diag::{Severity, Sink};
+use impellerc::diagnostics::codes::{geometry, kinematics, orientation, planning};
+use impellerc::diagnostics::{Severity, Sink};
 use impellerc::ir::Program;
-use impellerc::passes::pipeline;
+use impellerc::plan::passes::pipeline;
 
 const T1: &str = "tool t1 = flat { diameter 2 mm";
 const T2: &str = "tool t2 = ball { diameter 2 mm";

@@ -1,15 +1,15 @@
 //! Feeds that keep the removal rate of a tool and the power of the spindle.
 
 use crate::support;
-use impellerc::diag::Sink;
-use impellerc::entity::PrimaryMap;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::progress::Progress;
+use impellerc::base::units::Mm3PerMin;
+use impellerc::diagnostics::Sink;
 use impellerc::ir::{MoveKind, Program, Tool};
-use impellerc::material::Material;
-use impellerc::passes::pipeline::{self, Plan};
-use impellerc::progress::Progress;
-use impellerc::units::Mm3PerMin;
+use impellerc::plan::passes::pipeline::{self, Plan};
 use impellerc::verify::dynamics::{MotionLimit, run};
 use impellerc::verify::stock::{OperationStock, Settings, simulate};
+use impellerc::wheel::material::Material;
 
 /// Cells of the verifier, mm: not those of the planner.
 const CELL: f64 = 0.3;

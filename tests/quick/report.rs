@@ -3,11 +3,11 @@
 use crate::support::browser::{self, Page, colours, count};
 use crate::support::jobs;
 use flate2::read::ZlibDecoder;
-use impellerc::diag::Diag;
-use impellerc::diag::codes::verification;
-use impellerc::entity::PrimaryMap;
-use impellerc::export::report::{self, Input};
+use impellerc::base::entity::PrimaryMap;
+use impellerc::diagnostics::Diag;
+use impellerc::diagnostics::codes::verification;
 use impellerc::ir::{Operation, Tool};
+use impellerc::report::report::{self, Input};
 use impellerc::verify::proof::sweep::Sweep;
 use impellerc::verify::surface::{CORNER_SLACK, FAR};
 use nalgebra::Point3;

@@ -1,18 +1,18 @@
 //! Rest machining: an operation cuts only where earlier operations left stock.
 
 use crate::support::{self, jobs};
-use impellerc::collide::tool::tool_coordinates;
-use impellerc::collide::{Cutter, Section};
-use impellerc::diag::{Sink, codes};
-use impellerc::entity::PrimaryMap;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::progress::Progress;
+use impellerc::base::units::Mm;
+use impellerc::diagnostics::{Sink, codes};
 use impellerc::ir::{ClPass, ClPlan, Operation, Program, ToolId};
-use impellerc::operation::{Allowances, VaneAllowance};
-use impellerc::part::{PassageId, Sample, Surface, SurfaceKind, sample};
-use impellerc::passes::pipeline::{self, Plan};
-use impellerc::passes::{Obstacles, rest_machining};
-use impellerc::progress::Progress;
-use impellerc::units::Mm;
+use impellerc::plan::passes::pipeline::{self, Plan};
+use impellerc::plan::passes::{Obstacles, rest_machining};
+use impellerc::tool_stock::collide::tool::tool_coordinates;
+use impellerc::tool_stock::collide::{Cutter, Section};
 use impellerc::verify::stock::{Settings, StockReport, simulate};
+use impellerc::wheel::operation::{Allowances, VaneAllowance};
+use impellerc::wheel::part::{PassageId, Sample, Surface, SurfaceKind, sample};
 use nalgebra::Point3;
 
 /// Thickness of all tests, mm.

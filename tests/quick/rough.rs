@@ -1,14 +1,14 @@
 //! The operation `rough`: what one item of the job means.
 
 use crate::plunge::{Points, cut, planned};
-use impellerc::diag::{Sink, codes};
+use impellerc::base::source::SourceMap;
+use impellerc::diagnostics::{Sink, codes};
 use impellerc::ir::{JointMove, Motion, Program};
 use impellerc::job::model::OperationSpec;
 use impellerc::job::{self, InMemory};
-use impellerc::method::{Levels, Milling};
-use impellerc::operation::OperationKind;
-use impellerc::source::SourceMap;
 use impellerc::syntax;
+use impellerc::wheel::method::{Levels, Milling};
+use impellerc::wheel::operation::OperationKind;
 
 const JOB: &str = include_str!("../../jobs/small/rough.imp");
 

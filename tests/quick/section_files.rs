@@ -1,12 +1,12 @@
 //! Files of sections of the part: the import reads them, and their points lie on the design surfaces.
 
 use crate::support::jobs;
+use impellerc::base::source::{SourceFile, SourceMap};
+use impellerc::blade::{EdgeForm, SectionForm};
+use impellerc::blade_files::{self, Imported};
 use impellerc::driver::{self, Emit, Options, PartForm, PartOptions, Stages};
-use impellerc::geom::proximity::Patch;
-use impellerc::import::{self, Imported};
-use impellerc::part::{Part, Surface};
-use impellerc::sections::{EdgeForm, SectionForm};
-use impellerc::source::{SourceFile, SourceMap};
+use impellerc::nurbs::proximity::Patch;
+use impellerc::wheel::part::{Part, Surface};
 use std::path::PathBuf;
 
 /// Writes the sections of a job; returns what the import reads and what was printed.
@@ -22,11 +22,11 @@ fn written(job: &str, sections: usize) -> (Imported, String) {
     let said = driver::compile(&options, &mut Stages::default()).emitted.unwrap();
     let mut fetch = |name: &str, _: usize| {
         let text =
-            std::fs::read_to_string(folder.path().join(name)).map_err(|e| import::NoFile::from(e.to_string()))?;
+            std::fs::read_to_string(folder.path().join(name)).map_err(|e| blade_files::NoFile::from(e.to_string()))?;
         Ok(SourceFile::text(name, text))
     };
     let names = ["wheel.inf".to_owned()];
-    let read = import::read(&names, &mut fetch, &import::Options::default(), &mut SourceMap::default());
+    let read = blade_files::read(&names, &mut fetch, &blade_files::Options::default(), &mut SourceMap::default());
     (read.unwrap_or_else(|diags| panic!("{diags:#?}")), said)
 }
 

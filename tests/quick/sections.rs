@@ -2,13 +2,13 @@
 
 use crate::parts::enclosed;
 use crate::support::bounded;
+use impellerc::base::units::length;
 use impellerc::driver::{self, Options, Outcome, Stages};
-use impellerc::geom::proximity::Patch;
 use impellerc::ir::Program;
-use impellerc::part::chart::{self, Shape};
-use impellerc::part::{BladeId, Surface, SurfaceKind, sample};
-use impellerc::units::length;
+use impellerc::nurbs::proximity::Patch;
 use impellerc::verify::stated_points;
+use impellerc::wheel::part::chart::{self, Shape};
+use impellerc::wheel::part::{BladeId, Surface, SurfaceKind, sample};
 use nalgebra::Point3;
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;

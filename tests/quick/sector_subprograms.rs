@@ -1,15 +1,16 @@
 //! What sectors repeat as a subprogram: the text means the motion of the inline text, and a broken text is refused.
 
 use crate::support::{self, golden, jobs::Compiled};
-use impellerc::compare::{ComparedMotion, compare};
-use impellerc::diag::{Severity, Sink};
-use impellerc::export::source_map::{LaidMap, SourceMapFile, WrittenLine};
+use impellerc::base::source::Span;
+use impellerc::diagnostics::{Severity, Sink};
+use impellerc::five_axis::{Carries, Chain};
 use impellerc::ir::{Motion, Program};
-use impellerc::kin::{Carries, Chain};
-use impellerc::post::{self, NcMove, NcProgram, motion_of::motion_of, sectors};
-use impellerc::post_file::{Orientation, Sectors};
-use impellerc::source::Span;
+use impellerc::nc::compare::ComparedMotion;
+use impellerc::nc::{self, NcMove, NcProgram, motion_of::motion_of, sectors};
+use impellerc::nc_text::compare;
+use impellerc::report::source_map::{LaidMap, SourceMapFile, WrittenLine};
 use impellerc::verify::verify;
+use impellerc::wheel::post_file::{Orientation, Sectors};
 use std::sync::LazyLock;
 
 /// Sectors of the job: some of them reach the travel of C, so that they take the other branch.
@@ -36,12 +37,12 @@ fn cases() -> [(&'static Compiled, Program); 3] {
 }
 
 fn written(compiled: &Compiled, program: &Program) -> NcProgram {
-    let post = post::find(&program.post.dialect).unwrap();
+    let post = nc::find(&program.post.dialect).unwrap();
     let mut sink = Sink::default();
-    post.check(program, compiled.motion.get(), &mut sink);
-    sectors::remark(post, program, compiled.motion.get(), &mut sink);
+    post.check(program, &compiled.motion, &mut sink);
+    sectors::remark(post, program, &compiled.motion, &mut sink);
     assert!(sink.diags().is_empty(), "{:?}", sink.diags());
-    post::emit(post, program, &compiled.motion, &[])
+    nc::emit(post, program, &compiled.motion, &[])
 }
 
 /// The texts with subprograms, with their jobs.
@@ -61,7 +62,7 @@ fn inline(program: &Program) -> Program {
 
 /// The motion that a text means.
 fn meant(program: &Program, text: &str) -> Result<Motion, String> {
-    let post = post::find(&program.post.dialect).unwrap();
+    let post = nc::find(&program.post.dialect).unwrap();
     let sections = post.read(text, &program.machine).map_err(|faults| {
         let first = &faults[0];
         format!("line {}: {}", first.line, first.reason)
@@ -77,7 +78,7 @@ fn meant(program: &Program, text: &str) -> Result<Motion, String> {
 #[test]
 fn a_text_with_subprograms_is_the_inline_text_for_the_machine() {
     for (compiled, program) in cases() {
-        let post = post::find(&program.post.dialect).unwrap();
+        let post = nc::find(&program.post.dialect).unwrap();
         let short = written(compiled, &program);
         let long = written(compiled, &inline(&program));
         let lines = [&short, &long].map(|nc| nc.lines.len());
@@ -85,7 +86,7 @@ fn a_text_with_subprograms_is_the_inline_text_for_the_machine() {
         // Four sectors are little more than one, or than two where sectors have two branches.
         assert!(lines[0] * 2 < lines[1], "{lines:?}");
         for nc in [&short, &long] {
-            let found = post::read_back(post, &program, &compiled.motion, &nc.text());
+            let found = nc::read_back(post, &program, &compiled.motion, &nc.text());
             let found = found.unwrap_or_else(|d| panic!("{}: {}", post.name(), d.reason));
             assert!(found.tip <= 0.5e-4 * 2f64.sqrt() + 1e-6, "{found:?}");
         }
@@ -108,7 +109,7 @@ fn every_move_has_its_line() {
             moves.extend(&line.again);
         }
         moves.sort_unstable();
-        let count = u32::try_from(compiled.motion.get().operations[0].moves.len()).unwrap();
+        let count = u32::try_from(compiled.motion.operations[0].moves.len()).unwrap();
         assert_eq!(moves, (0..count).collect::<Vec<_>>());
         assert!(nc.lines.iter().any(|line| line.again.len() == SECTORS.len() - 1));
     }
@@ -169,7 +170,7 @@ fn broken_texts_are_refused() {
 #[test]
 fn a_wrong_turn_is_found() {
     for (compiled, program) in cases() {
-        let post = post::find(&program.post.dialect).unwrap();
+        let post = nc::find(&program.post.dialect).unwrap();
         let text = written(compiled, &program).text();
         let changes = match program.post.dialect.as_str() {
             "linuxcnc" => [("G10 L2 P1 R45\n", "G10 L2 P1 R50\n"), ("G10 L2 P1 R45\n", "")],
@@ -177,7 +178,7 @@ fn a_wrong_turn_is_found() {
         };
         for (from, to) in changes {
             let wrong = changed(&text, "", from, to);
-            let back = post::read_back(post, &program, &compiled.motion, &wrong);
+            let back = nc::read_back(post, &program, &compiled.motion, &wrong);
             assert!(back.is_err(), "{from:?} as {to:?}");
             // A proof takes seconds: one for each text is enough.
             if !to.contains("50") {
@@ -202,7 +203,7 @@ fn calls_without_end_are_refused() {
     let body = body.replace('(', ";");
     let siemens = siemens.replace("(a comment)\n", &body[..body.len() / 1000]);
     for (dialect, text) in [("linuxcnc", linuxcnc), ("siemens-840d", siemens)] {
-        let faults = post::find(dialect).unwrap().read(&text, &machine).unwrap_err();
+        let faults = nc::find(dialect).unwrap().read(&text, &machine).unwrap_err();
         assert!(faults.iter().any(|f| f.reason.contains("lines are executed")), "{dialect}: {faults:?}");
     }
 }
@@ -211,10 +212,10 @@ fn calls_without_end_are_refused() {
 fn what_a_job_does_not_get_is_told() {
     let [siemens, _] = &*COMPILED;
     let said = |program: &Program| {
-        let post = post::find(&program.post.dialect).unwrap();
+        let post = nc::find(&program.post.dialect).unwrap();
         let mut sink = Sink::default();
-        sectors::remark(post, program, siemens.motion.get(), &mut sink);
-        let text = post::emit(post, program, &siemens.motion, &[]).text();
+        sectors::remark(post, program, &siemens.motion, &mut sink);
+        let text = nc::emit(post, program, &siemens.motion, &[]).text();
         let calls = ["REPEAT", "call"].iter().any(|word| text.contains(word));
         assert_eq!(calls, sink.diags().is_empty());
         sink.diags().iter().map(|d| format!("{} {:?}", d.code.id(), d.notes)).collect::<Vec<_>>().join("\n")
@@ -268,7 +269,7 @@ fn calls_as_they_are_written() {
 #[test]
 fn an_operation_holds_its_subprograms() {
     for (compiled, program) in cases() {
-        let post = post::find(&program.post.dialect).unwrap();
+        let post = nc::find(&program.post.dialect).unwrap();
         let nc = written(compiled, &program);
         let start = nc.lines.iter().position(|line| line.text.contains("a restart point")).unwrap();
         let rest = NcProgram { lines: nc.lines[start..].to_vec(), ..nc.clone() };
@@ -284,7 +285,7 @@ fn an_operation_holds_its_subprograms() {
 #[test]
 fn the_source_map_names_the_pass_of_each_call() {
     for (compiled, program) in cases() {
-        let post = post::find(&program.post.dialect).unwrap();
+        let post = nc::find(&program.post.dialect).unwrap();
         let nc = written(compiled, &program);
         let lines = nc.lines.iter().map(|line| WrittenLine {
             text: &line.text,
@@ -292,9 +293,9 @@ fn the_source_map_names_the_pass_of_each_call() {
             again: &line.again,
             frame: None,
         });
-        let map = SourceMapFile::new(&program, compiled.motion.get(), "a.imp", |_| 1, lines);
+        let map = SourceMapFile::new(&program, &compiled.motion, "a.imp", |_| 1, lines);
         let map = LaidMap::new(SourceMapFile::read(&map.json().unwrap()).unwrap(), &nc.text());
-        let planned = &compiled.motion.get().operations[0];
+        let planned = &compiled.motion.operations[0];
         let sections = post.read(&nc.text(), &program.machine).unwrap();
         let mut executed = vec![0; nc.lines.len() + 1];
         for (m, read) in planned.moves[1..].iter().zip(&sections[0].moves) {

@@ -2,15 +2,15 @@
 //! files in `.ci/solid`.
 
 use crate::support::jobs;
-use impellerc::diag::Severity;
-use impellerc::diag::codes::geometry::NO_SHELL;
+use impellerc::base::units::Mm;
+use impellerc::diagnostics::Severity;
+use impellerc::diagnostics::codes::geometry::NO_SHELL;
 use impellerc::driver::{self, Emit, Options, PartForm, PartOptions, Stages};
-use impellerc::export::step::StepProtocol;
-use impellerc::part::Stock;
-use impellerc::part::shell::{EdgeCurve, Shell, ShellFault, ShellSurface, shell};
-use impellerc::part::solid;
-use impellerc::stock::stl;
-use impellerc::units::Mm;
+use impellerc::report::step::StepProtocol;
+use impellerc::tool_stock::stock::stl;
+use impellerc::wheel::part::Stock;
+use impellerc::wheel::part::shell::{EdgeCurve, Shell, ShellFault, ShellSurface, shell};
+use impellerc::wheel::part::solid;
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::PI;
 use std::path::PathBuf;
@@ -156,7 +156,7 @@ fn edges_lie_on_their_faces() {
             let EdgeCurve::Spline(curve) = &made.edges[step.edge].curve else { panic!("{}", face.id) };
             let off = |p: Point3<f64>| {
                 let sides = [surface.border(false), surface.border(true), surface.side(false), surface.side(true)];
-                let gap = move |side: &impellerc::geom::NurbsCurve, u: f64| (side.point(u) - p).norm();
+                let gap = move |side: &impellerc::nurbs::NurbsCurve, u: f64| (side.point(u) - p).norm();
                 move |u: f64| sides.iter().map(|s| gap(s, u).min(gap(s, 1.0 - u))).fold(f64::MAX, f64::min)
             };
             for k in 0..=20 {

@@ -1,21 +1,21 @@
 //! Finishing passes as polynomials: on the way into the text, in the text, and on the way back.
 
 use crate::support::{self, jobs};
-use impellerc::contract::Scope;
-use impellerc::diag::Sink;
-use impellerc::entity::PrimaryMap;
-use impellerc::geom::bezier;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::source::Span;
+use impellerc::base::units::Mm;
+use impellerc::diagnostics::Sink;
+use impellerc::five_axis::{PoseCurve, RotaryPose, TurnCurve};
 use impellerc::ir::{Contract, ContractKind, Motion, MoveKind, OperationKind, Program, SplineBlock};
 use impellerc::job::shipped_post;
-use impellerc::kin::{PoseCurve, RotaryPose, TurnCurve};
-use impellerc::method::{Flank, FlankMethod};
-use impellerc::part::{BladeId, SurfaceClass};
-use impellerc::passes::pipeline;
-use impellerc::post::{self, motion_of::motion_of};
-use impellerc::post_file::PathForm;
-use impellerc::source::Span;
-use impellerc::units::Mm;
+use impellerc::nc::{self, motion_of::motion_of};
+use impellerc::nurbs::bezier;
+use impellerc::plan::passes::pipeline;
 use impellerc::verify::{self, Verified};
+use impellerc::wheel::contract::Scope;
+use impellerc::wheel::method::{Flank, FlankMethod};
+use impellerc::wheel::part::{BladeId, SurfaceClass};
+use impellerc::wheel::post_file::PathForm;
 use nalgebra::Vector3;
 use std::sync::LazyLock;
 
@@ -45,11 +45,11 @@ pub fn texts() -> Vec<(&'static str, &'static Program, &'static str)> {
 
 /// The text of a motion.
 fn text(program: &Program, motion: &Motion) -> String {
-    let post = post::find(&program.post.dialect).unwrap();
+    let post = nc::find(&program.post.dialect).unwrap();
     let verified = verified(program, motion);
-    let text = post::emit(post, program, &verified, &[]).text();
+    let text = nc::emit(post, program, &verified, &[]).text();
     // V5: as the compiler does before it writes.
-    let read = post::read_back(post, program, &verified, &text).unwrap_or_else(|diag| panic!("{diag:?}"));
+    let read = nc::read_back(post, program, &verified, &text).unwrap_or_else(|diag| panic!("{diag:?}"));
     assert!(read.tip < 6e-5 && read.axis < 2e-6, "{read:?}");
     text
 }
@@ -61,7 +61,7 @@ fn verified(program: &Program, motion: &Motion) -> Verified<Motion> {
     program.allowed.push(support::deep_slots());
     let mut sink = Sink::default();
     let mut settings = verify::stock::Settings { cell: Some(1.0), after: None };
-    let progress = impellerc::progress::Progress::default();
+    let progress = impellerc::base::progress::Progress::default();
     let (judged, _) = verify::examine(&program, motion.clone(), &mut settings, &progress, &mut sink).unwrap();
     judged.unwrap_or_else(|_| panic!("{:?}", sink.diags()))
 }
@@ -191,7 +191,7 @@ fn a_curve_away_from_its_chords_is_found() {
 #[test]
 fn the_text_comes_back_as_the_curves() {
     for made in &*FITTED {
-        let post = post::find(&made.program.post.dialect).unwrap();
+        let post = nc::find(&made.program.post.dialect).unwrap();
         let sections = post.read(&made.text, &made.program.machine).unwrap();
         let mut sink = Sink::default();
         let read = motion_of(&made.program, &sections, &|_| Span::default(), &mut sink).unwrap();

@@ -1,11 +1,11 @@
 //! Solids from STL files: the reader, and rays through them.
 
-use impellerc::diag::{Sink, codes, render};
+use impellerc::base::source::SourceMap;
+use impellerc::diagnostics::{Sink, codes, render};
 use impellerc::job::{InMemory, resolve};
-use impellerc::source::SourceMap;
-use impellerc::stock::stl::{MOST_TRIANGLES, StlFault, read};
-use impellerc::stock::{Field, Mesh};
 use impellerc::syntax::parse;
+use impellerc::tool_stock::stock::stl::{MOST_TRIANGLES, StlFault, read};
+use impellerc::tool_stock::stock::{Field, Mesh};
 use nalgebra::{Point3, Rotation3, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};

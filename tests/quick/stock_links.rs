@@ -1,15 +1,15 @@
 //! Links of finishing through the air of the simulated stock.
 
 use crate::support::jobs;
-use impellerc::collide::{Cloud, ToolSolid};
-use impellerc::diag::Sink;
-use impellerc::entity::PrimaryMap;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::units::Mm;
+use impellerc::diagnostics::Sink;
 use impellerc::ir::{Motion, MotionOperation, MoveKind, OperationKind, Program};
-use impellerc::part::sample;
-use impellerc::passes::pipeline;
-use impellerc::units::Mm;
+use impellerc::plan::passes::pipeline;
+use impellerc::tool_stock::collide::{Cloud, ToolSolid};
 use impellerc::verify::clearance;
 use impellerc::verify::proof::piece;
+use impellerc::wheel::part::sample;
 use std::collections::BTreeSet;
 
 fn planned(program: &Program) -> Motion {

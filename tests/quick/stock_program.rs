@@ -2,12 +2,12 @@
 //! threads.
 
 use crate::support::jobs::{self, simulated};
-use impellerc::diag::Sink;
+use impellerc::diagnostics::Sink;
 use impellerc::ir::{Motion, Program};
-use impellerc::part::{Sample, sample};
-use impellerc::stock::{END_ERROR, Field};
+use impellerc::tool_stock::stock::{END_ERROR, Field};
 use impellerc::verify::proof::sweep::Sweep;
 use impellerc::verify::stock::report;
+use impellerc::wheel::part::{Sample, sample};
 use nalgebra::{Point3, Vector3};
 
 /// Cells of these tests, mm.

@@ -1,15 +1,15 @@
 //! The surface certificate against exact shapes: found values are within 0.1 um of the closed form, and proved bounds
 //! hold.
 
-use impellerc::collide::{Cutter, Section, ToolSolid};
-use impellerc::geom::range::{CellThickness, Interval, Jet};
-use impellerc::kin::{AxisLine, Carries, Chain, RotaryPose};
-use impellerc::part::{
+use impellerc::five_axis::{AxisLine, Carries, Chain, RotaryPose};
+use impellerc::nurbs::range::{CellThickness, Interval, Jet};
+use impellerc::tool_stock::collide::{Cutter, Section, ToolSolid};
+use impellerc::verify::proof::sweep::Sweep;
+use impellerc::verify::surface::{BROKEN, SLACK, SurfaceReport, certify_shape};
+use impellerc::wheel::part::{
     PassageId, SurfaceId, SurfaceKind,
     chart::{Place, Shape},
 };
-use impellerc::verify::proof::sweep::Sweep;
-use impellerc::verify::surface::{BROKEN, SLACK, SurfaceReport, certify_shape};
 use nalgebra::{Point3, Unit, Vector3};
 
 /// What the certificate may be wrong by, mm.

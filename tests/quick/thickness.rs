@@ -2,13 +2,13 @@
 //! bound is not far above what dense samples find.
 
 use crate::support::jobs;
-use impellerc::geom::range::{CellThickness, Interval, Jet};
+use impellerc::nurbs::range::{CellThickness, Interval, Jet};
 
-use impellerc::operation::VaneAllowance;
-use impellerc::part::chart::{self, Chart, Shape};
-use impellerc::part::{SurfaceKind, kept};
-use impellerc::units::Mm;
+use impellerc::base::units::Mm;
 use impellerc::verify::vane_allowance::Moved;
+use impellerc::wheel::operation::VaneAllowance;
+use impellerc::wheel::part::chart::{self, Chart, Shape};
+use impellerc::wheel::part::{SurfaceKind, kept};
 use nalgebra::{Point3, Vector3};
 
 /// Samples along each side of a cell.

@@ -1,10 +1,10 @@
 //! Trochoidal slots of `jobs/small/trochoidal.imp`: the arc of engagement that the verifier finds on the loops.
 
-use impellerc::diag::Sink;
+use impellerc::base::progress::Progress;
+use impellerc::diagnostics::Sink;
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::ir::{MoveKind, OperationKind};
-use impellerc::passes::pipeline;
-use impellerc::progress::Progress;
+use impellerc::plan::passes::pipeline;
 use impellerc::verify::stock::{Settings, simulate};
 
 /// Cells of the simulated stock, a twentieth of the diameter of the tool, mm.

@@ -1,13 +1,13 @@
 //! The validators of the stage values: a real plan passes all of them, and every single defect in it is found.
 
 use crate::support::jobs;
-use impellerc::diag::Sink;
-use impellerc::entity::PrimaryMap;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::units::Rpm;
+use impellerc::diagnostics::Sink;
 use impellerc::ir::validate::{self, ClStage, Malformed};
 use impellerc::ir::{CcPlan, ClPlan, Drive, Motion, Operation, OperationKind, Program};
-use impellerc::part::{BladeId, SurfaceKind, TurnedProfile};
-use impellerc::passes::pipeline;
-use impellerc::units::Rpm;
+use impellerc::plan::passes::pipeline;
+use impellerc::wheel::part::{BladeId, SurfaceKind, TurnedProfile};
 
 type Broken<T> = Vec<(&'static str, fn(&mut T))>;
 
@@ -28,7 +28,7 @@ fn programs() {
         ("a sector that is not there", |p| operation(p, 0, |o| o.sectors = vec![8])),
         ("sectors twice", |p| operation(p, 0, |o| o.sectors = vec![1, 1])),
         ("no speed", |p| operation(p, 1, |o| o.speed = Rpm(0.0))),
-        ("a feed that is no number", |p| operation(p, 1, |o| o.feed = impellerc::units::MmPerMin(f64::NAN))),
+        ("a feed that is no number", |p| operation(p, 1, |o| o.feed = impellerc::base::units::MmPerMin(f64::NAN))),
         ("no face", |p| {
             operation(p, 1, |o| {
                 if let OperationKind::Flank { faces, .. } = &mut o.kind {

@@ -2,8 +2,8 @@
 
 use crate::support::jobs;
 use impellerc::ir::Program;
-use impellerc::part::chart::{self, Chart, Shape};
-use impellerc::part::{BladeId, FaceId, Part, Surface, SurfaceKind, hub_normal, sample, solid};
+use impellerc::wheel::part::chart::{self, Chart, Shape};
+use impellerc::wheel::part::{BladeId, FaceId, Part, Surface, SurfaceKind, hub_normal, sample, solid};
 use std::sync::LazyLock;
 
 /// Shares of the foot and radii of the main blade, mm.

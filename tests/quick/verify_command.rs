@@ -1,6 +1,6 @@
 //! `impellerc verify` as a user runs it: on the output of the compiler, and on the same output with faults.
 
-use impellerc::export::source_map::{LaidMap, SourceMapFile};
+use impellerc::report::source_map::{LaidMap, SourceMapFile};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

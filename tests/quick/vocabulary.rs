@@ -1,10 +1,10 @@
 //! The tables of the words of the language against the front end that uses them, and the page that is made from them.
 
-use impellerc::diag::{Severity, Sink};
+use impellerc::base::source::SourceMap;
+use impellerc::diagnostics::{Severity, Sink};
+use impellerc::job::language::understand;
 use impellerc::job::vocabulary::{self, Topic, TopicKind, Without};
 use impellerc::job::{self, InMemory, print};
-use impellerc::language::understand;
-use impellerc::source::SourceMap;
 use impellerc::syntax;
 use impellerc::syntax::KnownItems;
 use std::collections::BTreeSet;

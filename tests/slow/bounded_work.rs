@@ -2,10 +2,10 @@
 //! certificate reports this. Work is counted in evaluated points and cells, not in seconds.
 
 use crate::support::jobs::{self, Compiled};
-use impellerc::diag::Sink;
+use impellerc::base::progress::Progress;
+use impellerc::diagnostics::Sink;
+use impellerc::five_axis::Joints;
 use impellerc::ir::{Motion, MoveKind, Program};
-use impellerc::kin::Joints;
-use impellerc::progress::Progress;
 use impellerc::verify::stock::Settings;
 use impellerc::verify::{Certificate, certify_with};
 use nalgebra::{Point3, Vector3};
@@ -40,7 +40,7 @@ fn changed(
 #[test]
 fn a_wrong_program_takes_no_more_than_three_times_the_work_of_the_right_one() {
     let Compiled { program, motion, .. } = jobs::small("siemens-840d");
-    let motion = motion.get();
+    let motion = &motion;
     let (right, certificate) = measured(program, motion);
     println!("right: {right} points and cells");
     // Of what holds, bounds are as close as ever.

@@ -1,19 +1,19 @@
 //! Flank milling by `minimax`: contracts are kept with proof, planning and verification together.
 
 use crate::support;
-use impellerc::collide::{Cutter, Section};
-use impellerc::contract::{Guarded, Scope};
-use impellerc::diag::codes::verification;
-use impellerc::diag::{Severity, Sink};
-use impellerc::entity::PrimaryMap;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::progress::Progress;
+use impellerc::base::units::Mm;
+use impellerc::diagnostics::codes::verification;
+use impellerc::diagnostics::{Severity, Sink};
 use impellerc::ir::{Contract, ContractKind, Motion, Operation, OperationKind, Program};
-use impellerc::method::{ErrorSide, Flank, FlankMethod};
-use impellerc::part::{BladeId, FaceId, SurfaceClass, SurfaceId};
-use impellerc::passes::{Obstacles, pipeline};
-use impellerc::progress::Progress;
-use impellerc::units::Mm;
+use impellerc::plan::passes::{Obstacles, pipeline};
+use impellerc::tool_stock::collide::{Cutter, Section};
 use impellerc::verify::certify_with;
 use impellerc::verify::stock::Settings;
+use impellerc::wheel::contract::{Guarded, Scope};
+use impellerc::wheel::method::{ErrorSide, Flank, FlankMethod};
+use impellerc::wheel::part::{BladeId, FaceId, SurfaceClass, SurfaceId};
 
 /// The vanes that are milled: two, so that one follows the other. All vanes have one shape.
 const VANES: [u32; 2] = [0, 1];
@@ -264,7 +264,7 @@ fn the_path_keeps_the_holder_clear() {
         let solid = &free.tools.iter().next().unwrap().1.solid;
         let path = plan.cc.operations[0].passes[0].path.clone().unwrap();
         let at = |i: u32| path.at(f64::from(i) / 400.0);
-        let near = |at: impellerc::geom::AxisAt| {
+        let near = |at: impellerc::nurbs::AxisAt| {
             let body = obstacles.nearest((&at.lower, &at.axis), |rho, s| solid.body_distance(rho, s), 50.0);
             body.map(|x| x.0).fold(f64::INFINITY, f64::min)
         };

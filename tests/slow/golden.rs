@@ -3,7 +3,7 @@
 use crate::support::golden::{GOLDENS, bytes, check, nc};
 use crate::support::jobs::{Compiled, machine_of, program};
 use impellerc::ir::print;
-use impellerc::post;
+use impellerc::nc;
 
 /// The longer jobs: their plan by its notes, the ends of their NC texts and what a hash says of the rest.
 fn in_short(job: &str) {
@@ -19,13 +19,13 @@ fn in_short(job: &str) {
         }
     }
     check(job, "plan", &plan);
-    check(job, "certificate", &c.certificate.text(&c.program, c.motion.get()));
-    let pinned = |post: &dyn post::Post| GOLDENS.iter().any(|(name, of)| *name == job && of.contains(&post.name()));
-    for post in post::POSTS.iter().filter(|post| pinned(**post)) {
+    check(job, "certificate", &c.certificate.text(&c.program, &c.motion));
+    let pinned = |post: &dyn nc::Post| GOLDENS.iter().any(|(name, of)| *name == job && of.contains(&post.name()));
+    for post in nc::POSTS.iter().filter(|post| pinned(**post)) {
         let other = machine_of(post.name()).map(|machine| Compiled::new(program(job, Some(machine))));
         let c = other.as_ref().unwrap_or(&own);
         let text = nc(c, *post);
-        let read = post::read_back(*post, &c.program, &c.motion, &text).expect("the motion");
+        let read = nc::read_back(*post, &c.program, &c.motion, &text).expect("the motion");
         let lines: Vec<&str> = text.lines().collect();
         let short = format!(
             "{}{} moves read back\n\n{}\n...\n{}\n",

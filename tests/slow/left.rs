@@ -1,10 +1,10 @@
 //! Roughing that goes on after a tool broke half way.
 
 use crate::support::jobs::{self, Compiled, simulated};
-use impellerc::diag::{Sink, codes};
+use impellerc::diagnostics::{Sink, codes};
 use impellerc::ir::{Motion, Program};
-use impellerc::passes::pipeline;
-use impellerc::stock::{Field, stl};
+use impellerc::plan::passes::pipeline;
+use impellerc::tool_stock::stock::{Field, stl};
 use std::sync::{Arc, LazyLock};
 
 /// Cells of the mesh, mm: what the documents advise on a part of this size.

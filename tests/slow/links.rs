@@ -2,16 +2,16 @@
 //! one.
 
 use crate::support;
-use impellerc::collide::{Cloud, Cutter, ToolSolid};
-use impellerc::diag::Sink;
-use impellerc::entity::PrimaryMap;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::units::Mm;
+use impellerc::diagnostics::Sink;
 use impellerc::ir::{Contract, ContractKind, JointMove, Motion, MotionOperation, MoveKind, OperationKind, Program};
-use impellerc::method::{AxisMethod, Lines, Spacing};
-use impellerc::part::sample;
-use impellerc::passes::pipeline;
-use impellerc::units::Mm;
+use impellerc::plan::passes::pipeline;
+use impellerc::tool_stock::collide::{Cloud, Cutter, ToolSolid};
 use impellerc::verify::proof::piece;
 use impellerc::verify::{clearance, dynamics};
+use impellerc::wheel::method::{AxisMethod, Lines, Spacing};
+use impellerc::wheel::part::sample;
 use nalgebra::Point3;
 
 /// Channel finishing in one sector of the paper's part.

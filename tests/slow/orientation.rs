@@ -6,20 +6,20 @@
 //! orientation:: --nocapture` shows the tables.
 
 use crate::support;
-use impellerc::collide::{Cloud, ToolSolid};
-use impellerc::contract::{ContractKind, Guarded};
-use impellerc::diag::{Severity, Sink};
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::progress::Progress;
+use impellerc::base::units::{Mm, MmPerMin, Rpm};
+use impellerc::diagnostics::{Severity, Sink};
 use impellerc::driver::{self, Options, Outcome, Stages};
-use impellerc::entity::PrimaryMap;
+use impellerc::five_axis::Carried;
 use impellerc::ir::{Contract, Motion, MoveKind, OperationKind, Program};
-use impellerc::kin::Carried;
-use impellerc::method::{AxisMethod, Flank, FlankMethod, Lines, Spacing};
-use impellerc::part::{BladeId, SurfaceKind, kept::MilledTurned, sample};
-use impellerc::passes::pipeline;
-use impellerc::progress::Progress;
-use impellerc::units::{Mm, MmPerMin, Rpm};
+use impellerc::plan::passes::pipeline;
+use impellerc::tool_stock::collide::{Cloud, ToolSolid};
 use impellerc::verify::proof::{piece, sweep};
 use impellerc::verify::{carried, clearance, dynamics, surface};
+use impellerc::wheel::contract::{ContractKind, Guarded};
+use impellerc::wheel::method::{AxisMethod, Flank, FlankMethod, Lines, Spacing};
+use impellerc::wheel::part::{BladeId, SurfaceKind, kept::MilledTurned, sample};
 use std::path::PathBuf;
 use std::sync::LazyLock;
 

@@ -1,15 +1,15 @@
 //! The finished part as a closed mesh: exact solids first, then the paper's part against the stock simulation.
 
 use crate::support;
-use impellerc::diag::Sink;
-use impellerc::geom::{NurbsCurve, interpolate};
-use impellerc::part::{Guides, Part, Stock, sample, solid};
-use impellerc::passes::pipeline;
-use impellerc::progress::Progress;
-use impellerc::stock::Mesh;
-use impellerc::units::Mm;
+use impellerc::base::progress::Progress;
+use impellerc::base::units::Mm;
+use impellerc::diagnostics::Sink;
+use impellerc::nurbs::{NurbsCurve, interpolate};
+use impellerc::plan::passes::pipeline;
+use impellerc::tool_stock::stock::Mesh;
 use impellerc::verify::proof::sweep::Sweep;
 use impellerc::verify::stock::{Settings, simulate};
+use impellerc::wheel::part::{Guides, Part, Stock, sample, solid};
 use nalgebra::Point3;
 use std::f64::consts::{PI, TAU};
 

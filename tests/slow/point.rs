@@ -5,17 +5,17 @@ use crate::support::{
     self,
     jobs::{self, Compiled},
 };
-use impellerc::collide::Cutter;
-use impellerc::diag::Sink;
-use impellerc::entity::PrimaryMap;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::units::Mm;
+use impellerc::diagnostics::Sink;
 use impellerc::ir::{ClPoint, Contract, ContractKind, Operation, OperationKind, Program};
-use impellerc::method::{AxisMethod, Lines, Milling};
-use impellerc::part::chart::{self, Shape};
-use impellerc::part::{BladeId, FaceId, SurfaceKind};
-use impellerc::passes::pipeline::{self, Plan};
-use impellerc::post_file::PathForm;
-use impellerc::units::Mm;
+use impellerc::plan::passes::pipeline::{self, Plan};
+use impellerc::tool_stock::collide::Cutter;
 use impellerc::verify::{certify, verify};
+use impellerc::wheel::method::{AxisMethod, Lines, Milling};
+use impellerc::wheel::part::chart::{self, Shape};
+use impellerc::wheel::part::{BladeId, FaceId, SurfaceKind};
+use impellerc::wheel::post_file::PathForm;
 use nalgebra::Point3;
 
 /// The paper's part with point milling of some surfaces of one vane.
@@ -384,7 +384,7 @@ fn polynomials_hold_the_contracts_of_the_job() {
     let mut program = jobs::program("point", None);
     program.post.path = PathForm::Splines;
     let made = Compiled::new(program);
-    let blocks: Vec<usize> = made.motion.get().operations.iter().map(|o| o.splines.len()).collect();
+    let blocks: Vec<usize> = made.motion.operations.iter().map(|o| o.splines.len()).collect();
     println!("{blocks:?} spline blocks");
     assert!(blocks[0] == 0 && blocks[1..].iter().all(|count| *count > 40), "{blocks:?}");
     let worst = made.certificate.surfaces.iter().map(|s| s.gouge_bound).fold(0.0, f64::max);

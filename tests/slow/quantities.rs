@@ -1,6 +1,6 @@
 //! Absurd sizes: for any number of a property, the job compiles or is refused for a reason that lies in the job.
 
-use impellerc::diag::codes;
+use impellerc::diagnostics::codes;
 use impellerc::driver::{self, Options, Outcome, Stages};
 use rayon::prelude::*;
 use std::path::Path;

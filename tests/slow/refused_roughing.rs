@@ -1,7 +1,7 @@
 //! Ways out of refused roughing jobs, followed until a plan keeps all contracts.
 
 use crate::support::jobs::{errors, number_behind, rough_with};
-use impellerc::diag::codes::verification;
+use impellerc::diagnostics::codes::verification;
 use impellerc::driver::Outcome;
 
 const T1: &str = "tool t1 = flat { diameter 2 mm";

@@ -2,9 +2,9 @@
 
 use crate::support::jobs;
 use crate::support::round_trip::{assert_same_part, differences, foreign, imported, number, round_trip, step_file};
-use impellerc::import::{self, FaceChoice, Options};
-use impellerc::sections::SectionForm;
-use impellerc::source::{SourceFile, SourceMap};
+use impellerc::base::source::{SourceFile, SourceMap};
+use impellerc::blade::SectionForm;
+use impellerc::blade_files::{self, FaceChoice, Options};
 
 /// Jobs with edges that are surfaces of their own, and with splitters, are read back to the same part.
 #[test]
@@ -48,7 +48,7 @@ fn splitters_are_found_by_their_angles() {
     let picks = hub.chain(others.map(|(role, name)| format!("{role}={}", number(&file, name))));
     let faces = picks.map(|text| FaceChoice::parsed(&text).unwrap()).collect();
     let made = imported(&foreign(&file), &Options { faces, ..Options::default() });
-    let turned = |note: &impellerc::import::Note| note.text.contains("splitter 1 is turned by 2 sectors");
+    let turned = |note: &impellerc::blade_files::Note| note.text.contains("splitter 1 is turned by 2 sectors");
     assert!(made.notes.iter().any(turned), "{:?}", made.notes);
     assert_eq!([&due, &made].map(|read| read.rows[0].blades.iter().map(|b| b.sections.len()).sum::<usize>()), [18; 2]);
     for (a, b) in due.rows[0].blades.iter().zip(&made.rows[0].blades) {
@@ -70,6 +70,6 @@ fn splitters_are_found_by_their_angles() {
     });
     let mut fetch = |name: &str, _: usize| Ok(SourceFile::text(name, one.as_str()));
     let ten = Options { blades: Some(10), ..Options::default() };
-    let fault = import::read(&["a.step".to_owned()], &mut fetch, &ten, &mut SourceMap::default()).unwrap_err();
+    let fault = blade_files::read(&["a.step".to_owned()], &mut fetch, &ten, &mut SourceMap::default()).unwrap_err();
     assert_eq!(fault[0].code.id(), "IMP1005", "{fault:?}");
 }

@@ -1,8 +1,8 @@
 //! Stock simulation against volumes in closed form, against brute force, and against itself on other numbers of
 //! threads.
 
-use impellerc::collide::{Cutter, Section, ToolSolid};
-use impellerc::stock::{END_ERROR, Field, FieldError, Outcome, Step, StepKind, Touched, simulate};
+use impellerc::tool_stock::collide::{Cutter, Section, ToolSolid};
+use impellerc::tool_stock::stock::{END_ERROR, Field, FieldError, Outcome, Step, StepKind, Touched, simulate};
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::PI;
 

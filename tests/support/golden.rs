@@ -2,7 +2,7 @@
 //! `tests/quick/errors.rs`.
 
 use super::jobs::Compiled;
-use impellerc::post;
+use impellerc::nc;
 use std::path::Path;
 
 /// Snapshots by folder.
@@ -90,8 +90,8 @@ pub fn check(job: &str, name: &str, text: &str) {
 }
 
 /// NC text without the header, which contains the hash of the inputs.
-pub fn nc(compiled: &Compiled, post: &dyn post::Post) -> String {
-    post::emit(post, &super::with_post(post.name(), &compiled.program), &compiled.motion, &[]).text()
+pub fn nc(compiled: &Compiled, post: &dyn nc::Post) -> String {
+    nc::emit(post, &super::with_post(post.name(), &compiled.program), &compiled.motion, &[]).text()
 }
 
 /// Properties that a text snapshot does not show.

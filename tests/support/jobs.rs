@@ -1,11 +1,11 @@
 //! Jobs that are planned and verified once for all tests of a test program.
 
-use impellerc::diag::{Diag, Severity, Sink};
+use impellerc::base::progress::Progress;
+use impellerc::diagnostics::{Diag, Severity, Sink};
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::ir::{Motion, Program};
-use impellerc::passes::pipeline::{self, Plan};
-use impellerc::progress::Progress;
-use impellerc::stock::Field;
+use impellerc::plan::passes::pipeline::{self, Plan};
+use impellerc::tool_stock::stock::Field;
 use impellerc::verify::stock::{Settings, StockReport, simulate};
 use impellerc::verify::{Certificate, Verified, certify_with, verify};
 use std::path::PathBuf;

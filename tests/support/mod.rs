@@ -12,22 +12,23 @@ pub mod sources;
 pub mod squares;
 pub mod step_text;
 
-use impellerc::collide::{Cutter, Section, ToolSolid};
-use impellerc::contract::Scope;
-use impellerc::entity::PrimaryMap;
-use impellerc::geom::{LoftedSurface, NurbsCurve, interpolate};
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::source::Span;
+use impellerc::base::units::{Mm, MmPerMin, Rad, Rpm};
+use impellerc::five_axis::control::Planning;
+use impellerc::five_axis::{Chain, LinearAxis, Machine, RotaryAxis};
 use impellerc::ir::program::DEFAULT_MEMORY;
 use impellerc::ir::{
     Allowed, ContractKind, DataCurve, DataPoint, Operation, OperationId, OperationKind, Program, Tolerances, Tool,
     ToolId,
 };
 use impellerc::job::shipped_post;
-use impellerc::kin::{Chain, LinearAxis, Machine, RotaryAxis};
-use impellerc::method::{AxisMethod, Flank, FlankMethod, Lines, Planning, Spacing};
-use impellerc::operation::VaneAllowance;
-use impellerc::part::{Blade, BladeId, FaceId, FaceSurface, Guides, Part, RulingEnd, Stock};
-use impellerc::source::Span;
-use impellerc::units::{Mm, MmPerMin, Rad, Rpm};
+use impellerc::nurbs::{LoftedSurface, NurbsCurve, interpolate};
+use impellerc::tool_stock::collide::{Cutter, Section, ToolSolid};
+use impellerc::wheel::contract::Scope;
+use impellerc::wheel::method::{AxisMethod, Flank, FlankMethod, Lines, Spacing};
+use impellerc::wheel::operation::VaneAllowance;
+use impellerc::wheel::part::{Blade, BladeId, FaceId, FaceSurface, Guides, Part, RulingEnd, Stock};
 use nalgebra::{Point3, Rotation3, Vector2, Vector3};
 
 /// Wei et al. 2021, tables 1 and 2, mm.

@@ -1,20 +1,20 @@
 //! Wheels that are exported as STEP files and read back into their jobs.
 
 use super::jobs;
+use impellerc::base::source::{SourceFile, SourceMap};
+use impellerc::blade_files::faced_part;
+use impellerc::blade_files::job_frame::Zero;
+use impellerc::blade_files::outlines::outlines;
+use impellerc::blade_files::part_source::PartSource;
+use impellerc::blade_files::part_text::PartFiles;
+use impellerc::blade_files::{self, Imported, Options};
 use impellerc::driver::{self, Options as RunOptions, Outcome, Stages};
-use impellerc::export::step::{StepFile, StepProtocol};
-use impellerc::geom::Revolution;
-use impellerc::geom::proximity::Patch;
-use impellerc::import::faced_part;
-use impellerc::import::job_frame::Zero;
-use impellerc::import::outlines::outlines;
-use impellerc::import::part_source::PartSource;
-use impellerc::import::part_text::PartFiles;
-use impellerc::import::{self, Imported, Options};
 use impellerc::ir::Program;
-use impellerc::part::shell::shell;
-use impellerc::part::{Part, Surface, solid};
-use impellerc::source::{SourceFile, SourceMap};
+use impellerc::nurbs::Revolution;
+use impellerc::nurbs::proximity::Patch;
+use impellerc::report::step::{StepFile, StepProtocol};
+use impellerc::wheel::part::shell::shell;
+use impellerc::wheel::part::{Part, Surface, solid};
 use nalgebra::Vector2;
 
 /// The STEP file of a part.
@@ -26,7 +26,7 @@ pub fn step_file(part: &Part, program: &Program) -> String {
 /// What a STEP file holds.
 pub fn imported(file: &str, options: &Options) -> Imported {
     let mut fetch = |name: &str, _: usize| Ok(SourceFile::text(name, file));
-    import::read(&["a.step".to_owned()], &mut fetch, options, &mut SourceMap::default())
+    blade_files::read(&["a.step".to_owned()], &mut fetch, options, &mut SourceMap::default())
         .unwrap_or_else(|diags| panic!("{diags:?}"))
 }
 

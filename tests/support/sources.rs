@@ -9,3 +9,17 @@ pub fn files(folder: &Path) -> Vec<PathBuf> {
     let below = |path: PathBuf| if path.is_dir() { files(&path) } else { vec![path] };
     entries.into_iter().flat_map(below).filter(|path| path.extension().is_some_and(|e| e == "rs")).collect()
 }
+
+/// The source folders of the compiler: that of the command, and those of its crates.
+pub fn folders() -> Vec<PathBuf> {
+    let crates = std::fs::read_dir("crates").unwrap().map(|e| e.unwrap().path().join("src"));
+    let mut all: Vec<PathBuf> = crates.filter(|folder| folder.is_dir()).collect();
+    all.push("src".into());
+    all.sort();
+    all
+}
+
+/// All Rust files of the compiler.
+pub fn all_files() -> Vec<PathBuf> {
+    folders().iter().flat_map(|folder| files(folder)).collect()
+}

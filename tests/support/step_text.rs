@@ -1,6 +1,6 @@
 //! STEP files of one blade on a turned hub, made of numbers: the hub as one surface of any kind, with or without a seam and holes.
 
-use impellerc::geom::{NurbsCurve, interpolate_at};
+use impellerc::nurbs::{NurbsCurve, interpolate_at};
 use nalgebra::Point3;
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;

@@ -3,16 +3,16 @@
 use super::Document;
 use super::judgement::{SavedProof, lock};
 use super::messages::{address, position, range};
-use crate::diag::{Diag, Fix, Severity};
 use crate::driver::DiskFiles;
-use crate::job::Files;
-use crate::language::{self, JOB, NamedFile, Position, Positions};
-use crate::source::{Origin, SourceFile};
-use crate::syntax::ast::{ItemKind, Name};
-use crate::verify::certificate::{ContractReport, OperationReport};
+use base::source::{Origin, SourceFile};
+use diagnostics::{Diag, Fix, Severity};
+use job::Files;
+use job::language::{self, JOB, NamedFile, Position, Positions};
 use serde_json::{Value, json};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use syntax::ast::{ItemKind, Name};
+use verify::certificate::{ContractReport, OperationReport};
 
 /// A text with its address and its library.
 pub(super) struct JobText<'d> {
@@ -170,7 +170,7 @@ impl JobText<'_> {
 
     /// The edit that gives a text its usual form; none where it has faults.
     fn formatting(&self) -> Value {
-        let formatted = crate::syntax::format(self.text(), JOB, &mut crate::diag::Sink::default());
+        let formatted = syntax::format(self.text(), JOB, &mut diagnostics::Sink::default());
         match formatted {
             Ok(new) if new != self.text() => json!([{ "range": self.range(0..self.text().len()), "newText": new }]),
             Ok(_) => json!([]),
@@ -279,7 +279,7 @@ fn about(named: &NamedFile, mut files: DiskFiles) -> Option<String> {
 }
 
 /// The file on the disk, and the line from 0 at which it gives what the job names.
-fn place_in_file(named: &NamedFile, tree: &crate::syntax::ast::File, mut files: DiskFiles) -> Option<(PathBuf, usize)> {
+fn place_in_file(named: &NamedFile, tree: &syntax::ast::File, mut files: DiskFiles) -> Option<(PathBuf, usize)> {
     let of_table = |files: &mut DiskFiles, table: &str, name: &str| {
         // Of two tools of one name the later one counts.
         let libraries = tree.items.iter().rev().filter_map(|item| match &item.kind {

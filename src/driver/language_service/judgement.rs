@@ -5,16 +5,16 @@
 
 use super::messages::{diagnostics, notice, published, request};
 use super::{FileStamps, Options};
-use crate::diag::Diag;
 use crate::driver::{Outcome, RunState, Stages, check, compile};
-use crate::language::JOB;
-use crate::source::Span;
-use crate::verify::certificate::{ContractReport, OperationReport};
+use base::source::Span;
+use diagnostics::Diag;
+use job::language::JOB;
 use lsp_server::Message;
 use serde_json::{Value, json};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::Duration;
+use verify::certificate::{ContractReport, OperationReport};
 
 /// Sends a message to the editor; false when the editor is gone.
 pub(super) type Send = dyn Fn(Message) -> bool + std::marker::Send + Sync;

@@ -1,8 +1,8 @@
 //! Values and messages in the form of the protocol.
 
-use crate::diag::{Diag, Severity};
-use crate::language::{JOB, Position, Positions};
-use crate::source::{SourceMap, Span};
+use base::source::{SourceMap, Span};
+use diagnostics::{Diag, Severity};
+use job::language::{JOB, Position, Positions};
 use lsp_server::{ErrorCode, Message, Notification, Request, RequestId, Response};
 use serde_json::{Value, json};
 use std::ops::Range;

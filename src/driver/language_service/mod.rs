@@ -10,10 +10,9 @@ mod messages;
 mod nc_text;
 
 use super::{DiskFiles, FileStamps, Options, RunOptions};
-use crate::diag::Sink;
-use crate::job::{InMemory, LibraryFile};
-use crate::language::{self, Positions, Understood};
-use crate::syntax::KnownItems;
+use diagnostics::Sink;
+use job::language::{self, Positions, Understood};
+use job::{InMemory, LibraryFile};
 use job_text::JobText;
 use judgement::{Judgement, Wishes, judge, lock, token};
 use lsp_server::{Connection, ErrorCode, Message, Notification, Request, Response};
@@ -25,6 +24,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::{Arc, Mutex};
+use syntax::KnownItems;
 
 /// What a text is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -236,7 +236,7 @@ impl Service {
                     diagnostics(&document.understood.diags, &document.understood.sources, &document.text, &uri)
                 }
                 TextKind::Library(kind) => {
-                    let sources = crate::job::read_library_file(kind, &name, &document.text, &mut library_sink);
+                    let sources = job::read_library_file(kind, &name, &document.text, &mut library_sink);
                     diagnostics(library_sink.diags(), &sources, &document.text, &uri)
                 }
                 TextKind::Nc => Vec::new(),

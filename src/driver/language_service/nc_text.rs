@@ -2,8 +2,8 @@
 
 use super::FileStamps;
 use crate::driver::reading;
-use crate::export::certificate_file::{self, CertificateFile, sha256};
-use crate::export::source_map::{self, LaidMap, SourceMapFile};
+use report::certificate_file::{self, CertificateFile, sha256};
+use report::source_map::{self, LaidMap, SourceMapFile};
 use serde_json::Value;
 use std::fs::File;
 use std::io::Read as _;
@@ -130,9 +130,9 @@ fn figures(measured: &Value) -> Vec<(u64, u64, String)> {
             format!(
                 "here is the worst place of `{}`: {}{unit}, required {} {}{unit}",
                 name.trim_end(),
-                crate::units::trim(number("found"), 6),
+                base::units::trim(number("found"), 6),
                 text("relation"),
-                crate::units::trim(number("bound"), 6)
+                base::units::trim(number("bound"), 6)
             ),
         ));
     }

@@ -4,10 +4,10 @@
 //! from z = 4 to z = 36 on straight edges at right angles to the axis, so that all layers are cones of this slope.
 
 use super::{faults, good, line, noted, points};
-use impellerc::import::angles::StatedAngle;
-use impellerc::import::{Handedness, LengthUnit, Options};
-use impellerc::sections::EdgeForm;
-use impellerc::sections::angles::EdgeShape;
+use impellerc::blade::EdgeForm;
+use impellerc::blade::angles::EdgeShape;
+use impellerc::blade_files::angles::StatedAngle;
+use impellerc::blade_files::{Handedness, LengthUnit, Options};
 
 /// Slope of the cones: dr/dz, and length over dz.
 const SLOPE: f64 = 0.75;
@@ -101,7 +101,7 @@ pub fn example() -> Vec<(String, String)> {
     vec![("a.bgi".to_owned(), file())]
 }
 
-fn read(text: &str) -> impellerc::import::Imported {
+fn read(text: &str) -> impellerc::blade_files::Imported {
     good(&[("a.bgi", text)], 1, &Options::default())
 }
 
@@ -256,12 +256,12 @@ fn other_ways_to_write_the_same_are_read() {
         a.rows,
         b.rows
             .iter()
-            .map(|row| impellerc::import::ImportedRow {
+            .map(|row| impellerc::blade_files::ImportedRow {
                 blades: row
                     .blades
                     .iter()
                     .zip(&a.rows[0].blades)
-                    .map(|(b, a)| impellerc::import::ImportedBlade { places: a.places.clone(), ..b.clone() })
+                    .map(|(b, a)| impellerc::blade_files::ImportedBlade { places: a.places.clone(), ..b.clone() })
                     .collect(),
                 ..row.clone()
             })

@@ -3,11 +3,11 @@
 
 use super::points;
 pub use crate::support::blade_data::folder;
-use impellerc::import::outlines::{doubtful, outlines};
-use impellerc::import::{self, Imported, LengthUnit, Options};
-use impellerc::sections::outline::DividedSection;
-use impellerc::sections::{EdgeForm, Outline};
-use impellerc::source::{SourceFile, SourceMap};
+use impellerc::base::source::{SourceFile, SourceMap};
+use impellerc::blade::outline::DividedSection;
+use impellerc::blade::{EdgeForm, Outline};
+use impellerc::blade_files::outlines::{doubtful, outlines};
+use impellerc::blade_files::{self, Imported, LengthUnit, Options};
 use std::path::Path;
 
 pub fn read(folder: &Path, names: &[String], options: &Options) -> (Imported, SourceMap) {
@@ -16,7 +16,7 @@ pub fn read(folder: &Path, names: &[String], options: &Options) -> (Imported, So
         let text = std::fs::read_to_string(folder.join(name)).map_err(|e| e.to_string())?;
         Ok(SourceFile::text(name, text))
     };
-    let read = import::read(names, &mut fetch, options, &mut sources);
+    let read = blade_files::read(names, &mut fetch, options, &mut sources);
     (read.unwrap_or_else(|diags| panic!("{}", super::human(&diags, &sources))), sources)
 }
 

@@ -1,10 +1,10 @@
 //! The messages of faulty files as goldens, one for each code.
 
 use super::{axial_loop, human};
-use impellerc::diag::codes::import as codes;
-use impellerc::import::outlines::{doubtful, outlines};
-use impellerc::import::{self, Axis, LengthUnit, Options};
-use impellerc::source::{SourceFile, SourceMap};
+use impellerc::base::source::{SourceFile, SourceMap};
+use impellerc::blade_files::outlines::{doubtful, outlines};
+use impellerc::blade_files::{self, Axis, LengthUnit, Options};
+use impellerc::diagnostics::codes::import as codes;
 
 /// An example: code, files, options. The first file is given.
 type Example = (&'static str, Vec<(&'static str, String)>, Options);
@@ -49,8 +49,8 @@ fn examples() -> Vec<Example> {
             "IMP1009",
             vec![("main.csv", loops(0, |points| points[12][0] += 0.2))],
             Options {
-                start: Some(import::Start::LeadingEdge),
-                side: Some(impellerc::sections::outline::Side::Greater),
+                start: Some(blade_files::Start::LeadingEdge),
+                side: Some(impellerc::blade::outline::Side::Greater),
                 ..all
             },
         ),
@@ -64,10 +64,10 @@ fn said((_, files, options): &Example) -> String {
         let found = files.iter().find(|(n, _)| *n == name);
         found
             .map(|(n, text)| SourceFile::text(*n, text))
-            .ok_or_else(|| import::NoFile::from("there is no such file".to_owned()))
+            .ok_or_else(|| blade_files::NoFile::from("there is no such file".to_owned()))
     };
     let names = vec![files[0].0.to_owned()];
-    let diags = match import::read(&names, &mut fetch, options, &mut sources) {
+    let diags = match blade_files::read(&names, &mut fetch, options, &mut sources) {
         Err(diags) => diags,
         Ok(imported) => match outlines(&imported.rows[0], imported.hub.as_deref(), options) {
             Err(diag) => vec![diag],

@@ -1,9 +1,9 @@
 //! `.geomTurbo` files with the traps of the format.
 
 use super::{axial_loop, faults, good, line, noted};
-use impellerc::import::outlines::outlines;
-use impellerc::import::{LengthUnit, Options};
-use impellerc::sections::SectionForm;
+use impellerc::blade::SectionForm;
+use impellerc::blade_files::outlines::outlines;
+use impellerc::blade_files::{LengthUnit, Options};
 
 /// A section of a face.
 fn section(points: &[[f64; 3]], scale: f64, comment: bool, number: usize) -> String {

@@ -1,7 +1,7 @@
 //! `.ibl` files with the traps of the format.
 
 use super::{axial_loop, faults, good, line, millimetres, noted, points};
-use impellerc::import::Options;
+use impellerc::blade_files::Options;
 
 fn lines(points: &[[f64; 3]], index: bool) -> String {
     let line = |(k, p): (usize, &[f64; 3])| {

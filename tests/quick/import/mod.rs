@@ -19,10 +19,10 @@ mod step_wheel;
 mod table;
 mod turbogrid;
 
-use impellerc::diag::{Diag, Severity, Sink, codes, render};
-use impellerc::import::{self, Axis, Imported, LengthUnit, Options};
-use impellerc::sections::SectionForm;
-use impellerc::source::{SourceFile, SourceMap};
+use impellerc::base::source::{SourceFile, SourceMap};
+use impellerc::blade::SectionForm;
+use impellerc::blade_files::{self, Axis, Imported, LengthUnit, Options};
+use impellerc::diagnostics::{Diag, Severity, Sink, codes, render};
 use nalgebra::Point3;
 
 /// Files in memory, by name.
@@ -36,9 +36,9 @@ pub fn read(files: FileTexts<'_>, given: usize, options: &Options) -> (Result<Im
         let found = files.iter().find(|(n, _)| *n == name);
         found
             .map(|(_, text)| SourceFile::text(name, *text))
-            .ok_or_else(|| import::NoFile::from("there is no such file".to_owned()))
+            .ok_or_else(|| blade_files::NoFile::from("there is no such file".to_owned()))
     };
-    let read = import::read(&names, &mut fetch, options, &mut sources);
+    let read = blade_files::read(&names, &mut fetch, options, &mut sources);
     (read, sources)
 }
 

@@ -2,10 +2,10 @@
 
 use super::{human, read};
 use crate::import::{bladegen, geomturbo, ibl, rtzt, step, step_wheel, table, turbogrid};
-use impellerc::diag::Severity;
-use impellerc::import::outlines::{doubtful, outlines};
-use impellerc::import::{Axis, LengthUnit, Options};
-use impellerc::sections::ThicknessDirection;
+use impellerc::blade::ThicknessDirection;
+use impellerc::blade_files::outlines::{doubtful, outlines};
+use impellerc::blade_files::{Axis, LengthUnit, Options};
+use impellerc::diagnostics::Severity;
 use proptest::prelude::*;
 use proptest::sample::Index;
 

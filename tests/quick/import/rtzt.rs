@@ -1,8 +1,8 @@
 //! `.rtzt` files with the traps of the format.
 
 use super::{faults, good, line};
-use impellerc::import::{LengthUnit, Options};
-use impellerc::sections::{SectionForm, ThicknessDirection};
+use impellerc::blade::{SectionForm, ThicknessDirection};
+use impellerc::blade_files::{LengthUnit, Options};
 
 /// Main blade and splitter of a radial impeller.
 fn file(direction: &str, uses: &str) -> String {

@@ -1,9 +1,9 @@
 //! Sections against shapes whose faces and edges are known.
 
 use super::axial_loop;
-use impellerc::sections::facts::{SectionFact, facts};
-use impellerc::sections::outline::{DividedSection, Inlet, Known, OutlineFault, Side, outline, pressure_side};
-use impellerc::sections::{EdgeForm, MeanPoint, Section, SectionForm, ThicknessDirection};
+use impellerc::blade::facts::{SectionFact, facts};
+use impellerc::blade::outline::{DividedSection, Inlet, Known, OutlineFault, Side, outline, pressure_side};
+use impellerc::blade::{EdgeForm, MeanPoint, Section, SectionForm, ThicknessDirection};
 use nalgebra::Point3;
 use proptest::prelude::*;
 

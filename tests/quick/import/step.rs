@@ -1,7 +1,7 @@
 //! STEP files: what is listed of them, and what is refused.
 
 use super::{good, line};
-use impellerc::import::Options;
+use impellerc::blade_files::Options;
 
 /// A made-up file in inches with one face.
 pub fn example() -> Vec<(String, String)> {

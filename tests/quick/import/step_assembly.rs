@@ -2,8 +2,8 @@
 
 use super::step_wheel::{WHEEL, five};
 use super::{faults, good, noted};
-use impellerc::import::{Imported, Options};
-use impellerc::sections::SectionForm;
+use impellerc::blade::SectionForm;
+use impellerc::blade_files::{Imported, Options};
 use nalgebra::{Point3, Rotation3, Vector3};
 
 /// The wheel of planes and cylinders with its hub in one part and its blade in another one. `rest` relates the representations: #9003

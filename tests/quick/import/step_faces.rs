@@ -3,8 +3,8 @@
 use super::{faults, good, noted};
 use crate::support::jobs;
 use crate::support::round_trip::{compiled, differences, foreign, imported, number, part_files, step_file};
-use impellerc::import::{BladeSurfaces, FaceChoice, Imported, Options};
-use impellerc::sections::SectionForm;
+use impellerc::blade::SectionForm;
+use impellerc::blade_files::{BladeSurfaces, FaceChoice, Imported, Options};
 use nalgebra::Point3;
 
 fn picks(texts: &[String]) -> Options {

@@ -2,7 +2,7 @@
 
 use super::{faults, good, noted};
 use crate::support::step_text::{HubKind, MadeWheel, OVAL};
-use impellerc::import::{FaceChoice, Imported, Options, Start};
+use impellerc::blade_files::{FaceChoice, Imported, Options, Start};
 use nalgebra::Vector2;
 
 const KINDS: [HubKind; 8] = [

@@ -3,12 +3,12 @@
 use super::{faults, good, noted};
 use crate::support::round_trip::part_files;
 use crate::support::step_text::{HubKind, MadeWheel, OVAL};
-use impellerc::import::job_frame::Zero;
-use impellerc::import::outlines::outlines;
-use impellerc::import::part_source::PartSource;
-use impellerc::import::{BladeSurfaces, FaceChoice, Imported, Options, Start};
-use impellerc::sections::outline::DividedSection;
-use impellerc::sections::{EdgeForm, SectionForm};
+use impellerc::blade::outline::DividedSection;
+use impellerc::blade::{EdgeForm, SectionForm};
+use impellerc::blade_files::job_frame::Zero;
+use impellerc::blade_files::outlines::outlines;
+use impellerc::blade_files::part_source::PartSource;
+use impellerc::blade_files::{BladeSurfaces, FaceChoice, Imported, Options, Start};
 use nalgebra::Point3;
 use std::f64::consts::PI;
 

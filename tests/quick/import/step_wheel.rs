@@ -3,8 +3,8 @@
 use super::{faults, good, line, noted, read};
 use crate::support::bounded;
 use crate::support::round_trip::{assert_same_part, round_trip};
-use impellerc::import::{Axis, BladeSurfaces, FaceChoice, LengthUnit, Options};
-use impellerc::sections::SectionForm;
+use impellerc::blade::SectionForm;
+use impellerc::blade_files::{Axis, BladeSurfaces, FaceChoice, LengthUnit, Options};
 
 /// A blade of two planes, 2 mm thick, between cylinders of 20 mm and 30 mm: the faces have the names of our own export.
 pub const WHEEL: &str = include_str!("../../../fuzz/corpus/step/wheel");

@@ -1,8 +1,8 @@
 //! Tables of points: section files of NASA and comma separated values.
 
 use super::{axial_loop, faults, good, line, millimetres, noted, points};
-use impellerc::import::{Axis, LengthUnit, Options};
-use impellerc::sections::{SectionForm, ThicknessDirection};
+use impellerc::blade::{SectionForm, ThicknessDirection};
+use impellerc::blade_files::{Axis, LengthUnit, Options};
 
 /// A section file as NASA writes them.
 fn nasa(radius: f64, shift: usize) -> String {

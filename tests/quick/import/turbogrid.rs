@@ -1,11 +1,11 @@
 //! TurboGrid files with the traps of the format.
 
 use super::{axial_loop, faults, good, line, noted, points};
-use impellerc::diag::codes;
-use impellerc::import::outlines::outlines;
-use impellerc::import::{Axis, LengthUnit, Options};
-use impellerc::sections::EdgeForm;
-use impellerc::sections::outline::Side;
+use impellerc::blade::EdgeForm;
+use impellerc::blade::outline::Side;
+use impellerc::blade_files::outlines::outlines;
+use impellerc::blade_files::{Axis, LengthUnit, Options};
+use impellerc::diagnostics::codes;
 
 /// Points of lines of the profile, hub or shroud.
 fn lines(points: &[[f64; 3]], scale: f64) -> String {

@@ -1,11 +1,11 @@
 //! Active limits of runs for which they follow from closed forms.
 
 use super::{A, Stop, along_x, motion, near, program, ran, support};
-use impellerc::entity::PrimaryMap;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::units::MmPerMin;
+use impellerc::five_axis::Machine;
+use impellerc::five_axis::control::Planning;
 use impellerc::ir::{MoveKind, Operation, Program};
-use impellerc::kin::Machine;
-use impellerc::method::Planning;
-use impellerc::units::MmPerMin;
 use impellerc::verify::dynamics::{MotionLimit, Run, run};
 use std::f64::consts::{PI, TAU};
 

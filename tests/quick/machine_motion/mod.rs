@@ -4,8 +4,8 @@ mod active;
 mod times;
 
 use crate::support;
+use impellerc::five_axis::{Chain, Interpolation, Joints, Machine};
 use impellerc::ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
-use impellerc::kin::{Chain, Interpolation, Joints, Machine};
 use impellerc::verify::dynamics::{Run, run};
 use nalgebra::{Point3, Vector3};
 use proptest::prelude::*;

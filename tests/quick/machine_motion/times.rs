@@ -1,9 +1,9 @@
 //! Times of any motion are finite and include every block: extreme feeds, limits and lengths, long operations.
 
 use super::{Stop, motion, program, ran, support, with_jerk};
+use impellerc::five_axis::Machine;
+use impellerc::five_axis::control::Planning;
 use impellerc::ir::{JointMove, MoveKind, Program};
-use impellerc::kin::Machine;
-use impellerc::method::Planning;
 use impellerc::verify::dynamics::{Run, run};
 use impellerc::verify::machine;
 use nalgebra::Point3;

@@ -5,9 +5,9 @@ use super::Change::{All, First, Job, Last, Machine, Text};
 use super::Kind;
 use super::Verdict::{Found, Harmless, Refused};
 use super::operations;
-use impellerc::entity::PrimaryMap;
-use impellerc::method::Planning;
-use impellerc::units::Mm;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::units::Mm;
+use impellerc::five_axis::control::Planning;
 
 const LOAD: &str = "LOADTL/1,LENGTH,105.0000";
 const FLAT: &str = "CUTTER/2.0000,0.0000,1.0000,0.0000,0.00000,0.00000,12.0000";

@@ -2,7 +2,7 @@
 //! Hashes alone reveal the first two; only a measurement of the text against the job reveals the third.
 
 use super::Verdict::{self, Found, Harmless, Refused};
-use impellerc::export::certificate_file::{CertificateFile, HEAD, NcText, named, sha256};
+use impellerc::report::certificate_file::{CertificateFile, HEAD, NcText, named, sha256};
 use rayon::prelude::*;
 use serde_json::Value;
 use std::collections::BTreeMap;

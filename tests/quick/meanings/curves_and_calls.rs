@@ -2,11 +2,12 @@
 //! read is another one, which the verifier then measures. None is read as the motion that was meant.
 
 use crate::{sector_subprograms, splines};
-use impellerc::compare::{ComparedMotion, compare};
-use impellerc::diag::Sink;
+use impellerc::base::source::Span;
+use impellerc::diagnostics::Sink;
 use impellerc::ir::{Motion, Program};
-use impellerc::post::{self, motion_of::motion_of};
-use impellerc::source::Span;
+use impellerc::nc::compare::ComparedMotion;
+use impellerc::nc::{self, motion_of::motion_of};
+use impellerc::nc_text::compare;
 use std::ops::Range;
 
 /// What is added to a number with and without a point: at least three steps of any word.
@@ -17,7 +18,7 @@ const FASTER: f64 = 20.0;
 
 /// The motion of a text; `None` where it is refused.
 fn read(program: &Program, text: &str) -> Option<Motion> {
-    let sections = post::find(&program.post.dialect).unwrap().read(text, &program.machine).ok()?;
+    let sections = nc::find(&program.post.dialect).unwrap().read(text, &program.machine).ok()?;
     let mut sink = Sink::default();
     let motion = motion_of(program, &sections, &|_| Span::default(), &mut sink)?;
     (!sink.has_errors()).then_some(motion.motion)
@@ -143,7 +144,7 @@ fn goto_within_curves_are_the_same_motion() {
     };
     assert!(last - before != off - last || read(program, &with(&exchanged)).is_none());
     let alone = |k: usize| if (next + 1..last).contains(&k) { None } else { kept(k) };
-    let found = post::find("apt-cl").unwrap().read(&with(&alone), &program.machine);
+    let found = nc::find("apt-cl").unwrap().read(&with(&alone), &program.machine);
     println!("{:?}", found.as_ref().err().map(|faults| &faults[0].reason));
     assert!(found.is_err_and(|faults| faults[0].reason.contains("over LINTOL")));
 }

@@ -5,8 +5,8 @@ use super::How::{Address, Double, Number};
 use super::Kind;
 use super::Verdict::{Found, Harmless, Refused};
 use super::operations;
-use impellerc::entity::PrimaryMap;
-use impellerc::units::Mm;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::units::Mm;
 
 /// Of the text with positions of the rotary axes.
 pub fn kinds() -> Vec<Kind> {

@@ -6,8 +6,8 @@ use super::How::{Address, Double, Number};
 use super::Kind;
 use super::Verdict::{Found, Harmless, Refused};
 use super::operations;
-use impellerc::entity::PrimaryMap;
-use impellerc::units::Mm;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::units::Mm;
 
 pub fn kinds() -> Vec<Kind> {
     let mut all = Vec::new();

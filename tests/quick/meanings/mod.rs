@@ -14,17 +14,17 @@ mod operations;
 mod siemens;
 
 use crate::support::{self, jobs};
-use impellerc::diag::{Severity, Sink};
+use impellerc::base::progress::Progress;
+use impellerc::base::source::Span;
+use impellerc::diagnostics::{Severity, Sink};
 use impellerc::driver::{self, Options, Outcome, Stages};
+use impellerc::five_axis::Machine;
 use impellerc::ir::{Motion, Program};
-use impellerc::kin::Machine;
-use impellerc::passes::pipeline;
-use impellerc::post::{self, Post, motion_of::motion_of};
-use impellerc::post_file::Orientation;
-use impellerc::progress::Progress;
-use impellerc::source::Span;
+use impellerc::nc::{self, Post, motion_of::motion_of};
+use impellerc::plan::passes::pipeline;
 use impellerc::verify::stock::Settings;
 use impellerc::verify::{Verified, certify_with, examine};
+use impellerc::wheel::post_file::Orientation;
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
@@ -243,7 +243,7 @@ fn compiled(machine: Option<&str>) -> (Program, Verified<Motion>) {
 
 /// The text of a job in a dialect, without block numbers.
 fn written(post: &dyn Post, program: &Program, motion: &Verified<Motion>) -> String {
-    let text = post::emit(post, program, motion, &[]).text();
+    let text = nc::emit(post, program, motion, &[]).text();
     let prefix = post.form().numbers.prefix;
     let bare = |line: &str| match line.strip_prefix(prefix).and_then(|l| l.split_once(' ')) {
         Some((number, rest)) if !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit()) => rest.to_owned(),
@@ -286,7 +286,7 @@ pub fn print_counts(what: &str, kinds: usize, counts: &BTreeMap<(&str, Verdict),
 }
 
 fn campaign(dialect: &str, orientation: Orientation, kinds: Vec<Kind>, least: usize) {
-    let post = post::find(dialect).unwrap();
+    let post = nc::find(dialect).unwrap();
     let (program, motion) = short(dialect);
     let mut program = support::with_post(dialect, program);
     program.post.orientation = orientation;
@@ -294,7 +294,7 @@ fn campaign(dialect: &str, orientation: Orientation, kinds: Vec<Kind>, least: us
     let text = written(post, program, motion);
     let sections = post.read(&numbered(post, &text), &program.machine).unwrap();
     let meant = motion_of(program, &sections, &|_| Span::default(), &mut Sink::default()).unwrap().motion;
-    let whole = post::emit(post, program, motion, &[]).text();
+    let whole = nc::emit(post, program, motion, &[]).text();
     assert_eq!(judged(post, program, &whole, (&program.machine, &meant)).0, Verdict::Harmless, "block numbers");
     // What is found is found for its change.
     if kinds.iter().any(|kind| kind.2 == Verdict::Found) {

@@ -2,15 +2,15 @@
 
 use crate::support;
 use crate::support::golden;
-use impellerc::collide::Cutter;
-use impellerc::diag::Sink;
-use impellerc::entity::PrimaryMap;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::diagnostics::Sink;
 use impellerc::ir::Tool;
 use impellerc::ir::{Motion, Program};
-use impellerc::passes::pipeline;
-use impellerc::post;
-use impellerc::post_file::Decimals;
+use impellerc::nc;
+use impellerc::plan::passes::pipeline;
+use impellerc::tool_stock::collide::Cutter;
 use impellerc::verify::{Verified, verify};
+use impellerc::wheel::post_file::Decimals;
 use std::sync::LazyLock;
 
 const POST: &str = "apt-cl";
@@ -31,10 +31,10 @@ fn program(dialect: &str) -> Program {
 
 /// The lines of the text of a program, read back before.
 fn lines(program: &Program) -> Vec<String> {
-    let post = post::find(&program.post.dialect).unwrap();
+    let post = nc::find(&program.post.dialect).unwrap();
     let motion = &PROGRAM.1;
-    let text = post::emit(post, program, motion, &[]).text();
-    post::read_back(post, program, motion, &text).unwrap_or_else(|d| panic!("{d:?}"));
+    let text = nc::emit(post, program, motion, &[]).text();
+    nc::read_back(post, program, motion, &text).unwrap_or_else(|d| panic!("{d:?}"));
     text.lines().map(str::to_owned).collect()
 }
 

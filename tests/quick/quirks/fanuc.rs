@@ -3,12 +3,12 @@
 use crate::support;
 use crate::support::golden::check;
 use crate::support::jobs::{self, Compiled};
-use impellerc::diag::Sink;
+use impellerc::base::source::Span;
+use impellerc::diagnostics::Sink;
+use impellerc::five_axis::{AxisLine, Carries, Chain, Machine, RotaryAxis};
 use impellerc::ir::Program;
-use impellerc::kin::{AxisLine, Carries, Chain, Machine, RotaryAxis};
-use impellerc::post::{self, NcProgram};
-use impellerc::post_file::{Orientation, Template};
-use impellerc::source::Span;
+use impellerc::nc::{self, NcProgram};
+use impellerc::wheel::post_file::{Orientation, Template};
 use nalgebra::{Point3, Vector3};
 
 /// An operation that begins with the tables at zero.
@@ -47,7 +47,7 @@ fn head() -> Machine {
 }
 
 fn said(dialect: &str, machine: &Machine, text: &str) -> String {
-    match post::find(dialect).unwrap().read(text, machine) {
+    match nc::find(dialect).unwrap().read(text, machine) {
         Ok(sections) => format!("read, {} moves", sections.iter().map(|s| s.moves.len()).sum::<usize>()),
         Err(faults) => format!("line {}: {}", faults[0].line, faults[0].reason),
     }
@@ -153,7 +153,7 @@ fn written(dialect: &str, step: u32) -> NcProgram {
     let Compiled { program, motion, .. } = jobs::small(dialect);
     let mut program = support::with_post(dialect, program);
     program.post.block_numbers = step;
-    post::emit(post::find(dialect).unwrap(), &program, motion, &[])
+    nc::emit(nc::find(dialect).unwrap(), &program, motion, &[])
 }
 
 #[test]
@@ -170,7 +170,7 @@ fn block_numbers_begin_again_before_they_have_too_many_digits() {
         let text = format!("{}\n...\n{}\n", lines[..6].join("\n"), lines[at - 1..at + 3].join("\n"));
         check("posts", &format!("block-numbers.{dialect}"), &text);
         let machine = &jobs::small(dialect).program.machine;
-        assert!(post::find(dialect).unwrap().read(&nc.text(), machine).is_ok());
+        assert!(nc::find(dialect).unwrap().read(&nc.text(), machine).is_ok());
     }
 }
 
@@ -205,7 +205,7 @@ fn the_trial_of_the_frames_holds_for_a_machine_with_a_head() {
         program.machine = head();
         program.post.orientation = orientation;
         let mut sink = Sink::default();
-        post::trial::check(post::find(dialect).unwrap(), &program, &mut sink);
+        nc::trial::check(nc::find(dialect).unwrap(), &program, &mut sink);
         assert!(!sink.has_errors(), "{dialect}: {:?}", sink.diags());
     }
 }
@@ -218,7 +218,7 @@ fn frames_may_have_the_own_words_of_the_machine() {
     program.post.frames[2].insert(5, word);
     let trial = |program: &Program| {
         let mut sink = Sink::default();
-        post::trial::check(post::find("fanuc").unwrap(), program, &mut sink);
+        nc::trial::check(nc::find("fanuc").unwrap(), program, &mut sink);
         sink.diags().first().map(|d| d.message.clone())
     };
     let said = trial(&program).unwrap();

@@ -2,8 +2,8 @@
 
 use super::{Quirk, Step, blocks, changed};
 use crate::bad_nc::HEIDENHAIN;
-use impellerc::post;
-use impellerc::post_file::Orientation::{Angles, Vectors};
+use impellerc::nc;
+use impellerc::wheel::post_file::Orientation::{Angles, Vectors};
 
 /// Tips, rotary axes, feeds.
 const MOVES: [Step; 4] = [
@@ -22,7 +22,7 @@ fn m128() -> String {
 pub fn quirks() -> Vec<Quirk> {
     let tcpm = |changes: &[(&'static str, &'static str)]| changed(HEIDENHAIN, changes);
     let by_m128 = |changes: &[(&'static str, &'static str)]| changed(&m128(), changes);
-    let number = |value: f64| post::find("heidenhain").unwrap().number(value, 4);
+    let number = |value: f64| nc::find("heidenhain").unwrap().number(value, 4);
     vec![
         Quirk {
             name: "negative-zero",

@@ -11,13 +11,13 @@ mod siemens_840d;
 mod splines;
 
 use crate::support::{self, golden};
-use impellerc::diag::Sink;
+use impellerc::diagnostics::Sink;
 use impellerc::driver::check_frames;
+use impellerc::five_axis::{Machine, PoseCurve, TurnCurve};
 use impellerc::ir::{JointMove, Motion, MotionOperation, MoveKind, Program, SplineBlock};
 use impellerc::job::shipped_post;
-use impellerc::kin::{Machine, PoseCurve, TurnCurve};
-use impellerc::post;
-use impellerc::post_file::{Field, Orientation};
+use impellerc::nc;
+use impellerc::wheel::post_file::{Field, Orientation};
 use nalgebra::{Point3, Vector2, Vector3};
 
 /// A quirk of a dialect.
@@ -66,7 +66,7 @@ pub fn blocks(dialect: &str, orientation: Orientation, moves: &[Step]) -> Vec<St
     program.post.orientation = orientation;
     let mut blocks = Vec::new();
     let operation = operation(&program, moves);
-    post::find(dialect).unwrap().moves(&program, &operation, "", &mut |text, _| blocks.push(text));
+    nc::find(dialect).unwrap().moves(&program, &operation, "", &mut |text, _| blocks.push(text));
     blocks
 }
 
@@ -89,12 +89,12 @@ fn spline_blocks(dialect: &str) -> Vec<String> {
     let curve = PoseCurve::new(tip, turn).unwrap();
     operation.splines.push(SplineBlock { first: 2, last: 2, curve, shares: vec![1.0] });
     let mut blocks = Vec::new();
-    post::find(dialect).unwrap().moves(&program, &operation, "", &mut |text, _| blocks.push(text));
+    nc::find(dialect).unwrap().moves(&program, &operation, "", &mut |text, _| blocks.push(text));
     blocks
 }
 
 fn shown(dialect: &str, machine: &Machine, quirk: &Quirk) -> String {
-    let post = post::find(dialect).unwrap();
+    let post = nc::find(dialect).unwrap();
     let mut golden: Vec<String> = Vec::new();
     if !quirk.written.is_empty() {
         golden.push("written:".to_owned());
@@ -150,7 +150,7 @@ fn half_a_turn_in_one_block_is_refused() {
         let moves = [([50.0, -40.0, 10.0], [30.0, 0.0], None), ([50.0, -40.0, 12.0], [30.0, turn], None)];
         let motion = Motion { operations: vec![operation(&program, &moves)] };
         let mut sink = Sink::default();
-        post::find("heidenhain").unwrap().check(&program, &motion, &mut sink);
+        nc::find("heidenhain").unwrap().check(&program, &motion, &mut sink);
         sink.diags().iter().map(|d| d.code.id()).collect::<Vec<_>>()
     };
     assert_eq!(said(50.0, 200.0), ["IMP0811"]);

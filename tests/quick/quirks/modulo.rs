@@ -3,12 +3,12 @@
 
 use super::{Step, fanuc, operation, program, splines};
 use crate::bad_nc::{HEIDENHAIN, SIEMENS};
-use impellerc::diag::Sink;
+use impellerc::diagnostics::Sink;
+use impellerc::five_axis::Machine;
+use impellerc::five_axis::control::ModuloWay;
 use impellerc::ir::{Motion, Program};
-use impellerc::kin::Machine;
-use impellerc::method::ModuloWay;
-use impellerc::post::{self, Direction};
-use impellerc::post_file::Orientation;
+use impellerc::nc::{self, Direction};
+use impellerc::wheel::post_file::Orientation;
 
 /// The machine with a table C that turns without end.
 fn endless(machine: &Machine, way: ModuloWay) -> Machine {
@@ -62,7 +62,7 @@ fn text(dialect: &str, blocks: &[String]) -> String {
 fn blocks(program: &Program, moves: &[Step]) -> Vec<String> {
     let mut blocks = Vec::new();
     let operation = operation(program, moves);
-    post::find(&program.post.dialect).unwrap().moves(program, &operation, "", &mut |text, _| blocks.push(text));
+    nc::find(&program.post.dialect).unwrap().moves(program, &operation, "", &mut |text, _| blocks.push(text));
     blocks
 }
 
@@ -91,11 +91,11 @@ fn a_path_that_winds_is_read_as_it_was() {
             program.post.orientation = orientation;
             let moves = winding(from);
             let motion = Motion { operations: vec![operation(&program, &moves)] };
-            let post = post::find(dialect).unwrap();
+            let post = nc::find(dialect).unwrap();
             let mut sink = Sink::default();
             post.check(&program, &motion, &mut sink);
             // The stations of this operation stand elsewhere: only its own blocks are looked at.
-            let own = |d: &&impellerc::diag::Diag| d.code.id() != "IMP0811" && d.code.id() != "IMP0803";
+            let own = |d: &&impellerc::diagnostics::Diag| d.code.id() != "IMP0811" && d.code.id() != "IMP0803";
             assert!(sink.diags().iter().find(own).is_none(), "{dialect}: {:?}", sink.diags());
             let mut blocks = blocks(&program, &moves);
             // Fanuc turns the tables to the first station before.
@@ -126,7 +126,7 @@ fn a_path_that_winds_is_read_as_it_was() {
 fn half_a_turn_and_foreign_words_are_refused() {
     let said = |dialect: &str, block: &str| {
         let machine = endless(&program(dialect).machine, ModuloWay::Shortest);
-        let faults = post::find(dialect).unwrap().read(&text(dialect, &[block.to_owned()]), &machine);
+        let faults = nc::find(dialect).unwrap().read(&text(dialect, &[block.to_owned()]), &machine);
         faults.map_or_else(|faults| faults[0].reason.clone(), |_| "read".to_owned())
     };
     let of = |dialect: &str, c: &str| match dialect {
@@ -149,7 +149,7 @@ fn half_a_turn_and_foreign_words_are_refused() {
     }
     assert!(of("siemens-840d", "20").contains("write `C=DC(...)`"), "{}", of("siemens-840d", "20"));
     let limited = program("siemens-840d").machine;
-    let faults = post::find("siemens-840d").unwrap().read(&SIEMENS.replace("C=20", "C=DC(20)"), &limited).unwrap_err();
+    let faults = nc::find("siemens-840d").unwrap().read(&SIEMENS.replace("C=20", "C=DC(20)"), &limited).unwrap_err();
     assert!(faults[0].reason.contains("is no axis modulo 360 deg"), "{faults:?}");
 }
 
@@ -160,7 +160,7 @@ fn an_axis_is_followed_through_polynomials() {
     let text = splines::poly()
         .replace("C=20", "C=DC(20)")
         .replace("N154 G1 ORIAXES\n", "N154 G1 ORIAXES\nN155 G1 X26 Y-20 Z3 A=32 C=DC(359) F250\n");
-    let sections = post::find("siemens-840d").unwrap().read(&text, &machine).unwrap();
+    let sections = nc::find("siemens-840d").unwrap().read(&text, &machine).unwrap();
     let Direction::Rotary([_, c]) = sections[0].moves.last().unwrap().direction else { panic!("{sections:?}") };
     assert!((c.to_degrees() + 1.0).abs() < 1e-9, "{c}");
 }
@@ -176,7 +176,7 @@ fn posts_say_what_they_do_not_take() {
         // Without stations elsewhere.
         operation.moves.pop();
         let mut sink = Sink::default();
-        post::find(dialect).unwrap().check(&program, &Motion { operations: vec![operation] }, &mut sink);
+        nc::find(dialect).unwrap().check(&program, &Motion { operations: vec![operation] }, &mut sink);
         sink.diags().iter().map(|d| d.code.id()).filter(|code| *code != "IMP0803").collect::<Vec<_>>()
     };
     for dialect in ["siemens-840d", "heidenhain", "fanuc"] {
@@ -192,7 +192,7 @@ fn posts_say_what_they_do_not_take() {
     // What the proof assumes of the axis stands in the head.
     for dialect in ["siemens-840d", "heidenhain", "fanuc"] {
         let program = on_endless(dialect, Shortest);
-        let assumed = post::assumptions(post::find(dialect).unwrap(), &program);
+        let assumed = nc::assumptions(nc::find(dialect).unwrap(), &program);
         assert!(assumed.iter().any(|what| what.starts_with("C is an axis modulo 360 deg")), "{assumed:?}");
     }
 }

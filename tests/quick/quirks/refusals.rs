@@ -1,17 +1,17 @@
 //! What a control has no words for, where no job shows it: each refusal has its code, a place and a way out.
 
 use super::{Step, operation, program};
-use impellerc::diag::Sink;
-use impellerc::entity::PrimaryMap;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::diagnostics::Sink;
 use impellerc::ir::{Motion, Program, Tool};
-use impellerc::post;
-use impellerc::post_file::Orientation;
+use impellerc::nc;
+use impellerc::wheel::post_file::Orientation;
 
 /// The only refusal of a motion: its code and its message.
 fn refusal(program: &Program, moves: &[Step]) -> (&'static str, String) {
     let motion = Motion { operations: vec![operation(program, moves)] };
     let mut sink = Sink::default();
-    post::find(&program.post.dialect).unwrap().check(program, &motion, &mut sink);
+    nc::find(&program.post.dialect).unwrap().check(program, &motion, &mut sink);
     let [diag] = sink.diags() else { panic!("{:?}", sink.diags()) };
     assert!(diag.help.is_some() && !diag.labels.is_empty(), "{diag:?}");
     (diag.code.id(), diag.message.clone())

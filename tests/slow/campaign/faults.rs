@@ -1,9 +1,9 @@
 //! Seeded faults in the text, or in the tools with which the text is run.
 
 use super::blocks::{Dialect, Station, axis, is_rapid, set, stations, word};
-use impellerc::collide::{Cutter, ToolSolid};
-use impellerc::entity::PrimaryMap;
+use impellerc::base::entity::PrimaryMap;
 use impellerc::ir::{Program, ToolId};
+use impellerc::tool_stock::collide::{Cutter, ToolSolid};
 use nalgebra::{Point3, Rotation3, Unit, Vector3};
 use std::f64::consts::PI;
 

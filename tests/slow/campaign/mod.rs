@@ -15,13 +15,13 @@ use crate::support::{
 };
 use blocks::{Dialect, stations};
 use faults::{Fault, KINDS, Kind, Original, Seeded};
-use impellerc::diag::{Code, Severity, Sink, codes};
-use impellerc::entity::PrimaryMap;
+use impellerc::base::entity::PrimaryMap;
+use impellerc::base::progress::Progress;
+use impellerc::base::source::{SourceId, Span};
+use impellerc::diagnostics::{Code, Severity, Sink, codes};
 use impellerc::ir::{Operation, OperationKind, Program};
-use impellerc::post::motion_of::motion_of;
-use impellerc::post::{self};
-use impellerc::progress::Progress;
-use impellerc::source::{SourceId, Span};
+use impellerc::nc::motion_of::motion_of;
+use impellerc::nc::{self};
 use impellerc::verify::certify_with;
 use impellerc::verify::stock::Settings;
 use nalgebra::Point3;
@@ -57,7 +57,7 @@ struct Said {
     /// Errors with the NC lines of their labels.
     errors: Vec<(Code, Vec<usize>)>,
     /// Deepest gouge: depth, point, surface, line.
-    gouge: Option<(f64, Point3<f64>, impellerc::part::SurfaceId, usize)>,
+    gouge: Option<(f64, Point3<f64>, impellerc::wheel::part::SurfaceId, usize)>,
     /// Least distance of shank and holder with its line.
     bodies: Option<(f64, usize)>,
 }
@@ -75,7 +75,7 @@ fn ask(dialect: Dialect, program: &Program, lines: &[String], cell: f64) -> Said
     let span = |line: usize| Span::new(file, line..line);
     let mut sink = Sink::default();
     let mut said = Said { errors: Vec::new(), gouge: None, bodies: None };
-    let sections = match post::find(dialect.name()).unwrap().read(&text, &program.machine) {
+    let sections = match nc::find(dialect.name()).unwrap().read(&text, &program.machine) {
         Ok(sections) => sections,
         Err(faults) => panic!("a fault that is no text: {faults:?}"),
     };
@@ -245,13 +245,9 @@ fn faults_are_found_with_size_and_line() {
         // A whole turn of C too far is a motion to be measured here, not a word beyond travel.
         (program.machine.rotary[1].min, program.machine.rotary[1].max) = (-20.0, 20.0);
         let design = Design::new(&program.part);
-        let text = post::emit(
-            post::find(dialect.name()).unwrap(),
-            &support::with_post(dialect.name(), &program),
-            &motion,
-            &[],
-        )
-        .text();
+        let text =
+            nc::emit(nc::find(dialect.name()).unwrap(), &support::with_post(dialect.name(), &program), &motion, &[])
+                .text();
         let original = Original::new(dialect, &text, &program);
         let said = ask(dialect, &program, &original.lines, USUAL_CELL);
         assert!(said.errors.is_empty(), "an alarm on the original: {:?}", said.errors);

@@ -2,9 +2,9 @@
 //! signed distances to convex solids in closed form. Nothing here comes from the verifier.
 
 use super::blocks::{Station, axis};
-use impellerc::collide::{Cutter, Section};
 use impellerc::ir::Program;
-use impellerc::part::{BladeId, FaceId, Part, Sample, Surface, SurfaceId, SurfaceKind, sample};
+use impellerc::tool_stock::collide::{Cutter, Section};
+use impellerc::wheel::part::{BladeId, FaceId, Part, Sample, Surface, SurfaceId, SurfaceKind, sample};
 use nalgebra::{Point3, Vector2, Vector3};
 use rayon::prelude::*;
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -515,7 +515,7 @@ fn chart(part: &Part, surface: SurfaceId, p: &Point3<f64>) -> Option<[f64; 2]> {
             Some([u, p.y.atan2(p.x)])
         }
         SurfaceKind::Face(side) => {
-            let patch = impellerc::geom::proximity::Patch { u: [0.0, 1.0], v: [-0.1, 1.1] };
+            let patch = impellerc::nurbs::proximity::Patch { u: [0.0, 1.0], v: [-0.1, 1.1] };
             let foot = part.face(side).surface.closest(&own, patch);
             Some([foot.u, foot.v])
         }
@@ -544,7 +544,7 @@ fn belongs(part: &Part, surface: SurfaceId, [u, v]: [f64; 2]) -> bool {
             (0..part.vane_count).all(|k| {
                 let own = nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), -pitch * f64::from(k)) * centre;
                 BladeId::MAIN.faces().into_iter().all(|side| {
-                    let patch = impellerc::geom::proximity::Patch { u: [0.0, 1.0], v: [-0.1, 1.1] };
+                    let patch = impellerc::nurbs::proximity::Patch { u: [0.0, 1.0], v: [-0.1, 1.1] };
                     let foot = part.face(side).surface.closest(&own, patch);
                     (part.face(side).surface.point(foot.u, foot.v) - own).norm() >= radius
                 })

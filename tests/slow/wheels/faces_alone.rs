@@ -2,12 +2,12 @@
 //! program (algorithms reference, 1.5).
 
 use super::{imported, with_fillet};
-use impellerc::analysis::flank::{Strip, Surroundings};
-use impellerc::collide::Cutter;
+use impellerc::axes::envelope::{Target, best_least_squares, minimax};
 use impellerc::driver::{self, Options, Outcome, Stages};
-use impellerc::envelope::{Target, best_least_squares, minimax};
-use impellerc::geom::DualCurve;
-use impellerc::part::{FaceId, Part, Surface};
+use impellerc::nurbs::DualCurve;
+use impellerc::plan::analysis::flank::{Strip, Surroundings};
+use impellerc::tool_stock::collide::Cutter;
+use impellerc::wheel::part::{FaceId, Part, Surface};
 use nalgebra::Point3;
 use rayon::prelude::*;
 

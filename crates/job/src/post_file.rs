@@ -1,0 +1,362 @@
+//! Post files: TOML through serde, with the properties of the `post` item of a job over them.
+
+use super::eval::nearest;
+use super::library::{LibraryReader, SpannedText};
+use super::library_form;
+use super::library_schema::LibraryFile;
+use super::properties::{Properties, Range, name_of};
+use super::quantity::Dimension;
+use super::vocabulary::{self, TopicKind};
+use base::source::{SourceId, SourceMap, Span};
+use diagnostics::codes::job as codes;
+use diagnostics::{Diag, Sink};
+use serde::Deserialize;
+use syntax::ast::{Block, Value};
+use toml::Spanned;
+use wheel::post_file::{
+    Decimals, Field, Frame, LineEnd, Orientation, PathForm, PostFile, Sectors, SplineForm, Template, TemplateFault,
+};
+
+/// Largest step of block numbers, and largest program number of controls that call programs by number.
+const LARGEST: [u32; 2] = [1000, 99_999_999];
+
+/// Number of a program where neither job nor post file gives one.
+const USUAL_NUMBER: u32 = 1001;
+
+/// Least and most digits behind the point of lengths, angles, vectors and feeds.
+const DIGITS: [[usize; 2]; 4] = [[2, 6], [2, 7], [4, 9], [0, 4]];
+
+/// Orientation tolerances, degrees.
+const TURNS: [f64; 2] = [1e-4, 0.1];
+
+/// Most characters of a template. Names and numbers of a program add some; controls take 120 characters without doubt.
+const LONGEST: usize = 120;
+
+/// Most lines of a frame.
+const MOST_LINES: usize = 100;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+struct PostTable {
+    dialect: SpannedText,
+    #[serde(default)]
+    #[expect(dead_code, reason = "for the reader of the file")]
+    about: String,
+    line_end: Option<SpannedText>,
+    block_numbers: Option<Spanned<u32>>,
+    program_number: Option<Spanned<u32>>,
+    orientation: SpannedText,
+    orientation_tolerance: Option<SpannedText>,
+    work_offset: Option<SpannedText>,
+    decimals: DecimalsTable,
+    splines: Option<SpannedText>,
+    smoothing: SmoothingTable,
+    transformation: TransformationTable,
+    frames: FramesTable,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DecimalsTable {
+    length: Spanned<usize>,
+    angle: Spanned<usize>,
+    vector: Spanned<usize>,
+    feed: Spanned<usize>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SmoothingTable {
+    finish: SpannedText,
+    rough: SpannedText,
+    off: SpannedText,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct TransformationTable {
+    angles: SpannedText,
+    vectors: SpannedText,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, rename_all = "kebab-case")]
+struct FramesTable {
+    #[serde(default)]
+    start: Vec<SpannedText>,
+    head: Vec<SpannedText>,
+    operation_start: Vec<SpannedText>,
+    operation_end: Vec<SpannedText>,
+    end: Spanned<Vec<SpannedText>>,
+}
+
+impl LibraryReader<'_> {
+    /// A whole number in its range.
+    fn whole<T: Copy + PartialOrd + std::fmt::Display>(&mut self, value: &Spanned<T>, [least, most]: [T; 2]) -> T {
+        let given = *value.get_ref();
+        if given < least || given > most {
+            self.fault(
+                self.span(value),
+                format!("{given} is out of range"),
+                format!("a value from {least} to {most} is expected"),
+                "correct the value",
+            );
+        }
+        given
+    }
+
+    /// One of some words.
+    fn word<T: Copy>(&mut self, text: &SpannedText, what: &str, all: &[T], name: fn(T) -> &'static str) -> Option<T> {
+        let found = all.iter().copied().find(|value| name(*value) == text.get_ref());
+        if found.is_none() {
+            let names: Vec<String> = all.iter().map(|value| format!("\"{}\"", name(*value))).collect();
+            let given = text.get_ref();
+            let escaped = given.escape_debug().to_string();
+            // `"\r\n"` are the characters themselves.
+            let meant = match given.as_str() {
+                "\r\n" => nearest("crlf", all.iter().map(|value| name(*value))),
+                "\n" => nearest("lf", all.iter().map(|value| name(*value))),
+                _ => nearest(given, all.iter().map(|value| name(*value))),
+            };
+            let help = match meant {
+                Some(word) => format!("write \"{word}\""),
+                None => format!("write {}", names.join(" or ")),
+            };
+            self.fault(
+                self.span(text),
+                format!("`{escaped}` is not {what}"),
+                format!("{} is expected", names.join(" or ")),
+                &help,
+            );
+        }
+        found
+    }
+
+    /// A template with some fields.
+    fn template(&mut self, text: &SpannedText, fields: &[Field]) -> Template {
+        let span = self.span(text);
+        let names = || fields.iter().map(|f| format!("{{{}}}", f.name())).collect::<Vec<_>>().join(" ");
+        let made = Template::new(text.get_ref(), span);
+        let strange = made.as_ref().ok().and_then(|template| template.fields().find(|field| !fields.contains(field)));
+        let (message, label, help) = match made {
+            Ok(template) if strange.is_none() && text.get_ref().len() <= LONGEST => return template,
+            Ok(_) => match strange {
+                Some(field) => (
+                    format!("the field {{{}}} has no value here", field.name()),
+                    "this template".to_owned(),
+                    format!("the fields of this template are {}", names()),
+                ),
+                None => (
+                    format!("a template of {} characters", text.get_ref().len()),
+                    format!("at most {LONGEST} characters are expected"),
+                    "write two lines".to_owned(),
+                ),
+            },
+            Err(TemplateFault::Unknown(name)) => (
+                format!("there is no field {{{name}}}"),
+                "this template".to_owned(),
+                format!("the fields of this template are {}", names()),
+            ),
+            Err(TemplateFault::Open) => (
+                "a field has no closing bracket".to_owned(),
+                "`}` is missing".to_owned(),
+                format!("write a field like {{{}}}", Field::Retract.name()),
+            ),
+            Err(TemplateFault::Character(c)) => (
+                format!("the character U+{:04X} cannot stand in NC text", u32::from(c)),
+                "this template".to_owned(),
+                "use letters, digits and signs of ASCII".to_owned(),
+            ),
+        };
+        self.fault(span, message, label, &help);
+        Template::default()
+    }
+
+    fn frame(&mut self, frame: Frame, lines: &[SpannedText]) -> Vec<Template> {
+        if let Some(line) = lines.get(MOST_LINES) {
+            let message = format!("the frame `{}` has more than {MOST_LINES} lines", frame.key());
+            self.fault(self.span(line), message, "this line and those behind".to_owned(), "write a shorter frame");
+        }
+        let fields: Vec<Field> = frame.fields().collect();
+        lines.iter().take(MOST_LINES).map(|line| self.template(line, &fields)).collect()
+    }
+
+    /// Refuses a default of the orientation for which there are no words.
+    fn has_words(&mut self, post: &PostFile, orientation: &SpannedText) {
+        let [own, other] = match post.orientation {
+            Orientation::Angles => [Orientation::Angles, Orientation::Vectors],
+            Orientation::Vectors => [Orientation::Vectors, Orientation::Angles],
+        };
+        if post.transformation[usize::from(own == Orientation::Vectors)].pieces.is_empty() {
+            self.fault(
+                self.span(orientation),
+                format!("the file has no words that switch tool centre point control on for {}", own.name()),
+                format!("`{}` in [transformation] is empty", own.name()),
+                &format!("write these words, or `orientation = \"{}\"`", other.name()),
+            );
+        }
+    }
+
+    fn decimals(&mut self, table: &DecimalsTable) -> Decimals {
+        let [length, angle, vector, feed] = [&table.length, &table.angle, &table.vector, &table.feed];
+        Decimals {
+            length: self.whole(length, DIGITS[0]),
+            angle: self.whole(angle, DIGITS[1]),
+            vector: self.whole(vector, DIGITS[2]),
+            feed: self.whole(feed, DIGITS[3]),
+        }
+    }
+}
+
+/// Fields of the templates within frames: those of an operation, without the templates themselves.
+fn inner_fields() -> Vec<Field> {
+    let templates = [Field::Smoothing, Field::SmoothingOff, Field::Transformation];
+    Frame::OperationStart.fields().filter(|field| !templates.contains(field)).collect()
+}
+
+/// Reads a post file that is already in the source map. `asked` is its place in the job.
+pub(super) fn read(
+    name: &str,
+    source: SourceId,
+    sources: &SourceMap,
+    asked: Option<Span>,
+    sink: &mut Sink,
+) -> Option<PostFile> {
+    let table: PostTable = library_form::read(LibraryFile::Post, source, sources, asked, sink)?;
+    let mut reader = LibraryReader { source, sink, faults: false };
+    let fields = inner_fields();
+    let frames = &table.frames;
+    let lines = [&frames.start, &frames.head, &frames.operation_start, &frames.operation_end, frames.end.get_ref()];
+    let [least, most] = TURNS.map(f64::to_radians);
+    let post = PostFile {
+        name: name.to_owned(),
+        span: asked,
+        dialect: table.dialect.get_ref().clone(),
+        dialect_span: reader.span(&table.dialect),
+        line_end: match &table.line_end {
+            Some(text) => reader.word(text, "an end of lines", &LineEnd::ALL, LineEnd::name).unwrap_or(LineEnd::Lf),
+            None => LineEnd::Lf,
+        },
+        block_numbers: table.block_numbers.as_ref().map_or(0, |n| reader.whole(n, [0, LARGEST[0]])),
+        program_number: table.program_number.as_ref().map_or(USUAL_NUMBER, |n| reader.whole(n, [1, LARGEST[1]])),
+        orientation: reader
+            .word(&table.orientation, "a way to state the tool direction", &Orientation::ALL, Orientation::name)
+            .unwrap_or(Orientation::Angles),
+        orientation_tolerance: table
+            .orientation_tolerance
+            .as_ref()
+            .map(|text| reader.quantity(text, Dimension::ANGLE, least, most)),
+        sectors: Sectors::Inline,
+        offset: table.work_offset.as_ref().map(|text| (text.get_ref().clone(), reader.span(text))),
+        decimals: reader.decimals(&table.decimals),
+        path: PathForm::Lines,
+        splines: table.splines.as_ref().and_then(|text| {
+            Some((reader.word(text, "a kind of spline blocks", &SplineForm::ALL, SplineForm::name)?, reader.span(text)))
+        }),
+        smoothing: [&table.smoothing.finish, &table.smoothing.rough, &table.smoothing.off]
+            .map(|text| reader.template(text, &fields)),
+        transformation: [&table.transformation.angles, &table.transformation.vectors]
+            .map(|text| reader.template(text, &fields)),
+        frames: std::array::from_fn(|k| reader.frame(Frame::ALL[k], lines[k])),
+        end_span: reader.span(&frames.end),
+    };
+    reader.has_words(&post, &table.orientation);
+    (!reader.faults).then_some(post)
+}
+
+/// A post file that ships with the compiler; `None` for a name without a file.
+pub fn shipped(name: &str) -> Option<PostFile> {
+    let (_, text) = super::files::shipped::POSTS.iter().find(|(shipped, _)| *shipped == name)?;
+    let mut sources = SourceMap::default();
+    let source = sources.add(name, *text);
+    read(name, source, &sources, None, &mut Sink::default())
+}
+
+/// The post with the properties of the `post` item of the job.
+pub(super) fn with_properties(
+    mut post: PostFile,
+    head: Span,
+    block: &Block,
+    scope: &mut super::eval::LetScope,
+    sink: &mut Sink,
+) -> PostFile {
+    let owner = format!("post {}", post.name);
+    let mut properties =
+        Properties::new(owner, head, block, &vocabulary::properties(TopicKind::Item, "post"), scope, sink);
+    if let Some(Some(orientation)) = name_of(&mut properties, "orientation", &Orientation::ALL, Orientation::name) {
+        post.orientation = orientation;
+        refuse_without_words(&post, head, properties.sink);
+    }
+    let [least, most] = TURNS.map(f64::to_radians);
+    let range = Range::Between(least, most);
+    let example = "orientation-tolerance 0.02 deg";
+    if let Some((turn, _)) = properties.number("orientation-tolerance", Dimension::ANGLE, range, example) {
+        post.orientation_tolerance = Some(turn);
+    }
+    if let Some((step, _)) = properties.count("block-numbers", 0, LARGEST[0], "block-numbers 10") {
+        post.block_numbers = step;
+    }
+    if let Some((number, _)) = properties.count("program-number", 1, LARGEST[1], "program-number 1001") {
+        post.program_number = number;
+    }
+    if let Some((word, values)) = properties.take("work-offset") {
+        match values.as_slice() {
+            [Value::Text(text)] => post.offset = Some((text.text.clone(), text.span)),
+            _ => properties.wrong_form(word.span, "work-offset", "a quoted name", "work-offset \"G55\""),
+        }
+    }
+    if let Some(Some(end)) = name_of(&mut properties, "line-end", &LineEnd::ALL, LineEnd::name) {
+        post.line_end = end;
+    }
+    if let Some(Some(path)) = name_of(&mut properties, "path", &PathForm::ALL, PathForm::name) {
+        post.path = path;
+        tell_lines(&post, head, properties.sink);
+    }
+    if let Some(Some(sectors)) = name_of(&mut properties, "sectors", &Sectors::ALL, Sectors::name) {
+        post.sectors = sectors;
+    }
+    post
+}
+
+/// Reports a control without spline blocks where the job asks for them.
+fn tell_lines(post: &PostFile, span: Span, sink: &mut Sink) {
+    if post.path == PathForm::Splines && post.splines.is_none() {
+        sink.push(
+            Diag::remark(codes::NO_SPLINES, format!("the post {} writes straight blocks, no splines", post.name))
+                .label(span, "`path splines` here")
+                .note("the control has no polynomials for five axes with tool centre point control, or none is documented")
+                .help("use a post with splines (siemens-840d, heidenhain-itnc530), or write `path lines`"),
+        );
+    }
+}
+
+/// Refuses an orientation for which the post has no words of tool centre point control.
+fn refuse_without_words(post: &PostFile, span: Span, sink: &mut Sink) {
+    let index = usize::from(post.orientation == Orientation::Vectors);
+    if !post.transformation[index].pieces.is_empty() {
+        return;
+    }
+    let other = Orientation::ALL[1 - index].name();
+    sink.push(
+        Diag::error(codes::OUT_OF_RANGE, format!("the post {} cannot write {}", post.name, post.orientation.name()))
+            .label(span, "required here")
+            .help(format!("write `orientation {other}`, or use the post of another control")),
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_shipped_file_is_read() {
+        for (name, text) in super::super::files::shipped::POSTS {
+            let mut sources = SourceMap::default();
+            let source = sources.add(*name, *text);
+            let mut sink = Sink::default();
+            let post = read(name, source, &sources, None, &mut sink);
+            assert!(post.is_some(), "{name}: {:?}", sink.diags());
+        }
+        assert!(shipped("none").is_none());
+    }
+}

@@ -1,0 +1,292 @@
+//! Tools of the job, from the library or described in the job.
+
+use super::context::{Context, head};
+use super::eval::{suggest, unknown};
+use super::limits;
+use super::model::{CutterKind, LoadLimits, OperationSpec, ToolSpec};
+use super::properties::{Properties, Range};
+use super::quantity::Dimension;
+use super::tool_file::{ToolLibrary, shape_fault};
+use super::vocabulary::{self, TopicKind};
+use base::source::Span;
+use base::units::{Mm, Mm3PerMin, Rad};
+use diagnostics::codes::job as codes;
+use diagnostics::{Diag, Sink};
+use std::collections::{BTreeMap, BTreeSet};
+use syntax::ast::{Block, Entry, File, Item, ItemKind, Name, ToolSource, Value};
+
+/// A declared tool; `spec` is `None` when its declaration is faulty.
+pub(super) struct Declared {
+    pub(super) name: Name,
+    pub(super) spec: Option<ToolSpec>,
+}
+
+pub(super) fn resolve(file: &File, library: &ToolLibrary, cx: &mut Context<'_>) -> Vec<Declared> {
+    let mut tools: Vec<Declared> = Vec::new();
+    let mut names: BTreeMap<&str, Span> = BTreeMap::new();
+    let mut numbers: BTreeMap<u32, Span> = BTreeMap::new();
+    for item in &file.items {
+        let ItemKind::Tool { name, source } = &item.kind else { continue };
+        if let Some(first) = names.get(name.text.as_str()) {
+            cx.sink.push(
+                Diag::error(codes::GIVEN_TWICE, format!("the tool `{}` is declared twice", name.text))
+                    .label(name.span, "declared again")
+                    .label(*first, "first declared here")
+                    .help(format!("give the second tool another name, such as `{}`", free_name(&name.text, file))),
+            );
+            // The name that was meant is missing elsewhere; that is the same fault.
+            cx.scope.damaged = true;
+            continue;
+        }
+        names.insert(&name.text, name.span);
+        let spec = match source {
+            ToolSource::Library(text) => {
+                let found = library.tools.get(&text.text).cloned();
+                if found.is_none() && !library.faulty {
+                    let inner = Span { start: text.span.start + 1, end: text.span.end.saturating_sub(1), ..text.span };
+                    let known = library.tools.keys().map(String::as_str);
+                    let mut diag = unknown(&text.text, inner, "library tool", known);
+                    if library.tools.is_empty() {
+                        diag = diag.help("name a tool library first: `use tools \"carbide\"`");
+                    }
+                    cx.sink.push(diag);
+                }
+                found
+            }
+            ToolSource::Shape(kind, block) => shape(name, kind, block, head(item), library, cx),
+        };
+        let order = u32::try_from(tools.len()).unwrap_or(u32::MAX);
+        let spec = spec.map(|mut spec| {
+            if spec.number == 0 {
+                spec.number = order + 1;
+            }
+            ToolSpec { name: name.text.clone(), span: head(item), ..spec }
+        });
+        if let Some(spec) = &spec
+            && let Some(other) = numbers.insert(spec.number, name.span)
+        {
+            // The first tool keeps its number.
+            numbers.insert(spec.number, other);
+            cx.sink.push(
+                Diag::error(codes::GIVEN_TWICE, format!("two tools have the number {}", spec.number))
+                    .label(name.span, format!("number {}", spec.number))
+                    .label(other, "the same number")
+                    .help("give each tool its own number: `number 7`"),
+            );
+        }
+        tools.push(Declared { name: name.clone(), spec });
+    }
+    if tools.is_empty() && !file.damaged {
+        cx.sink.push(
+            Diag::error(codes::MISSING_ITEM, "the job has no tool")
+                .help("add `tool t1 = ball { diameter 6 mm  flutes 4  flute 30 mm  reach 40 mm }`"),
+        );
+    }
+    tools
+}
+
+/// Warns of tools that no operation uses.
+pub(super) fn warn_unused(tools: &[Declared], operations: &[OperationSpec], sink: &mut Sink) {
+    let used: BTreeSet<usize> = operations.iter().map(|o| o.tool).collect();
+    for (at, tool) in tools.iter().enumerate() {
+        if !used.contains(&at) {
+            sink.push(
+                Diag::warning(codes::UNUSED, format!("the tool `{}` is not used", tool.name.text))
+                    .label(tool.name.span, "declared here")
+                    .help("remove the tool, or use it in an operation"),
+            );
+        }
+    }
+}
+
+/// Ranges that job and library share.
+const LENGTH: Range = range(limits::LENGTH);
+const DIAMETER: Range = range(limits::DIAMETER);
+const CORNER: Range = range(limits::CORNER);
+
+const fn range([least, largest]: [f64; 2]) -> Range {
+    Range::Between(least, largest)
+}
+
+/// A name that no tool has: `t1` becomes `t2`, `t3` and so on.
+fn free_name(name: &str, file: &File) -> String {
+    let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    let taken = |text: &str| {
+        let of = |item: &Item| matches!(&item.kind, ItemKind::Tool { name, .. } if name.text == text);
+        file.items.iter().any(of)
+    };
+    (2..).map(|n| format!("{stem}{n}")).find(|text| !taken(text)).unwrap_or_default()
+}
+
+/// Names of the properties that tools of a kind may have.
+fn known(kind: &str) -> Vec<&'static str> {
+    let mut known = vocabulary::properties(TopicKind::Tool, kind);
+    // `flute` of a lollipop has a message of its own.
+    if kind == "lollipop" {
+        known.push("flute");
+    }
+    known
+}
+
+/// A tool that the job describes.
+fn shape(
+    name: &Name,
+    kind: &Name,
+    block: &Block,
+    head: Span,
+    library: &ToolLibrary,
+    cx: &mut Context<'_>,
+) -> Option<ToolSpec> {
+    let kinds = vocabulary::names(TopicKind::Tool);
+    if !kinds.contains(&kind.text.as_str()) {
+        let diag =
+            Diag::error(codes::NOT_IN_LANGUAGE, format!("tools of the kind `{}` are not in the language", kind.text));
+        cx.sink.push(suggest(diag, &kind.text, kind.span, "kind of tool", &kinds));
+        return None;
+    }
+    let owner = format!("tool {}", name.text);
+    let mut p = Properties::new(owner, head, block, &known(&kind.text), &mut cx.scope, cx.sink);
+    let diameter = p.required("diameter", Dimension::LENGTH, DIAMETER, "diameter 6 mm");
+    let cutter = cutter(&kind.text, &mut p);
+    let number = p.has("number").then(|| p.count("number", 1, 9999, "number 1"));
+    if !p.has("flutes") {
+        p.missing("flutes", "flutes 4");
+    }
+    let flutes = p.count("flutes", limits::FLUTES[0], limits::FLUTES[1], "flutes 4");
+    let flute = flute(name, kind, &mut p);
+    let reach = p.required("reach", Dimension::LENGTH, LENGTH, "reach 40 mm");
+    let shank = p.has("shank").then(|| p.number("shank", Dimension::LENGTH, DIAMETER, "shank 6 mm"));
+    let holder = holder(library, &mut p);
+    let limits = load_limits(&mut p);
+    let (diameter, reach) = (Mm(diameter?.0), Mm(reach?.0));
+    let cutter = match cutter? {
+        CutterKind::Lollipop { neck, neck_end } if neck_end.get() == f64::INFINITY => {
+            CutterKind::Lollipop { neck, neck_end: reach }
+        }
+        cutter => cutter,
+    };
+    let spec = ToolSpec {
+        name: name.text.clone(),
+        number: match number {
+            Some(number) => number?.0,
+            None => 0,
+        },
+        kind: cutter,
+        diameter,
+        flutes: flutes?.0,
+        flute: flute?.unwrap_or_else(|| Mm(cutter.least_flute(diameter).0)),
+        shank: match shank {
+            Some(shank) => Mm(shank?.0),
+            None => diameter,
+        },
+        reach,
+        holder: holder?,
+        limits: limits?,
+        span: head,
+    };
+    if let Some(fault) = shape_fault(&spec) {
+        let named = |entry: &&Entry| fault.contains(entry.name.text.as_str());
+        let faulty = block.entries.iter().filter(named).min_by_key(|entry| fault.find(entry.name.text.as_str()));
+        let end = |entry: &Entry| entry.values.last().map_or(entry.name.span.end, |value| value.span().end);
+        let faulty = faulty.map(|entry| Span { end: end(entry), ..entry.name.span });
+        cx.sink.push(
+            Diag::error(codes::OUT_OF_RANGE, format!("tool {}: {fault}", name.text))
+                .label(faulty.unwrap_or(block.span), "this size contradicts another one")
+                .help("correct this size, or the one that the message compares it with"),
+        );
+        return None;
+    }
+    Some(spec)
+}
+
+/// The limits of the load that a job states.
+fn load_limits(p: &mut Properties<'_, '_>) -> Option<LoadLimits> {
+    let chip =
+        p.has("max-chip").then(|| p.number("max-chip", Dimension::LENGTH, range(limits::CHIP), "max-chip 0.1 mm"));
+    let depth = p.has("max-depth").then(|| p.number("max-depth", Dimension::LENGTH, LENGTH, "max-depth 12 mm"));
+    let rate = p
+        .has("max-rate")
+        .then(|| p.number("max-rate", Dimension::REMOVAL_RATE, range(limits::RATE), "max-rate 120 cm3/min"));
+    let plunge =
+        p.has("plunge-width").then(|| p.number("plunge-width", Dimension::LENGTH, LENGTH, "plunge-width 1.5 mm"));
+    let ramp = p.has("ramp").then(|| p.number("ramp", Dimension::ANGLE, range(limits::RAMP), "ramp 3 deg"));
+    let stated = |x: Option<Option<(f64, Span)>>| match x {
+        Some(found) => found.map(|f| Some(f.0)),
+        None => Some(None),
+    };
+    Some(LoadLimits {
+        chip: stated(chip)?.map(Mm),
+        depth: stated(depth)?.map(Mm),
+        rate: stated(rate)?.map(Mm3PerMin),
+        plunge: stated(plunge)?.map(Mm),
+        ramp: stated(ramp)?.map(Rad),
+    })
+}
+
+/// The cutter with the sizes of its kind. A neck without `neck-end` extends to infinity.
+fn cutter(kind: &str, p: &mut Properties<'_, '_>) -> Option<CutterKind> {
+    match kind {
+        "flat" => Some(CutterKind::Flat),
+        "ball" => Some(CutterKind::Ball),
+        "bull" => p.required("corner", Dimension::LENGTH, CORNER, "corner 1 mm").map(|c| CutterKind::Bull(Mm(c.0))),
+        "barrel" => {
+            let barrel = p.required("barrel", Dimension::LENGTH, LENGTH, "barrel 85 mm");
+            let tip = p.required("tip", Dimension::LENGTH, CORNER, "tip 2 mm");
+            barrel.zip(tip).map(|(barrel, tip)| CutterKind::Barrel { barrel: Mm(barrel.0), tip: Mm(tip.0) })
+        }
+        "lollipop" => {
+            let neck = p.required("neck", Dimension::LENGTH, DIAMETER, "neck 4 mm");
+            // Without `neck-end` the neck extends to the holder; its height is known after the reach is read.
+            let end = match p.has("neck-end") {
+                true => p.number("neck-end", Dimension::LENGTH, LENGTH, "neck-end 20 mm").map(|e| e.0),
+                false => Some(f64::INFINITY),
+            };
+            neck.zip(end).map(|(neck, end)| CutterKind::Lollipop { neck: Mm(neck.0), neck_end: Mm(end) })
+        }
+        _ => p
+            .required("angle", Dimension::ANGLE, range(limits::TAPER), "angle 3 deg")
+            .map(|a| CutterKind::TaperedBall(Rad(a.0))),
+    }
+}
+
+/// Outer `None`: faulty; inner `None`: the tool is a lollipop, whose flutes end at the neck.
+fn flute(name: &Name, kind: &Name, p: &mut Properties<'_, '_>) -> Option<Option<Mm>> {
+    if kind.text != "lollipop" {
+        return p.required("flute", Dimension::LENGTH, LENGTH, "flute 30 mm").map(|f| Some(Mm(f.0)));
+    }
+    if let Some((word, _)) = p.take("flute") {
+        p.sink.push(
+            Diag::error(
+                codes::UNKNOWN_PROPERTY,
+                format!("{} has `flute`, but the flutes of a lollipop end at its neck", name.text),
+            )
+            .label(word.span, "not for a lollipop")
+            .help("remove `flute`; `neck` determines where the ball ends"),
+        );
+    }
+    Some(None)
+}
+
+/// Outer `None`: faulty; inner `None`: the tool has no holder.
+fn holder(library: &ToolLibrary, p: &mut Properties<'_, '_>) -> Option<Option<(String, Vec<[Mm; 3]>)>> {
+    let Some((word, values)) = p.take("holder") else { return Some(None) };
+    let [Value::Text(text)] = values.as_slice() else {
+        p.wrong_form(word.span, "holder", "a quoted name", "holder \"er16-mini\"");
+        return None;
+    };
+    if let Some(sections) = library.holders.get(&text.text) {
+        return Some(Some((text.text.clone(), sections.clone())));
+    }
+    if library.faulty {
+        return None;
+    }
+    let inner = Span { start: text.span.start + 1, end: text.span.end.saturating_sub(1), ..text.span };
+    let diag = unknown(&text.text, inner, "holder", library.holders.keys().map(String::as_str));
+    if library.holders.is_empty() {
+        // Once for all tools.
+        p.sink.push_first(diag.help("name a library first: `use tools \"carbide\"`; `impellerc tools` lists them"));
+    } else {
+        p.sink.push(diag);
+    }
+    None
+}

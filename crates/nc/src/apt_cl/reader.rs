@@ -1,0 +1,666 @@
+//! Reader of CL data: what a post-processor knows after each statement, and the poses that it must reach. It shares no code
+//! with the writer.
+//!
+//! At the start nothing is known: units, axes, tool, spindle, coolant, tolerance, feed and position. Where post-processors
+//! differ, only texts are read that mean the same in all of them:
+//!
+//! - RAPID counts for the next GOTO in some, up to the next FEDRAT in others. Therefore RAPID stands right before its
+//!   GOTO, and FEDRAT between a GOTO at rapid and one at feed.
+//! - FROM says where the tool stands and moves nothing; some post-processors skip it. Therefore a GOTO at rapid to the
+//!   same pose follows.
+//! - Behind LOADTL nobody knows where the tool stands, and whether spindle and coolant run.
+
+mod curves;
+mod movnrb;
+mod spindle;
+
+use self::movnrb::Movnrb;
+use super::statements::{self, Statement};
+use crate::control::{MOST_FAULTS, number, shown};
+use crate::nc::{Direction, ENDS_HERE, NcMove, NcPlace, NcPose, NcRetract, NcSection, NcStation, NcTool, ReadError};
+use crate::tool_shape::{NcCutter, NcToolShape};
+use five_axis::{Interpolation, Machine, PoseCurve};
+use nalgebra::{Point3, Vector3};
+
+/// Most moves of one text: it bounds the memory of the checks that follow.
+const MOST_MOVES: usize = 4_000_000;
+
+/// Largest coordinate, mm: larger than any machine.
+const FARTHEST: f64 = 1e5;
+
+/// Largest feed, mm/min, and spindle speed, rpm.
+const FASTEST: f64 = 1e6;
+
+/// Largest number of a tool.
+const LARGEST_TOOL: f64 = 1e8;
+
+/// Widest tolerance of the path, mm.
+const WIDEST: f64 = 10.0;
+
+/// Largest error of the length of a direction vector: vectors of other lengths are not meant as directions.
+const UNIT: f64 = 1e-4;
+
+/// Rounding of the words of a pose in the height of the gauge line, mm.
+const ROUNDING: f64 = 1e-3;
+
+/// Reads a text.
+pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {
+    let mut state = State::new(machine);
+    let mut last = 1;
+    statements::each(text, |line, found| {
+        (state.line, state.quiet, last) = (line, false, line);
+        match found {
+            Ok(statement) => state.run(&statement),
+            Err(reason) => state.fault(reason),
+        }
+        state.faults.len() < MOST_FAULTS
+    });
+    if !state.ended && state.faults.len() < MOST_FAULTS {
+        (state.line, state.quiet) = (text.lines().count().max(last), false);
+        state.fault(format!("{ENDS_HERE}FINI"));
+    }
+    if state.faults.is_empty() { Ok(state.sections) } else { Err(state.faults) }
+}
+
+/// The spindle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Spindle {
+    Unknown,
+    Off,
+    /// Speed, rpm; clockwise or not; line.
+    On(f64, bool, usize),
+}
+
+/// Coolant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Coolant {
+    Unknown,
+    Off,
+    /// Line.
+    On(usize),
+}
+
+/// The moves with the tool that is loaded.
+struct Path {
+    /// FROM.
+    from: NcPose,
+    /// Where the tool stands.
+    at: NcPose,
+    /// The path has a move at feed.
+    cuts: bool,
+    /// Line of the first GOTO, which goes to the pose of FROM.
+    start: Option<usize>,
+    moves: Vec<NcMove>,
+}
+
+struct State<'a> {
+    machine: &'a Machine,
+    line: usize,
+    millimetres: bool,
+    multax: bool,
+    tool: Option<u32>,
+    shape: NcToolShape,
+    spindle: Spindle,
+    coolant: Coolant,
+    tolerance: Option<f64>,
+    feed: Option<f64>,
+    /// RAPID stands before this statement, in this line.
+    rapid: Option<usize>,
+    path: Option<Path>,
+    /// Curves that are not at their end.
+    curves: Option<Movnrb>,
+    /// The first statement is behind.
+    begun: bool,
+    ended: bool,
+    sections: Vec<NcSection>,
+    moves: usize,
+    faults: Vec<ReadError>,
+    /// The statement has a fault already.
+    quiet: bool,
+    /// Faults that are reported once, since each following statement would have them.
+    reported: Vec<&'static str>,
+}
+
+impl<'a> State<'a> {
+    fn new(machine: &'a Machine) -> Self {
+        Self {
+            machine,
+            line: 0,
+            millimetres: false,
+            multax: false,
+            tool: None,
+            shape: NcToolShape::default(),
+            spindle: Spindle::Unknown,
+            coolant: Coolant::Unknown,
+            tolerance: None,
+            feed: None,
+            rapid: None,
+            path: None,
+            curves: None,
+            begun: false,
+            ended: false,
+            sections: Vec::new(),
+            moves: 0,
+            faults: Vec::new(),
+            quiet: false,
+            reported: Vec::new(),
+        }
+    }
+
+    /// Reports a fault unless the statement has one already.
+    fn fault(&mut self, reason: impl Into<String>) {
+        if !self.quiet && self.faults.len() < MOST_FAULTS {
+            self.faults.push(ReadError { line: self.line, reason: reason.into() });
+        }
+        self.quiet = true;
+    }
+
+    /// Reports once what each following statement would report as well.
+    fn fault_once(&mut self, about: &'static str, reason: impl Into<String>) {
+        if !self.reported.contains(&about) {
+            self.reported.push(about);
+            self.fault(reason);
+        }
+    }
+
+    fn run(&mut self, statement: &Statement<'_>) {
+        if self.ended {
+            return self.fault_once("ended", "a statement behind FINI");
+        }
+        let first = !std::mem::replace(&mut self.begun, true);
+        let rapid = self.rapid.take();
+        if let Some(line) = rapid.filter(|_| statement.word != "GOTO") {
+            self.fault(format!(
+                "`{}` between RAPID in line {line} and its GOTO: post-processors differ in what RAPID counts for; write RAPID \
+                 right before GOTO",
+                shown(statement.word, 10)
+            ));
+        }
+        if let Err(reason) = self.statement(statement, first, rapid.is_some()) {
+            self.fault(reason);
+        }
+    }
+
+    fn statement(&mut self, statement: &Statement<'_>, first: bool, rapid: bool) -> Result<(), String> {
+        let word = statement.word;
+        let values: &[&str] = statement.arguments.as_deref().unwrap_or_default();
+        if !matches!(word, "MOVNRB" | "GOTO" | "RAPID" | "PPRINT") {
+            match self.curves.as_mut().map(|curves| (curves.line, curves.breaks())) {
+                Some((line, true)) => {
+                    return Err(format!(
+                        "`{}` before MOVNRB/OFF of the motion that line {line} begins",
+                        shown(word, 10)
+                    ));
+                }
+                // A fault is told already: the motion ends here.
+                Some((_, false)) => self.curves = None,
+                None => {}
+            }
+        }
+        match (word, statement.arguments.is_some()) {
+            ("PARTNO", _) => Self::name(first),
+            ("PPRINT", _) => Ok(()),
+            ("RAPID", false) => {
+                self.rapid = Some(self.line);
+                Ok(())
+            }
+            ("FINI", false) => {
+                self.finish();
+                Ok(())
+            }
+            ("RAPID" | "FINI", true) => Err(format!("`{word}` has nothing behind it")),
+            ("GOTO", true) if self.curves.is_some() => self.along_curves(values, rapid),
+            ("GOTO", true) => self.goto(values, rapid),
+            ("MOVNRB", true) => self.movnrb(values),
+            ("FROM", true) => self.from(values),
+            ("UNITS", true) => self.units(values),
+            ("MULTAX", true) => self.multax(values),
+            ("MACHIN", true) => self.machin(values),
+            ("LOADTL", true) => self.load(values),
+            ("CUTTER", true) => self.cutter(values),
+            ("SPINDL", true) => self.spindle(values),
+            ("COOLNT", true) => self.coolant(values),
+            ("FEDRAT", true) => self.feed(values),
+            ("LINTOL", true) => self.tolerance(values),
+            ("STOP" | "OPSTOP", false) | ("DELAY", true) => self.wait(word, values),
+            (
+                "GOTO" | "MOVNRB" | "FROM" | "UNITS" | "MULTAX" | "MACHIN" | "LOADTL" | "CUTTER" | "SPINDL" | "COOLNT"
+                | "FEDRAT" | "LINTOL" | "DELAY",
+                false,
+            ) => Err(format!("`{word}` without values")),
+            _ => Err(not_read(word)),
+        }
+    }
+
+    fn name(first: bool) -> Result<(), String> {
+        if !first {
+            return Err("PARTNO is the first statement, and stands once".to_owned());
+        }
+        Ok(())
+    }
+
+    fn units(&mut self, values: &[&str]) -> Result<(), String> {
+        match values {
+            ["MM"] => {
+                self.millimetres = true;
+                Ok(())
+            }
+            ["INCH" | "INCHES" | "CM" | "FEET"] => {
+                Err(format!("`UNITS/{}`: only texts in mm are read; write UNITS/MM", values[0]))
+            }
+            _ => Err(format!("`UNITS/{}` is not understood: write UNITS/MM", listed(values))),
+        }
+    }
+
+    /// Without UNITS a length is in the units that the processor was left in.
+    fn needs_units(&mut self) {
+        if !self.millimetres {
+            self.fault_once("units", "no statement before this one says in which units lengths are: write UNITS/MM");
+        }
+    }
+
+    fn multax(&mut self, values: &[&str]) -> Result<(), String> {
+        self.multax = match values {
+            ["ON"] => true,
+            ["OFF"] => false,
+            _ => return Err(format!("`MULTAX/{}` is not understood: write MULTAX/ON", listed(values))),
+        };
+        Ok(())
+    }
+
+    /// The name of a post-processor, and its number.
+    fn machin(&mut self, values: &[&str]) -> Result<(), String> {
+        let is_name = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_alphanumeric());
+        match values {
+            [name] if is_name(name) => Ok(()),
+            [name, n] if is_name(name) && number(n).is_ok_and(|n| n.fract() == 0.0) => Ok(()),
+            _ => {
+                Err("MACHIN with more than a name and a number: its options are those of one post-processor".to_owned())
+            }
+        }
+    }
+
+    fn load(&mut self, values: &[&str]) -> Result<(), String> {
+        self.leave();
+        // Whatever the statement says, the tool before is no longer known.
+        (self.tool, self.shape) = (None, NcToolShape::default());
+        (self.spindle, self.coolant, self.feed) = (Spindle::Unknown, Coolant::Unknown, None);
+        let Some((tool, mut rest)) = values.split_first() else { return Err("LOADTL without a tool".to_owned()) };
+        let tool = self.tool_number(tool)?;
+        let mut register = None;
+        while let [key, value, more @ ..] = rest {
+            match *key {
+                "LENGTH" if self.shape.length.is_none() => {
+                    self.shape.length = Some(self.positive(key, value, FARTHEST)?)
+                }
+                "OSETNO" if register.is_none() => register = Some(self.tool_number(value)?),
+                "LENGTH" | "OSETNO" => return Err(format!("`{key}` occurs twice in one statement")),
+                _ => return Err(format!("`{}` of LOADTL is not understood", shown(key, 20))),
+            }
+            rest = more;
+        }
+        if let [key] = rest {
+            return Err(format!("`{}` of LOADTL is not understood", shown(key, 20)));
+        }
+        self.tool = Some(tool);
+        if self.shape.length.is_none() {
+            return Err(format!(
+                "LOADTL without the length of the tool from tip to gauge line: write LOADTL/{tool},LENGTH and the length"
+            ));
+        }
+        self.needs_units();
+        match register {
+            Some(register) if register != tool => Err(format!(
+                "OSETNO,{register} takes the length of another tool than {tool}: write OSETNO,{tool}, or leave it out"
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    fn tool_number(&self, text: &str) -> Result<u32, String> {
+        let value = number(text)?;
+        if value.fract() == 0.0 && (1.0..=LARGEST_TOOL).contains(&value) {
+            Ok(value as u32)
+        } else {
+            Err(format!("`{}` is no number of a tool", shown(text, 20)))
+        }
+    }
+
+    fn positive(&self, name: &str, text: &str, most: f64) -> Result<f64, String> {
+        let value = number(text).map_err(|reason| format!("{name}: {reason}"))?;
+        if value > 0.0 && value <= most {
+            Ok(value)
+        } else {
+            Err(format!("{name} = {value} is out of range: more than 0, at most {most:.0}"))
+        }
+    }
+
+    fn cutter(&mut self, values: &[&str]) -> Result<(), String> {
+        if self.tool.is_none() || self.path.is_some() {
+            return Err("CUTTER before a tool is loaded, or in a path: write it right behind LOADTL".to_owned());
+        }
+        let mut numbers = Vec::new();
+        for value in values {
+            let value = number(value).map_err(|reason| format!("CUTTER: {reason}"))?;
+            if value.abs() > FARTHEST {
+                return Err(format!("CUTTER: {value} is out of range"));
+            }
+            numbers.push(value);
+        }
+        self.needs_units();
+        let cutter = match numbers[..] {
+            [diameter] => NcCutter::cylinder(diameter, 0.0),
+            [diameter, corner] => NcCutter::cylinder(diameter, corner),
+            [diameter, corner, across, up, lower, upper, height] => NcCutter {
+                diameter,
+                corner,
+                across,
+                up,
+                lower: lower.to_radians(),
+                upper: upper.to_radians(),
+                height: Some(height),
+            },
+            _ => return Err(format!("CUTTER has 1, 2 or 7 numbers, not {}", numbers.len())),
+        };
+        if cutter.diameter <= 0.0 || cutter.corner < 0.0 || cutter.upper.abs() >= std::f64::consts::FRAC_PI_2 {
+            return Err(
+                "CUTTER: diameter and corner radius cannot be negative, and the side leans by less than 90 deg"
+                    .to_owned(),
+            );
+        }
+        match self.shape.cutter.replace(cutter) {
+            Some(_) => Err("a second CUTTER for one tool".to_owned()),
+            None => Ok(()),
+        }
+    }
+
+    fn feed(&mut self, values: &[&str]) -> Result<(), String> {
+        self.feed = None;
+        let feed = match values {
+            [feed, "MMPM"] | ["MMPM", feed] => self.positive("FEDRAT", feed, FASTEST)?,
+            [_] => return Err("FEDRAT without the units of the feed: write MMPM behind it".to_owned()),
+            _ => return Err(format!("`FEDRAT/{}` is not understood: write the feed and MMPM", listed(values))),
+        };
+        self.feed = Some(feed);
+        Ok(())
+    }
+
+    fn tolerance(&mut self, values: &[&str]) -> Result<(), String> {
+        self.tolerance = None;
+        let [value] = values else {
+            return Err(format!("`LINTOL/{}` is not understood: write one tolerance", listed(values)));
+        };
+        self.tolerance = Some(self.positive("LINTOL", value, WIDEST)?);
+        self.needs_units();
+        Ok(())
+    }
+
+    fn wait(&mut self, word: &str, values: &[&str]) -> Result<(), String> {
+        if self.path.is_some() {
+            return Err(format!("`{word}` makes the program wait with the tool in the part: wait before FROM"));
+        }
+        match values {
+            [] => Ok(()),
+            [time] => self.positive(word, time, FARTHEST).map(|_| ()),
+            _ => Err(format!("`{word}/{}` is not understood", listed(values))),
+        }
+    }
+
+    fn pose(&mut self, word: &str, values: &[&str]) -> Result<NcPose, String> {
+        self.needs_units();
+        if values.len() == 3 {
+            return Err(format!(
+                "{word} without the direction of the tool: its last direction would stay; write i, j and k as well"
+            ));
+        }
+        if !self.multax {
+            self.fault_once("multax", "no statement before says that the tool tilts: write MULTAX/ON");
+        }
+        let Ok(texts) = <[&str; 6]>::try_from(values) else {
+            return Err(format!("{word} has x, y, z, i, j and k, not {} values", values.len()));
+        };
+        let mut numbers = [0.0; 6];
+        for (value, (text, name)) in numbers.iter_mut().zip(texts.into_iter().zip(["x", "y", "z", "i", "j", "k"])) {
+            *value = number(text).map_err(|reason| format!("{word}, {name}: {reason}"))?;
+            if value.abs() > FARTHEST {
+                return Err(format!("{word}, {name} = {value} is out of range: at most {FARTHEST:.0}"));
+            }
+        }
+        let [x, y, z, i, j, k] = numbers;
+        let axis = Vector3::new(i, j, k);
+        let length = axis.norm();
+        if (length - 1.0).abs() > UNIT {
+            return Err(format!(
+                "{word}: the direction i, j, k has the length {length:.6}; a direction has the length 1"
+            ));
+        }
+        Ok(NcPose { tip: Point3::new(x, y, z), axis: axis / length })
+    }
+
+    fn from(&mut self, values: &[&str]) -> Result<(), String> {
+        let pose = self.pose("FROM", values)?;
+        if self.tool.is_none() {
+            self.fault(
+                "FROM before a tool is loaded: the tool in the spindle and its length are unknown; write LOADTL before",
+            );
+        }
+        if self.path.is_some() {
+            return Err("FROM in a path: it moves nothing, so that the tool stands elsewhere; write GOTO".to_owned());
+        }
+        self.check_height("FROM", &pose);
+        self.path = Some(Path { from: pose, at: pose, cuts: false, start: None, moves: Vec::new() });
+        Ok(())
+    }
+
+    /// Height of the gauge line, the higher one of the two in which the machine reaches the pose; `None` where no angles give
+    /// its direction.
+    fn height(&self, pose: &NcPose, length: f64) -> Option<f64> {
+        let machine = self.machine;
+        let solutions = machine.chain.inverse(&pose.axis, 0.0)?;
+        let heights = solutions.map(|rotary| machine.positions(&machine.joints(&pose.tip, rotary), length)[2]);
+        Some(heights[0].max(heights[1]))
+    }
+
+    /// Whether the gauge line stands at the retract height or above.
+    fn is_retracted(&self, pose: &NcPose) -> bool {
+        let height = self.shape.length.and_then(|length| self.height(pose, length));
+        height.is_some_and(|height| height >= self.machine.retract - ROUNDING)
+    }
+
+    /// Reports a pose in which the gauge line stands below the retract height.
+    fn check_height(&mut self, word: &str, pose: &NcPose) {
+        let machine = self.machine;
+        let Some(length) = self.shape.length else { return };
+        let Some(height) = self.height(pose, length) else {
+            let [.., first, second] = machine.names();
+            return self.fault(format!("{word}: no angles of {first} and {second} give this direction"));
+        };
+        if height < machine.retract - ROUNDING {
+            self.fault(format!(
+                "{word}: the gauge line stands at Z {height:.3} of the machine; where a path begins and ends, it stands at the \
+                 retract height {:.3} of the machine file",
+                machine.retract
+            ));
+        }
+    }
+
+    fn goto(&mut self, values: &[&str], rapid: bool) -> Result<(), String> {
+        let line = self.line;
+        let pose = self.pose("GOTO", values)?;
+        let Some(path) = self.path.as_mut() else {
+            return Err("GOTO, and nothing says where the tool stands before: write FROM behind LOADTL".to_owned());
+        };
+        if path.start.is_none() {
+            let from = path.from;
+            path.start = Some(line);
+            if !rapid || (pose.tip - from.tip).amax() > 0.0 || (pose.axis - from.axis).amax() > 0.0 {
+                self.fault(
+                    "the first GOTO goes elsewhere than FROM, or is no rapid: a post-processor that skips FROM would go \
+                     straight down from the tool change; write RAPID and GOTO with the pose of FROM",
+                );
+            }
+            return Ok(());
+        }
+        path.at = pose;
+        path.cuts |= !rapid;
+        if rapid && path.cuts && !self.turns() {
+            self.fault_once(
+                "spindle",
+                "RAPID and GOTO with the spindle at rest behind a cut: the tool may be in the part",
+            );
+        }
+        let feed = if rapid { None } else { Some(self.feed_of_move()) };
+        if rapid {
+            self.feed = None;
+        }
+        self.go(line, &pose, feed, None);
+        Ok(())
+    }
+
+    /// Adds a move, at rapid without a feed.
+    fn go(&mut self, line: usize, pose: &NcPose, feed: Option<f64>, curve: Option<PoseCurve>) {
+        let speed = if let Spindle::On(speed, ..) = self.spindle { speed } else { 0.0 };
+        if self.moves >= MOST_MOVES {
+            self.fault_once("moves", format!("more than {MOST_MOVES} moves; divide the program by operations"));
+        }
+        let tool = NcTool::Number(self.tool.unwrap_or(0));
+        let smoothing = self.tolerance.unwrap_or(0.0);
+        if let Some(path) = self.path.as_mut().filter(|_| self.faults.is_empty()) {
+            let (tip, direction) = (pose.tip, Direction::Axis(pose.axis));
+            // What the axes do between the poses is for the post-processor; the proof assumes that they turn evenly.
+            let interpolation = Interpolation::RotaryLinear;
+            let smoothing = Some(smoothing);
+            let time = None;
+            path.moves.push(NcMove {
+                line,
+                rapid: feed.is_none(),
+                tip,
+                direction,
+                interpolation,
+                feed,
+                time,
+                tool,
+                speed,
+                smoothing,
+                turn: None,
+                curve,
+                frame_turned: false,
+            });
+            self.moves += 1;
+        }
+    }
+
+    /// The feed of a move, mm/min; checks what a move at feed needs.
+    fn feed_of_move(&mut self) -> f64 {
+        match self.spindle {
+            Spindle::On(_, true, _) => {}
+            Spindle::On(_, false, line) => {
+                self.fault_once("spindle", format!("a move at feed with the spindle counter-clockwise, by line {line}"));
+            }
+            Spindle::Off => self.fault_once("spindle", "a move at feed with the spindle off: write SPINDL/RPM before"),
+            Spindle::Unknown => self.fault_once(
+                "spindle",
+                "a move at feed, and no statement since LOADTL starts the spindle: write SPINDL/RPM, the speed, and CLW",
+            ),
+        }
+        match self.coolant {
+            Coolant::On(_) => {}
+            Coolant::Off => {
+                self.fault_once("coolant", "a move at feed with the coolant off: write COOLNT/FLOOD before")
+            }
+            Coolant::Unknown => self.fault_once(
+                "coolant",
+                "a move at feed, and no statement since LOADTL starts the coolant: write COOLNT/FLOOD before",
+            ),
+        }
+        if self.tolerance.is_none() {
+            self.fault_once(
+                "tolerance",
+                "a move at feed, and nothing says how far the path may be left between poses: write LINTOL and a tolerance",
+            );
+        }
+        let Some(feed) = self.feed else {
+            self.fault(
+                "a move at feed without a feed since LOADTL or the last rapid: post-processors differ in whether RAPID still \
+                 counts; write FEDRAT before",
+            );
+            self.feed = Some(1.0);
+            return 1.0;
+        };
+        feed
+    }
+
+    /// The path with the tool ends: its last move is the retract.
+    fn leave(&mut self) {
+        let Some(Path { from, start, mut moves, .. }) = self.path.take() else { return };
+        let Some(start) = start else {
+            return self.fault("a path without GOTO: leave out FROM, or write RAPID and GOTO");
+        };
+        if !self.faults.is_empty() {
+            return;
+        }
+        let Some(last) = moves.pop() else { return };
+        let Direction::Axis(axis) = last.direction else { return };
+        let end = NcPose { tip: last.tip, axis };
+        if !last.rapid {
+            self.fault(
+                "the path ends at feed with the tool in the part: write RAPID and GOTO to the retract height before this \
+                 statement",
+            );
+        }
+        self.check_height("the last GOTO before this statement", &end);
+        if moves.is_empty() {
+            return;
+        }
+        let station = NcStation { line: start, place: NcPlace::Pose(from) };
+        let retract = Some((last.line, NcRetract::Pose(end)));
+        self.sections.push(NcSection { start: station, moves, retract, shape: self.shape });
+    }
+
+    fn finish(&mut self) {
+        self.leave();
+        match self.spindle {
+            Spindle::On(.., line) => {
+                self.fault(format!("the program ends with the spindle on, by line {line}: write SPINDL/OFF before"));
+            }
+            Spindle::Off | Spindle::Unknown => {}
+        }
+        if let Coolant::On(line) = self.coolant {
+            self.quiet = false;
+            self.fault(format!("the program ends with the coolant on, by line {line}: write COOLNT/OFF before"));
+        }
+        self.ended = true;
+    }
+}
+
+/// Values as a message shows them.
+fn listed(values: &[&str]) -> String {
+    shown(&values.join(","), 40)
+}
+
+/// Why a statement is not read.
+fn not_read(word: &str) -> String {
+    let why = match word {
+        "CIRCLE" | "ARCMOV" | "MOVARC" | "SPLINE" | "NURBS" => "of motions only GOTO and MOVNRB are read",
+        "GODLTA" | "GOFWD" | "GORGT" | "GOLFT" | "GOBACK" | "GOUP" | "GODOWN" => {
+            "its target depends on more than its words; write GOTO"
+        }
+        "CYCLE" | "DRILL" | "POCKET" => "cycles are not read",
+        "CUTCOM" => "the control would add the radius of the tool",
+        "GOHOME" | "RETRCT" | "HOME" => "its way is that of one post-processor; write RAPID and GOTO",
+        "TRANS" | "ORIGIN" | "TRACUT" | "COPY" | "COORD" | "CSYS" | "MCSYS" => "it shifts or turns the frame",
+        "ROTATE" | "ROTABL" | "ROTHED" | "INDEX" => "it moves an axis of one machine",
+        "INSERT" | "AUXFUN" | "PREFUN" | "APPEND" => "it holds words of one control",
+        "INTOL" | "OUTTOL" | "TOLER" | "TLON" | "TLLFT" | "TLRGT" => "it belongs to a part program, not to CL data",
+        "TOOLNO" | "TURRET" => "tools are loaded by LOADTL",
+        _ => return format!("`{}` is not understood", shown(word, 20)),
+    };
+    format!("`{word}` is not understood: {why}")
+}
+
+/// Whether a line holds a statement that only CL data have.
+pub(super) fn recognises(code: &str) -> bool {
+    const OWN: [&str; 10] =
+        ["GOTO", "FROM", "FEDRAT", "LOADTL", "SPINDL", "COOLNT", "MULTAX", "CUTTER", "UNITS", "LINTOL"];
+    code.split_once('/').is_some_and(|(word, _)| OWN.contains(&word.trim()))
+}

@@ -1,0 +1,86 @@
+//! Modal groups of controls as data: what a group controls, the words that set it, and the moves that need it.
+
+/// The modal groups of all dialects. A control has the groups that its table names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ModalGroup {
+    /// Plane of tool length and radius.
+    Plane,
+    /// Inch or mm.
+    Units,
+    /// Absolute or incremental coordinates.
+    Distance,
+    /// Radius or diameter in X.
+    Diameter,
+    /// Feed per minute, inverse time, or feed per revolution.
+    FeedMode,
+    /// Spindle in rpm or at constant cutting speed.
+    SpindleMode,
+    /// Cutter radius compensation.
+    Compensation,
+    /// Exact stops, or none.
+    Cutting,
+    /// Settable work offset.
+    WorkOffset,
+    /// Programmable shift of the work frame.
+    Shift,
+    /// Rotation of the work frame.
+    Rotation,
+    /// Frame of direction vectors.
+    VectorFrame,
+    /// Motion of the tool between two directions.
+    Turning,
+    /// Way of a rotary axis to its target.
+    Way,
+    /// Spindle on, and its direction.
+    Spindle,
+    /// Coolant.
+    Coolant,
+}
+
+/// Number of groups.
+pub(crate) const GROUPS: usize = ModalGroup::Coolant as usize + 1;
+
+/// Moves for which a group must be set correctly.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Needed {
+    /// Every move.
+    Always,
+    /// Moves in the work frame.
+    InWorkFrame,
+    /// Moves with the transformation on.
+    Transformed,
+    /// Moves at feed.
+    AtFeed,
+}
+
+/// One modal group of a control.
+pub(crate) struct Modal {
+    /// Group.
+    pub(crate) group: ModalGroup,
+    /// What the group controls, as a message says it.
+    pub(crate) what: &'static str,
+    /// Words with which moves are correct; messages recommend the first.
+    pub(crate) right: &'static [&'static str],
+    /// Other words of the group.
+    pub(crate) wrong: &'static [&'static str],
+    /// Moves that need the group.
+    pub(crate) needed: Needed,
+}
+
+impl Modal {
+    /// The word of this group with this spelling.
+    pub(crate) fn word(&self, text: &str) -> Option<&'static str> {
+        self.right.iter().chain(self.wrong).copied().find(|w| *w == text)
+    }
+}
+
+/// Setting of a group by a word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Setting<W = &'static str> {
+    /// Set by an earlier program; no block sets the group.
+    Unknown,
+    /// Set by a word, in a line.
+    Said(W, usize),
+    /// Reported as a fault; from there on the setting counts as correct.
+    Reported,
+}

@@ -1,0 +1,560 @@
+//! The state of a control while it executes a program: the changes of each block, and its faults.
+
+mod modes;
+mod moves;
+mod spindle;
+mod splines;
+mod switching;
+
+use super::{Act, Control, LengthWord, MOST_FAULTS, MotionWord, NcBlock, ROUNDING, Smoothing, figure};
+use crate::control::flow::{Flow, MOST_EXECUTED, Step};
+use crate::control::modal::{GROUPS, ModalGroup, Setting};
+use crate::nc::{Direction, ENDS_HERE, NcSection, NcTool, ReadError};
+use five_axis::{Angles, Machine};
+use nalgebra::Vector3;
+use std::sync::Arc;
+
+/// Tool centre point control.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Transformation {
+    Unknown,
+    Off,
+    On,
+}
+
+/// Position of an axis with the transformation off; for X Y Z the gauge line in the machine frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum AxisPosition {
+    /// Not known: where an earlier program left the axis.
+    Unknown,
+    /// Not known: where the transformation left the axis.
+    Left,
+    /// mm or radians.
+    At(f64),
+}
+
+impl AxisPosition {
+    fn known(self) -> Option<f64> {
+        if let Self::At(x) = self { Some(x) } else { None }
+    }
+}
+
+/// Tool length that acts.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Length {
+    Unknown,
+    Off,
+    Of(NcTool, usize),
+}
+
+/// State of the control. At its start everything is unknown.
+struct ControlState<'a> {
+    control: &'a Control,
+    machine: &'a Machine,
+    line: usize,
+    modal: [Setting; GROUPS],
+    offset: Setting<Arc<str>>,
+    /// The work offset that holds the part origin.
+    part_offset: &'a str,
+    /// A block was not understood since the transformation was switched: it may be what switches it.
+    doubtful: bool,
+    transformation: Transformation,
+    axes: [AxisPosition; 5],
+    /// Line that last moved an axis with the transformation off.
+    placed: usize,
+    tip: [Option<f64>; 3],
+    direction: Direction,
+    /// Positions of the rotary axes with the transformation on, radians.
+    rotary: Angles,
+    /// Second point of the tool axis, where a block has stated it, part frame, mm.
+    second: Option<Vector3<f64>>,
+    motion: Option<MotionWord>,
+    feed: Option<f64>,
+    ready: Option<NcTool>,
+    tool: Option<NcTool>,
+    length: Length,
+    speed: Option<f64>,
+    smoothing: Option<Smoothing>,
+    /// Whether rotary axes are clamped; `None` where no block says so.
+    clamped: [Option<bool>; 2],
+    /// A section has begun, and its retract is still missing.
+    open: bool,
+    /// The transformation is on, and no block but turns of tables has moved an axis since.
+    at_start: bool,
+    /// Position of the tip while tables turn at the start, machine frame, mm.
+    turned: Option<Vector3<f64>>,
+    ended: bool,
+    /// Turn of the work frame about Z, radians.
+    frame_turn: f64,
+    sections: Vec<NcSection>,
+    moves: usize,
+    /// Line of the call that is executed.
+    call: Option<usize>,
+    faults: Vec<ReadError>,
+    /// The block has a fault already: faults that follow from it are not reported.
+    quiet: bool,
+    /// All words of the block were understood.
+    understood: bool,
+    /// Faults that are reported only once, since they would occur in every block.
+    reported: Vec<&'static str>,
+}
+
+impl<'a> ControlState<'a> {
+    fn new(control: &'a Control, machine: &'a Machine, part_offset: &'a str) -> Self {
+        Self {
+            control,
+            machine,
+            line: 0,
+            modal: [Setting::Unknown; GROUPS],
+            offset: Setting::Unknown,
+            part_offset,
+            doubtful: false,
+            transformation: Transformation::Unknown,
+            axes: [AxisPosition::Unknown; 5],
+            placed: 0,
+            tip: [None; 3],
+            direction: Direction::Rotary([0.0; 2]),
+            rotary: [0.0; 2],
+            second: None,
+            motion: None,
+            feed: None,
+            ready: None,
+            tool: None,
+            length: Length::Unknown,
+            speed: None,
+            smoothing: None,
+            clamped: [None; 2],
+            open: false,
+            at_start: false,
+            turned: None,
+            ended: false,
+            frame_turn: 0.0,
+            sections: Vec::new(),
+            moves: 0,
+            call: None,
+            faults: Vec::new(),
+            quiet: false,
+            understood: true,
+            reported: Vec::new(),
+        }
+    }
+
+    /// Reports a fault of this block unless the block has one already.
+    fn fault(&mut self, reason: impl Into<String>) {
+        // A line that is called again has the same faults.
+        let known = self.call.is_some() && self.faults.iter().any(|f| f.line == self.line);
+        if !self.quiet && !known && self.faults.len() < MOST_FAULTS {
+            let mut reason = reason.into();
+            if let Some(call) = self.call {
+                reason.push_str(&format!(" (called in line {call})"));
+            }
+            self.faults.push(ReadError { line: self.line, reason });
+        }
+        self.quiet = true;
+    }
+
+    /// Reports a fault that does not follow from another fault of this block.
+    fn fault_apart(&mut self, reason: impl Into<String>) {
+        self.quiet = !self.understood;
+        self.fault(reason);
+    }
+
+    /// Reports once a fault that would occur in every block from here on.
+    fn fault_once(&mut self, about: &'static str, reason: impl Into<String>) {
+        if self.reported.contains(&about) || !self.understood {
+            return;
+        }
+        self.reported.push(about);
+        self.fault_apart(reason);
+    }
+
+    fn retract_words(&self) -> String {
+        let Control { machine_frame, behind, .. } = self.control;
+        format!("`{machine_frame} Z{}{behind}`", figure(self.machine.retract))
+    }
+
+    /// Whether the tool is at the retract height or above.
+    fn is_retracted(&self) -> bool {
+        self.axes[2].known().is_some_and(|z| z >= self.machine.retract - ROUNDING.0)
+    }
+
+    /// Executes one block. A move is executed also with a faulty state; the result then does not hold it.
+    fn run(&mut self, block: &NcBlock) {
+        if self.ended {
+            return self.fault_once("ended", "text after the end of the program");
+        }
+        if let Some(word) = block.outside {
+            self.judge_outside(word);
+        }
+        self.clamp(block);
+        for act in self.control.order {
+            match act {
+                Act::Set(group) => self.set(*group, block),
+                Act::TurnFrame => {
+                    if let Some(turn) = block.frame_turn {
+                        self.turn_frame(turn);
+                    }
+                }
+                Act::Feed => self.feed = block.feed.or(self.feed),
+                Act::Speed => self.set_speed(block),
+                Act::Select => {
+                    if let Some(tool) = &block.tool {
+                        self.ready = Some(tool.clone());
+                    }
+                }
+                Act::Change if block.change => self.change(),
+                Act::Transform => {
+                    if let Some(on) = block.transformation {
+                        self.switch(on, block);
+                    }
+                }
+                Act::Length => {
+                    if let Some(word) = &block.length {
+                        self.set_length(word);
+                    }
+                }
+                Act::Smooth => self.smoothing = block.smoothing.or(self.smoothing),
+                Act::Wait => {
+                    if let Some(word) = block.wait {
+                        self.wait(word);
+                    }
+                }
+                Act::Move => {
+                    self.moved(block);
+                    self.set_stops(block);
+                }
+                Act::End => {
+                    if let Some(word) = block.end {
+                        self.end(word);
+                    }
+                }
+                Act::Change => {}
+            }
+        }
+    }
+
+    /// Reports a word that the control takes only with the transformation off.
+    fn judge_outside(&mut self, word: &str) {
+        self.may_be_off();
+        let [_, off] = self.control.transformation;
+        match self.transformation {
+            Transformation::Off => {}
+            Transformation::On => {
+                self.fault(format!("`{word}` with the transformation on: write {off} before this block"));
+            }
+            Transformation::Unknown => self.fault(format!(
+                "`{word}` while the transformation may still be on from another program: write {off} alone in a block \
+                 before"
+            )),
+        }
+    }
+
+    /// Turns the work frame.
+    fn turn_frame(&mut self, turn: f64) {
+        if turn != 0.0 && self.transformation != Transformation::On {
+            let [on, _] = self.control.transformation;
+            self.fault(format!(
+                "the work frame is turned with the transformation off: turn it behind {on}, and back before the transformation ends"
+            ));
+            return;
+        }
+        if turn != self.frame_turn {
+            // The control counts the place of the tool in the new frame.
+            self.tip = [None; 3];
+        }
+        self.frame_turn = turn;
+    }
+
+    fn wait(&mut self, word: &str) {
+        self.may_be_off();
+        if self.transformation == Transformation::On || self.open {
+            return self.fault(format!(
+                "`{word}` makes the program wait with the tool in the part: wait with the tool retracted, before {}",
+                self.control.transformation[0]
+            ));
+        }
+        if self.control.wait_switches_off {
+            for group in [ModalGroup::Spindle, ModalGroup::Coolant] {
+                self.modal[group as usize] = Setting::Unknown;
+            }
+        }
+    }
+
+    fn set(&mut self, group: ModalGroup, block: &NcBlock) {
+        if group == ModalGroup::WorkOffset {
+            if let Some(offset) = &block.offset {
+                self.offset = Setting::Said(offset.clone(), self.line);
+            }
+            return;
+        }
+        let Some(word) = block.modal[group as usize] else { return };
+        if !self.acts_behind(word) {
+            self.set_to(group, word);
+        }
+    }
+
+    fn set_to(&mut self, group: ModalGroup, word: &'static str) {
+        if group == ModalGroup::Spindle && self.stops_in_part(word) {
+            return;
+        }
+        // No manual of Fanuc that the project knows has it under tool centre point control. Other dialects turn sectors there.
+        if word == "G69" && self.transformation == Transformation::On {
+            let [_, off] = self.control.transformation;
+            self.fault(format!("`{word}` with the transformation on: write {off} before this block"));
+            return;
+        }
+        let before = self.modal[group as usize];
+        // A control forgets the feed when the feed mode changes.
+        if group == ModalGroup::FeedMode
+            && before != Setting::Unknown
+            && (self.control.feed_mode_drops_feed || !matches!(before, Setting::Said(w, _) if w == word))
+        {
+            self.feed = None;
+        }
+        self.modal[group as usize] = Setting::Said(word, self.line);
+    }
+
+    fn change(&mut self) {
+        self.may_be_off();
+        if !self.is_retracted() || self.transformation == Transformation::On {
+            self.fault(format!(
+                "a tool change before the tool is at the retract height: write {} before this block",
+                self.retract_words()
+            ));
+        }
+        if self.ready.is_none() {
+            self.fault("a tool change before any T: the next tool is unknown");
+        }
+        self.tool = self.ready.clone().or(Some(NcTool::Number(0)));
+        if self.control.change_drops_length {
+            self.length = Length::Unknown;
+        }
+        if self.control.change_sets_length {
+            self.set_length(&LengthWord::OfSpindle);
+        }
+        // A tool change stops the spindle.
+        self.modal[ModalGroup::Spindle as usize] = Setting::Unknown;
+    }
+
+    fn set_length(&mut self, word: &LengthWord) {
+        self.may_be_off();
+        let [on, off] = self.control.transformation;
+        match self.transformation {
+            Transformation::On => {
+                self.fault(format!(
+                    "the tool length changes with the transformation on: the axes jump; write {off} before"
+                ));
+            }
+            Transformation::Unknown => {
+                self.fault(format!(
+                    "the tool length changes while the transformation may still be on from another program: the axes \
+                     would jump; write {off} alone in a block before"
+                ));
+                // Continue as the block intended.
+                self.transformation = Transformation::Off;
+            }
+            Transformation::Off => {}
+        }
+        self.length = match word {
+            LengthWord::Off => Length::Off,
+            LengthWord::OfSpindle => match self.tool.clone() {
+                Some(tool) => Length::Of(tool, self.line),
+                None => {
+                    self.fault(format!(
+                        "the tool length before a tool change: the tool in the spindle is unknown \
+                                        before {on}"
+                    ));
+                    Length::Unknown
+                }
+            },
+            LengthWord::Of(number) => Length::Of(self.own_length(*number), self.line),
+        };
+    }
+
+    /// The tool whose length acts after a word with the number of another one, which is reported.
+    fn own_length(&mut self, number: u32) -> NcTool {
+        let (given, length) = (NcTool::Number(number), self.control.length);
+        match self.tool.clone().filter(|tool| *tool != given) {
+            None => given,
+            Some(tool) => {
+                self.fault(format!(
+                    "tool {tool} is in the spindle with the length of another tool, {given}: write `{length}`"
+                ));
+                tool
+            }
+        }
+    }
+
+    /// Clamps and unclamps rotary axes.
+    fn clamp(&mut self, block: &NcBlock) {
+        for (k, word) in block.clamps.into_iter().enumerate() {
+            if word.is_some() {
+                if block.has_axis_words() {
+                    self.fault(
+                        "a word that clamps or unclamps an axis in a block with a move: write it alone in its block",
+                    );
+                }
+                self.clamped[k] = word;
+            }
+        }
+    }
+
+    /// Checks the state at the end of the program.
+    fn end(&mut self, word: &str) {
+        let [_, off] = self.control.transformation;
+        if self.frame_turn != 0.0 {
+            self.fault(format!("the program ends with the work frame turned: {}", self.control.unturned));
+        }
+        match self.transformation {
+            _ if self.doubtful => {}
+            Transformation::On => self.fault(format!(
+                "the program ends with the transformation on: write {off}, then {}",
+                self.retract_words()
+            )),
+            Transformation::Unknown => {
+                self.fault(format!("the program ends, and no block has switched the transformation: write {off}"));
+            }
+            Transformation::Off if self.open => self.fault(format!(
+                "the program ends with the tool in the part: write {} after {off}",
+                self.retract_words()
+            )),
+            Transformation::Off => {}
+        }
+        if !(self.control.end_switches_off && word.starts_with('M')) {
+            for (group, due, what) in
+                [(ModalGroup::Spindle, "M5", "the spindle"), (ModalGroup::Coolant, "M9", "the coolant")]
+            {
+                if let Setting::Said(word, line) = self.modal[group as usize]
+                    && word != due
+                {
+                    self.fault(format!(
+                        "the program ends with {what} on, by {word} in line {line}: write {due} before"
+                    ));
+                }
+            }
+        }
+        self.ended = true;
+    }
+}
+
+/// A line that is executed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Line<'a> {
+    /// Text.
+    pub(crate) text: &'a str,
+    /// Number, from 1.
+    pub(crate) number: usize,
+    /// Values of the parameters 1, 2 ... of the subprogram.
+    pub(crate) arguments: &'a [f64],
+}
+
+/// Executes a text line by line. The `block` of a dialect makes a [`NcBlock`] of a line, or `None` of an empty line. It
+/// adds whatever it does not understand to the list that it receives. `part_offset` is the work offset of the part.
+///
+/// # Errors
+/// The faults, in order, at most [`MOST_FAULTS`].
+pub(crate) fn read(
+    text: &str,
+    control: &Control,
+    (machine, part_offset): (&Machine, &str),
+    mut block: impl FnMut(&str, usize, &mut Vec<String>) -> Option<NcBlock>,
+) -> Result<Vec<NcSection>, Vec<ReadError>> {
+    read_in_order(text, control, (machine, part_offset), &Flow::default(), |line, reasons| {
+        block(line.text, line.number, reasons)
+    })
+}
+
+/// As [`read`], in the order of the calls of the text.
+///
+/// # Errors
+/// As [`read`].
+pub(crate) fn read_in_order(
+    text: &str,
+    control: &Control,
+    (machine, part_offset): (&Machine, &str),
+    flow: &Flow,
+    mut block: impl FnMut(Line<'_>, &mut Vec<String>) -> Option<NcBlock>,
+) -> Result<Vec<NcSection>, Vec<ReadError>> {
+    let lines: Vec<&str> = text.strip_suffix('\n').unwrap_or(text).split('\n').collect();
+    let mut state = ControlState::new(control, machine, part_offset);
+    let mut executed = 0_usize;
+    let mut at = 0;
+    while at < lines.len() {
+        let step = flow.0.get(&at);
+        state.line_of(lines[at], at, &[], step, &mut block);
+        executed += 1;
+        at += 1;
+        match step {
+            Some(Step::SkipTo(next)) => at = at.max(*next),
+            Some(Step::Call { lines: called, times, arguments }) if state.faults.len() < MOST_FAULTS => {
+                state.call = Some(at);
+                executed = executed.saturating_add(called.len().saturating_mul(*times as usize));
+                if executed > MOST_EXECUTED {
+                    state.fault(format!(
+                        "more than {MOST_EXECUTED} lines are executed; divide the program by operations"
+                    ));
+                    return Err(state.faults);
+                }
+                for line in (0..*times).flat_map(|_| called.clone()) {
+                    state.line_of(lines[line], line, arguments, flow.0.get(&line), &mut block);
+                    if state.faults.len() >= MOST_FAULTS {
+                        break;
+                    }
+                }
+                state.call = None;
+            }
+            _ => {}
+        }
+        if state.faults.len() >= MOST_FAULTS {
+            return Err(state.faults);
+        }
+    }
+    if !state.ended {
+        (state.quiet, state.understood, state.line) = (false, true, lines.len());
+        state.fault(format!("{ENDS_HERE}{}", control.end));
+    }
+    if state.faults.is_empty() { Ok(state.sections) } else { Err(state.faults) }
+}
+
+impl ControlState<'_> {
+    /// Executes a line; `at` counts from 0.
+    fn line_of(
+        &mut self,
+        line: &str,
+        at: usize,
+        arguments: &[f64],
+        step: Option<&Step>,
+        block: &mut impl FnMut(Line<'_>, &mut Vec<String>) -> Option<NcBlock>,
+    ) {
+        (self.line, self.quiet) = (at + 1, false);
+        let mut reasons = Vec::new();
+        let found = match (control_character(line.strip_suffix('\r').unwrap_or(line)), step) {
+            (Some(reason), _) => {
+                reasons.push(reason);
+                None
+            }
+            (None, Some(step)) => {
+                if let Step::Fault(reason) = step {
+                    reasons.push(reason.clone());
+                } else if self.ended {
+                    reasons.push("text after the end of the program".to_owned());
+                }
+                None
+            }
+            (None, None) => block(Line { text: line, number: at + 1, arguments }, &mut reasons),
+        };
+        self.understood = reasons.is_empty();
+        self.doubtful |= !self.understood;
+        if let Some(first) = reasons.into_iter().next() {
+            self.fault(first);
+        }
+        if let Some(block) = found {
+            self.run(&block);
+        }
+    }
+}
+
+pub(crate) fn control_character(line: &str) -> Option<String> {
+    let found = line.chars().find(|c| c.is_control() && *c != '\t')?;
+    Some(format!("the control character U+{:04X}", u32::from(found)))
+}

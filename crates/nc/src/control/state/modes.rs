@@ -1,0 +1,108 @@
+//! Modal groups, work offset and clamps, as moves need them.
+
+use super::{AxisPosition, ControlState, Length, Transformation};
+use crate::control::modal::{ModalGroup, Needed, Setting};
+
+impl ControlState<'_> {
+    /// Checks the modal groups that a move needs. All groups that no block has set are reported as one fault.
+    pub(super) fn judge_modes(&mut self, transformed: bool, work_frame: bool, feed: bool) {
+        let mut unsaid: Vec<String> = Vec::new();
+        for modal in self.control.modal {
+            let needed = match modal.needed {
+                Needed::Always => true,
+                Needed::InWorkFrame => work_frame,
+                Needed::Transformed => transformed,
+                Needed::AtFeed => feed,
+            };
+            if !needed || !self.understood {
+                continue;
+            }
+            if modal.group == ModalGroup::WorkOffset {
+                unsaid.extend(self.judge_offset(modal.what));
+                continue;
+            }
+            let setting = self.modal[modal.group as usize];
+            let due = modal.right[0];
+            match setting {
+                Setting::Reported => continue,
+                Setting::Said(word, _) if modal.right.contains(&word) => continue,
+                Setting::Said(word, line) => self.fault_apart(format!(
+                    "a move with {word}, which line {line} sets: {}; write {due} before this block",
+                    modal.what
+                )),
+                Setting::Unknown => unsaid.push(format!("{}: write {due}", modal.what)),
+            }
+            self.modal[modal.group as usize] = Setting::Reported;
+        }
+        if !unsaid.is_empty() {
+            self.fault_apart(format!("no block before this move ensures {}", unsaid.join("; ")));
+        }
+    }
+
+    /// Reports another work offset than that of the part; gives what is to be written where no block selects any.
+    fn judge_offset(&mut self, what: &str) -> Option<String> {
+        let due = self.part_offset;
+        match std::mem::replace(&mut self.offset, Setting::Reported) {
+            Setting::Reported => None,
+            Setting::Said(word, line) if *word == *due => {
+                self.offset = Setting::Said(word, line);
+                None
+            }
+            Setting::Said(word, line) => {
+                let stated = match (self.control.offsets.has)(&word) {
+                    true => format!(", or state `work-offset \"{word}\"` in the post"),
+                    false => String::new(),
+                };
+                self.fault_apart(format!(
+                    "a move with {word}, which line {line} sets: {what}; write {due} before this block{stated}"
+                ));
+                None
+            }
+            Setting::Unknown => Some(format!("{what}: write {due}")),
+        }
+    }
+
+    /// Reports a rotary axis that moves, or may move, while it is clamped.
+    pub(super) fn judge_clamps(&mut self, moves: [bool; 2]) {
+        let machine = self.machine;
+        for (k, axis) in machine.rotary.iter().enumerate() {
+            let Some([clamp, unclamp]) = axis.clamp.as_ref().filter(|_| self.control.clamps && moves[k]) else {
+                continue;
+            };
+            let why = match self.clamped[k] {
+                Some(false) => continue,
+                Some(true) => format!("{clamp} has clamped it"),
+                None => "it may be clamped from another program".to_owned(),
+            };
+            self.fault_apart(format!("axis {} moves, and {why}: write {unclamp} in a block before", axis.name));
+            self.clamped[k] = Some(false);
+        }
+    }
+
+    /// Switches the transformation as a move means it, behind a block that was not understood and that may have done so: what
+    /// follows from that block is not told.
+    pub(super) fn switch_unread(&mut self, on: bool) {
+        self.doubtful = false;
+        if on {
+            // Some controls have it in the block that switches.
+            if self.modal[ModalGroup::Turning as usize] == Setting::Unknown {
+                self.modal[ModalGroup::Turning as usize] = Setting::Reported;
+            }
+            return self.begin();
+        }
+        self.transformation = Transformation::Off;
+        self.axes = [AxisPosition::Left; 5];
+        self.frame_turn = 0.0;
+        if self.control.switching_sets_length || !self.control.machine_frame_drops_length {
+            self.length = Length::Off;
+        }
+    }
+
+    /// Takes the transformation as off where a block that was not understood may have switched it, before a word that the
+    /// control takes only then.
+    pub(super) fn may_be_off(&mut self) {
+        if self.doubtful && self.transformation == Transformation::On {
+            self.switch_unread(false);
+        }
+    }
+}

@@ -1,0 +1,464 @@
+//! Lofted surfaces: curves on equal parameters, joined by a spline across them.
+
+use super::basis::{self, MAX_DEGREE};
+use super::interpolate::averaged_knots;
+use super::knots::merge_knots;
+use super::proximity::{Patch, Projection};
+use super::{GeomError, NurbsCurve, NurbsSurface, SurfaceDerivatives};
+use nalgebra::{DMatrix, Point3, Rotation3, Vector3};
+use std::sync::OnceLock;
+
+/// S(u, v) = sum over k of `L_k(v)` `C_k(u)`. The `C_k` are the sections at the places `v_k`. The `L_k` are splines of
+/// degree 3 (lower for fewer than four sections) that are 1 at `v_k` and 0 at all other places.
+///
+/// With two sections this is a ruled surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoftedSurface {
+    sections: Vec<NurbsCurve>,
+    /// Parameters of the sections, from 0 to 1.
+    places: Vec<f64>,
+    degree: [usize; 2],
+    knots: [Vec<f64>; 2],
+    /// Control points, row after row of equal u.
+    control: Vec<Vector3<f64>>,
+    seeds: Seeds,
+}
+
+/// Points of the whole surface from which the search for closest points begins, computed when they are first needed: column
+/// after column of equal u.
+#[derive(Clone, Debug, Default)]
+struct Seeds(OnceLock<Vec<Vector3<f64>>>);
+
+/// Seeds follow from the surface: surfaces are equal whether these are computed or not.
+impl PartialEq for Seeds {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+/// Seeds along u, as for ruled surfaces.
+const ALONG: usize = 48;
+
+/// Seeds between two sections.
+const BETWEEN: usize = 4;
+
+/// Mean distance below which two sections count as coincident, mm.
+const SAME_SECTION: f64 = 1e-5;
+
+/// Stations along a section at which its distance to the next section is measured.
+const STATIONS: u32 = 16;
+
+/// Places of sections from 0 to 1, by the mean distances of neighbours. A section may consist of several curves.
+///
+/// # Errors
+/// Fewer than two sections, or coincident neighbours.
+pub fn places(sections: &[Vec<&NurbsCurve>]) -> Result<Vec<f64>, GeomError> {
+    if sections.len() < 2 {
+        return Err(GeomError::TooFewPoints { given: sections.len(), needed: 2 });
+    }
+    let mut places = vec![0.0];
+    let mut sum = 0.0;
+    for (k, pair) in sections.windows(2).enumerate() {
+        let apart = |(a, b): (&&NurbsCurve, &&NurbsCurve)| -> f64 {
+            let at = (0..=STATIONS).map(|i| f64::from(i) / f64::from(STATIONS));
+            at.map(|u| (b.point(u) - a.point(u)).norm()).sum::<f64>() / f64::from(STATIONS + 1)
+        };
+        let mean = pair[0].iter().zip(&pair[1]).map(apart).sum::<f64>() / pair[0].len().max(1) as f64;
+        if !(mean > SAME_SECTION && mean.is_finite()) {
+            return Err(GeomError::CoincidentPoints(k));
+        }
+        sum += mean;
+        places.push(sum);
+    }
+    places.iter_mut().for_each(|p| *p /= sum);
+    let last = places.len() - 1;
+    places[last] = 1.0;
+    Ok(places)
+}
+
+/// The end of interval `i` of `n` of a range.
+fn between(range: [f64; 2], i: usize, n: usize) -> f64 {
+    range[0] + (range[1] - range[0]) * i as f64 / n as f64
+}
+
+/// True where the surface does not continue beyond its borders.
+fn in_square(u: f64, v: f64) -> bool {
+    (0.0..=1.0).contains(&u) && (0.0..=1.0).contains(&v)
+}
+
+impl LoftedSurface {
+    /// The surface through sections, the first at v = 0 and the last at v = 1. The places between them follow the mean
+    /// distances of neighbouring sections.
+    ///
+    /// # Errors
+    /// Fewer than two sections, or coincident neighbours.
+    pub fn through(sections: Vec<NurbsCurve>) -> Result<Self, GeomError> {
+        let alone: Vec<Vec<&NurbsCurve>> = sections.iter().map(|c| vec![c]).collect();
+        let places = places(&alone)?;
+        Self::at(sections, places)
+    }
+
+    /// The surface through sections at places, which ascend from 0 to 1.
+    ///
+    /// # Errors
+    /// Fewer than two sections, a rational one, or places that do not ascend.
+    pub fn at(sections: Vec<NurbsCurve>, places: Vec<f64>) -> Result<Self, GeomError> {
+        let count = sections.len();
+        if count < 2 || places.len() != count {
+            return Err(GeomError::TooFewPoints { given: count.min(places.len()), needed: 2 });
+        }
+        if let Some(k) = sections.iter().position(NurbsCurve::is_rational) {
+            return Err(GeomError::Weight(k));
+        }
+        if let Some(k) = places.windows(2).position(|p| p[0] >= p[1]) {
+            return Err(GeomError::CoincidentPoints(k));
+        }
+        let degree = MAX_DEGREE.min(count - 1);
+        let knots = averaged_knots(&places, degree);
+        let mut matrix = DMatrix::zeros(count, count);
+        for (k, v) in places.iter().enumerate() {
+            let basis = basis::evaluate(&knots, degree, *v, 0);
+            for j in 0..=degree {
+                matrix[(k, basis.first + j)] = basis.values[0][j];
+            }
+        }
+        let weights = matrix.try_inverse().ok_or(GeomError::Singular)?;
+        // All sections on one degree and one knot vector.
+        let along = sections.iter().map(NurbsCurve::degree).max().unwrap_or(1);
+        let mut same: Vec<NurbsCurve> = sections.clone();
+        for curve in &mut same {
+            while curve.degree() < along {
+                *curve = curve.elevated();
+            }
+        }
+        let merged = same.iter().fold(Vec::new(), |knots, curve| merge_knots(&knots, curve.knots()));
+        let same: Vec<NurbsCurve> = same.iter().map(|curve| curve.refined(&merged)).collect();
+        let mut control = Vec::with_capacity(count * same[0].control().len());
+        for i in 0..same[0].control().len() {
+            for j in 0..count {
+                control.push((0..count).map(|k| same[k].control()[i].xyz() * weights[(j, k)]).sum());
+            }
+        }
+        Ok(Self { sections, places, degree: [along, degree], knots: [merged, knots], control, seeds: Seeds::default() })
+    }
+
+    /// The sections, from v = 0 to v = 1.
+    pub fn sections(&self) -> &[NurbsCurve] {
+        &self.sections
+    }
+
+    /// Parameters of the sections.
+    pub fn places(&self) -> &[f64] {
+        &self.places
+    }
+
+    /// Knots along u and along v.
+    pub(super) fn knots(&self) -> [&[f64]; 2] {
+        self.knots.each_ref().map(Vec::as_slice)
+    }
+
+    /// Degree along u and along v.
+    pub(super) fn degree(&self) -> [usize; 2] {
+        self.degree
+    }
+
+    /// Control point i along u and j along v.
+    pub(super) fn control_point(&self, i: usize, j: usize) -> Vector3<f64> {
+        self.control[i * self.sections.len() + j]
+    }
+
+    /// The same surface as control points on knots.
+    pub fn to_surface(&self) -> NurbsSurface {
+        let control = self.control.iter().map(|c| c.push(1.0)).collect();
+        NurbsSurface::from_homogeneous(self.degree, self.knots.clone(), control)
+    }
+
+    /// Sums of the control points with derivatives of the basis, of the first `ORDERS` orders: entry (i, j) has order i in u and
+    /// j in v.
+    fn sums<const ORDERS: usize>(&self, u: f64, v: f64) -> [[Vector3<f64>; ORDERS]; ORDERS] {
+        let basis = |d: usize, t: f64| basis::evaluate(&self.knots[d], self.degree[d], t, ORDERS - 1);
+        let [bu, bv] = [basis(0, u), basis(1, v)];
+        let columns = self.sections.len();
+        let mut sums = [[Vector3::zeros(); ORDERS]; ORDERS];
+        for a in 0..=self.degree[0] {
+            let start = (bu.first + a) * columns + bv.first;
+            let mut row = [Vector3::zeros(); ORDERS];
+            for (b, c) in self.control[start..=start + self.degree[1]].iter().enumerate() {
+                for (sum, values) in row.iter_mut().zip(&bv.values) {
+                    *sum += c * values[b];
+                }
+            }
+            for (by_u, values) in sums.iter_mut().zip(&bu.values) {
+                for (sum, r) in by_u.iter_mut().zip(&row) {
+                    *sum += r * values[a];
+                }
+            }
+        }
+        sums
+    }
+
+    /// Point with first and second derivatives. Outside of u in [0, 1] the sections continue along their tangents;
+    /// outside of v in [0, 1] the surface continues straight.
+    pub fn derivatives(&self, u: f64, v: f64) -> SurfaceDerivatives {
+        let inside = [u.clamp(0.0, 1.0), v.clamp(0.0, 1.0)];
+        let mut s = self.sums::<3>(inside[0], inside[1]);
+        let [du, dv] = [u - inside[0], v - inside[1]];
+        if du != 0.0 {
+            let [value, first, second] = &mut s;
+            for (j, f) in first.iter().enumerate() {
+                value[j] += f * du;
+                second[j] = Vector3::zeros();
+            }
+        }
+        if dv != 0.0 {
+            for [value, first, second] in &mut s {
+                *value += *first * dv;
+                *second = Vector3::zeros();
+            }
+        }
+        let [[point, sv, svv], [su, suv, _], [suu, _, _]] = s;
+        SurfaceDerivatives { point: Point3::from(point), su, sv, suu, suv, svv }
+    }
+
+    /// Point, `S_u` and `S_v`, as [`Self::derivatives`].
+    pub fn tangents(&self, u: f64, v: f64) -> (Point3<f64>, Vector3<f64>, Vector3<f64>) {
+        if !in_square(u, v) {
+            let s = self.derivatives(u, v);
+            return (s.point, s.su, s.sv);
+        }
+        let [[point, sv], [su, _]] = self.sums::<2>(u, v);
+        (Point3::from(point), su, sv)
+    }
+
+    /// Point, as [`Self::derivatives`].
+    pub fn point(&self, u: f64, v: f64) -> Point3<f64> {
+        if !in_square(u, v) {
+            return self.derivatives(u, v).point;
+        }
+        let [[point]] = self.sums::<1>(u, v);
+        Point3::from(point)
+    }
+
+    /// Control points of the line of equal u along v.
+    fn line(&self, u: f64) -> Vec<Vector3<f64>> {
+        let inside = u.clamp(0.0, 1.0);
+        let basis = basis::evaluate(&self.knots[0], self.degree[0], inside, 1);
+        let columns = self.sections.len();
+        let weight = |a: usize| basis.values[0][a] + basis.values[1][a] * (u - inside);
+        let at =
+            |j: usize| (0..=self.degree[0]).map(|a| self.control[(basis.first + a) * columns + j] * weight(a)).sum();
+        (0..columns).map(at).collect()
+    }
+
+    /// The surface turned about Z (Wei 18).
+    #[must_use]
+    pub fn rotated(&self, angle: f64) -> Self {
+        let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), angle);
+        Self {
+            sections: self.sections.iter().map(|c| c.rotated(angle)).collect(),
+            control: self.control.iter().map(|c| turn * c).collect(),
+            seeds: Seeds::default(),
+            ..self.clone()
+        }
+    }
+
+    /// Points of a patch on a grid: column after column of equal u.
+    fn grid(&self, patch: Patch) -> Vec<Vector3<f64>> {
+        let across = BETWEEN * (self.sections.len() - 1);
+        // The line at each u, and the weights at each v, are computed once.
+        let rows: Vec<(usize, [f64; MAX_DEGREE + 1])> = (0..=across)
+            .map(|j| {
+                let v = between(patch.v, j, across);
+                let inside = v.clamp(0.0, 1.0);
+                let basis = basis::evaluate(&self.knots[1], self.degree[1], inside, 1);
+                let weight = |k: usize| basis.values[0][k] + basis.values[1][k] * (v - inside);
+                (basis.first, std::array::from_fn(weight))
+            })
+            .collect();
+        let mut points = Vec::with_capacity((ALONG + 1) * (across + 1));
+        for i in 0..=ALONG {
+            let line = self.line(between(patch.u, i, ALONG));
+            let point = |(first, weights): &(usize, [f64; MAX_DEGREE + 1])| -> Vector3<f64> {
+                line[*first..].iter().zip(weights).map(|(c, weight)| c * *weight).sum()
+            };
+            points.extend(rows.iter().map(point));
+        }
+        points
+    }
+
+    /// Closest point of a patch: distances on a grid, then Newton's method from each local minimum of the grid, inside
+    /// the patch.
+    pub fn closest(&self, p: &Point3<f64>, patch: Patch) -> Projection {
+        let across = BETWEEN * (self.sections.len() - 1);
+        let of_patch;
+        let grid = if patch == Patch::WHOLE {
+            self.seeds.0.get_or_init(|| self.grid(Patch::WHOLE))
+        } else {
+            of_patch = self.grid(patch);
+            &of_patch
+        };
+        let distances: Vec<f64> = grid.iter().map(|point| (point - p.coords).norm()).collect();
+        let distance = |i: usize, j: usize| distances[i * (across + 1) + j];
+        let mut best: Option<Projection> = None;
+        for i in 0..=ALONG {
+            for j in 0..=across {
+                let around = (i.saturating_sub(1)..=(i + 1).min(ALONG))
+                    .flat_map(|a| (j.saturating_sub(1)..=(j + 1).min(across)).map(move |b| (a, b)));
+                if around.into_iter().any(|(a, b)| distance(a, b) < distance(i, j)) {
+                    continue;
+                }
+                let found = self.refine(p, [between(patch.u, i, ALONG), between(patch.v, j, across)], patch);
+                if best.is_none_or(|b| found.distance < b.distance) {
+                    best = Some(found);
+                }
+            }
+        }
+        best.unwrap_or_else(|| self.projection(p, [patch.u[0], patch.v[0]]))
+    }
+
+    fn projection(&self, p: &Point3<f64>, [u, v]: [f64; 2]) -> Projection {
+        let point = self.point(u, v);
+        Projection { u, v, point, distance: (p - point).norm() }
+    }
+
+    /// Newton's method on half the squared distance; Gauss-Newton where its matrix has no minimum. Steps that do not
+    /// reduce the distance are halved.
+    fn refine(&self, p: &Point3<f64>, start: [f64; 2], patch: Patch) -> Projection {
+        /// Largest number of steps; from a seed about six are enough.
+        const STEPS: usize = 40;
+        let mut best = self.projection(p, start);
+        for _ in 0..STEPS {
+            let s = self.derivatives(best.u, best.v);
+            let gap = s.point - p;
+            let (gu, gv) = (gap.dot(&s.su), gap.dot(&s.sv));
+            let gauss = [s.su.norm_squared(), s.su.dot(&s.sv), s.sv.norm_squared()];
+            let full = [gauss[0] + gap.dot(&s.suu), gauss[1] + gap.dot(&s.suv), gauss[2] + gap.dot(&s.svv)];
+            // At a border of the patch only the other parameter moves.
+            let held = |x: f64, range: [f64; 2], g: f64| (x <= range[0] && g > 0.0) || (x >= range[1] && g < 0.0);
+            let (u_held, v_held) = (held(best.u, patch.u, gu), held(best.v, patch.v, gv));
+            let step = |[a, b, c]: [f64; 3]| match (u_held, v_held) {
+                (true, true) => Some([0.0, 0.0]),
+                (true, false) => (c > 0.0).then(|| [0.0, -gv / c]),
+                (false, true) => (a > 0.0).then(|| [-gu / a, 0.0]),
+                (false, false) => {
+                    let det = a * c - b * b;
+                    (a > 0.0 && det > 0.0).then(|| [(b * gv - c * gu) / det, (b * gu - a * gv) / det])
+                }
+            };
+            let Some(step) = step(full).or_else(|| step(gauss)) else { break };
+            let mut share = 1.0;
+            let nearer = loop {
+                let u = (best.u + step[0] * share).clamp(patch.u[0], patch.u[1]);
+                let v = (best.v + step[1] * share).clamp(patch.v[0], patch.v[1]);
+                // Shorter steps end at the same place as well.
+                if [u, v] == [best.u, best.v] {
+                    break None;
+                }
+                let next = self.projection(p, [u, v]);
+                if next.distance < best.distance {
+                    break Some(next);
+                }
+                share *= 0.5;
+                if share < 1e-3 {
+                    break None;
+                }
+            };
+            let Some(nearer) = nearer else { break };
+            best = nearer;
+        }
+        best
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{RuledSurface, interpolate};
+
+    /// An arc about Z from one azimuth to another.
+    fn arc(radius: f64, z: f64, from: f64) -> NurbsCurve {
+        let points: Vec<Point3<f64>> = (0..9)
+            .map(|i| from + 0.1 * f64::from(i))
+            .map(|a| Point3::new(radius * a.cos(), radius * a.sin(), z))
+            .collect();
+        interpolate(&points, 3).unwrap()
+    }
+
+    fn twisted(count: u32) -> LoftedSurface {
+        let at = |k: u32| f64::from(k) / f64::from(count - 1);
+        let section = |k| arc(20.0 + 3.0 * at(k) * at(k), 10.0 * at(k), 0.3 * at(k) * at(k));
+        LoftedSurface::through((0..count).map(section).collect()).unwrap()
+    }
+
+    #[test]
+    fn sections_lie_on_the_surface() {
+        for count in 2..8 {
+            let surface = twisted(count);
+            for (section, v) in surface.sections().iter().zip(surface.places()) {
+                for i in 0..=20 {
+                    let u = f64::from(i) / 20.0;
+                    assert!((surface.derivatives(u, *v).point - section.point(u)).norm() < 1e-12);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn two_sections_are_ruled() {
+        let surface = twisted(2);
+        let ruled = RuledSurface { root: surface.sections()[0].clone(), tip: surface.sections()[1].clone() };
+        for (u, v) in [(0.0, 0.0), (0.3, 0.7), (1.0, 1.0), (-0.1, 1.2), (1.1, -0.4)] {
+            let (a, b) = (surface.derivatives(u, v), ruled.derivatives(u, v));
+            assert!((a.point - b.point).norm() < 1e-12 && (a.suv - b.suv).norm() < 1e-11, "{u} {v}");
+            assert!((a.su - b.su).norm() < 1e-11 && (a.sv - b.sv).norm() < 1e-11 && (a.suu - b.suu).norm() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn derivatives_are_those_of_differences() {
+        let surface = twisted(6);
+        let h = 1e-5;
+        for (u, v) in [(0.2, 0.3), (0.5, 0.9), (0.71, 0.13), (0.4, 1.3), (1.2, 0.5)] {
+            let at = |du: f64, dv: f64| surface.derivatives(u + du, v + dv);
+            let d = at(0.0, 0.0);
+            let close = |a: Vector3<f64>, b: Vector3<f64>| assert!((a - b).norm() < 1e-6 * (1.0 + a.norm()), "{a} {b}");
+            close(d.su, (at(h, 0.0).point - at(-h, 0.0).point) / (2.0 * h));
+            close(d.sv, (at(0.0, h).point - at(0.0, -h).point) / (2.0 * h));
+            close(d.suu, (at(h, 0.0).su - at(-h, 0.0).su) / (2.0 * h));
+            close(d.suv, (at(0.0, h).su - at(0.0, -h).su) / (2.0 * h));
+            close(d.svv, (at(0.0, h).sv - at(0.0, -h).sv) / (2.0 * h));
+        }
+    }
+
+    /// No point of a fine grid is nearer than the closest point, and a point moved along the normal returns to its
+    /// foot.
+    #[test]
+    fn closest_points_against_a_grid() {
+        let surface = twisted(5);
+        let patch = Patch { u: [0.0, 1.0], v: [0.0, 1.0] };
+        for k in 0..40 {
+            let (u, v) = (0.05 + 0.9 * f64::from(k % 8) / 7.0, 0.05 + 0.9 * f64::from(k / 8) / 4.0);
+            let d = surface.derivatives(u, v);
+            let p = d.point + d.su.cross(&d.sv).normalize() * 1.5;
+            let found = surface.closest(&p, patch);
+            assert!((found.distance - 1.5).abs() < 1e-9, "{k} {}", found.distance);
+            assert!((found.u - u).abs() < 1e-6 && (found.v - v).abs() < 1e-6);
+            let p = Point3::new(f64::from(k) - 20.0, 15.0 - f64::from(k % 11), f64::from(k % 13));
+            let found = surface.closest(&p, patch);
+            let grid = (0..=200).flat_map(|i| (0..=100).map(move |j| (f64::from(i) / 200.0, f64::from(j) / 100.0)));
+            let least = grid.map(|(u, v)| (surface.derivatives(u, v).point - p).norm()).fold(f64::INFINITY, f64::min);
+            assert!(found.distance <= least + 1e-12, "{k}: {} {least}", found.distance);
+            assert!(found.distance > least - 0.05);
+        }
+    }
+
+    #[test]
+    fn too_few_or_equal_sections() {
+        let c = arc(20.0, 0.0, 0.0);
+        assert!(matches!(
+            LoftedSurface::through(vec![c.clone()]),
+            Err(GeomError::TooFewPoints { given: 1, needed: 2 })
+        ));
+        assert!(matches!(LoftedSurface::through(vec![c.clone(), c]), Err(GeomError::CoincidentPoints(0))));
+    }
+}

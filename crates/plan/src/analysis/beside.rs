@@ -1,0 +1,170 @@
+//! Free space beside a vane: the largest ball that touches the point-milled faces and fillets without meeting the next
+//! vane across the channel. The floor is no limit here: places where the ball would cut into the hub are left out.
+
+use diagnostics::codes::planning as codes;
+use diagnostics::{Diag, Sink};
+use ir::{Operation, OperationId, OperationKind, Program};
+use nalgebra::Point3;
+use nurbs::proximity::Patch;
+use rayon::prelude::*;
+use tool_stock::collide::Cutter;
+use wheel::part::{
+    FaceSurface, Part, Surface, SurfaceId, SurfaceKind,
+    chart::{Place, Shape, charts},
+};
+
+/// Free space for the tool of a point milling operation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Beside {
+    /// Operation.
+    pub operation: OperationId,
+    /// Largest radius of a ball that fits at every place of its surfaces, at most the fillet radius, mm, rounded down
+    /// to 0.005 mm.
+    pub largest: f64,
+    /// True when the ball of the tool fits; without a ball, its corner.
+    pub fits: bool,
+}
+
+/// Numbers of intervals along and across a surface, at whose ends the free space is measured.
+const PLACES: [usize; 2] = [60, 8];
+
+/// Most steps in which a ball shrinks until it meets nothing; a few are enough.
+const SHRINKS: usize = 40;
+
+/// Largest cut of a ball into the hub that counts as rounding, mm.
+const ROUNDING: f64 = 1e-6;
+
+/// Radius of the first ball where none is asked for, mm, larger than any free space.
+const ENDLESS: f64 = 1e4;
+
+/// A place of a vane with the free space before it.
+struct Spot {
+    kind: SurfaceKind,
+    place: Place,
+    /// Largest radius of a ball that touches the vane here and does not meet the next vane, at most the largest that is asked for.
+    radius_limit: f64,
+}
+
+/// Measures every point milling operation, and reports tools that are too large.
+pub fn check(program: &Program, sink: &mut Sink) -> Vec<Beside> {
+    let part = &program.part;
+    let mut spots: Vec<Spot> = Vec::new();
+    let mut found = Vec::new();
+    for (id, operation) in program.operations.iter() {
+        let OperationKind::Point { surfaces, .. } = &operation.kind else { continue };
+        // No vane stands opposite an edge.
+        let inside = |kind: &SurfaceKind| matches!(kind, SurfaceKind::Face(_) | SurfaceKind::Fillet(_));
+        if !surfaces.iter().any(inside) {
+            continue;
+        }
+        if spots.is_empty() {
+            spots = measure(part, largest_asked(program));
+        }
+        let own: Vec<&Spot> = spots.iter().filter(|s| surfaces.contains(&s.kind)).collect();
+        let radius = program.tools[operation.tool].solid.cutter.tip_radius();
+        let fits = narrowest(part, &own, radius).is_none_or(|s| s.radius_limit >= radius);
+        let beside = Beside { operation: id, largest: largest(part, &own), fits };
+        if !fits {
+            sink.push(too_large(program, operation, &beside, narrowest(part, &own, radius)));
+        }
+        found.push(beside);
+    }
+    found
+}
+
+/// Radius beyond which free space makes no difference, mm: no tool of the operations and no answer is larger.
+fn largest_asked(program: &Program) -> f64 {
+    let of_tools = program.tools.iter().map(|(_, tool)| tool.solid.cutter.tip_radius());
+    let fillet = program.part.main().fillet.as_ref().map_or(ENDLESS, |f| f.least().get());
+    of_tools.fold(fillet, f64::max)
+}
+
+/// Measures the free space at places all over faces and fillets, up to a radius.
+fn measure(part: &Part, most: f64) -> Vec<Spot> {
+    let [columns, rows] = PLACES;
+    let mut spots = Vec::new();
+    for chart in charts(part) {
+        let (SurfaceKind::Face(side) | SurfaceKind::Fillet(side)) = chart.kind else { continue };
+        let (opposite, turn) = part.opposite(side);
+        let next = part.face(opposite).surface.rotated(turn);
+        let spot = |k: usize| {
+            let [i, j] = [k / (rows + 1), k % (rows + 1)];
+            let place = chart.place(i as f64 / columns as f64, j as f64 / rows as f64);
+            chart.is_milled(&place.position).then(|| Spot {
+                kind: chart.kind,
+                place,
+                radius_limit: radius_limit(&next, &place, most),
+            })
+        };
+        spots.par_extend((0..(columns + 1) * (rows + 1)).into_par_iter().filter_map(spot));
+    }
+    spots
+}
+
+/// Radius of the largest ball, at most `most`, that touches a place from outside and does not meet a surface. Each step shrinks the ball
+/// until it passes through the surface point nearest to its centre (Ma, Bae, Choi: 3D medial point approximation using
+/// nearest neighbors, 2012).
+fn radius_limit(surface: &FaceSurface, place: &Place, most: f64) -> f64 {
+    let mut radius = most;
+    for _ in 0..SHRINKS {
+        let centre = place.position + place.normal * radius;
+        let near = surface.closest(&centre, Patch::WHOLE);
+        if near.distance >= radius - ROUNDING {
+            break;
+        }
+        let way = near.point - place.position;
+        radius = way.norm_squared() / (2.0 * way.dot(&place.normal));
+    }
+    radius
+}
+
+/// The place with the least free space among the places at which a ball of this radius does not cut into the hub.
+fn narrowest<'a>(part: &Part, spots: &[&'a Spot], radius: f64) -> Option<&'a Spot> {
+    let over_hub = |s: &&&Spot| {
+        let centre: Point3<f64> = s.place.position + s.place.normal * radius;
+        part.hub.distance(&centre) >= radius - ROUNDING
+    };
+    spots.iter().filter(over_hub).min_by(|a, b| a.radius_limit.total_cmp(&b.radius_limit)).copied()
+}
+
+/// Largest radius of a ball that fits at every place at which the ball does not cut into the hub, by bisection.
+fn largest(part: &Part, spots: &[&Spot]) -> f64 {
+    let fillet = part.main().fillet.as_ref().map_or(f64::INFINITY, |f| f.least().get());
+    let (mut low, mut high) = (0.0, spots.iter().map(|s| s.radius_limit).fold(0.0, f64::max).min(fillet));
+    while high - low > 1e-4 {
+        let middle = 0.5 * (low + high);
+        if narrowest(part, spots, middle).is_some_and(|s| s.radius_limit >= middle) {
+            low = middle
+        } else {
+            high = middle
+        }
+    }
+    let largest = if fillet - low <= 1e-4 { fillet } else { low };
+    (200.0 * largest).floor() / 200.0
+}
+
+fn too_large(program: &Program, operation: &Operation, beside: &Beside, at: Option<&Spot>) -> Diag {
+    let tool = &program.tools[operation.tool];
+    let cutter = &tool.solid.cutter;
+    let end = match cutter {
+        Cutter::Bull { .. } => "corner",
+        Cutter::Barrel { .. } => "tip",
+        _ => "ball",
+    };
+    let radius = cutter.tip_radius();
+    let mut diag = Diag::error(
+        codes::TOOL_TOO_LARGE,
+        format!("the {end} of {} (radius {radius} mm) touches the neighbouring vane too", tool.name),
+    )
+    .label(tool.span, format!("{} mm in diameter", 2.0 * radius))
+    .label(operation.span, format!("`{}` uses `{}`", operation.name, tool.name))
+    .help(format!("use a {end} of at most {} mm radius", beside.largest));
+    if let Some(spot) = at {
+        let [u, v] = spot.place.parameters;
+        diag = diag.note(format!("a radius of {:.3} mm fits there", spot.radius_limit)).place(
+            format!("{} at u = {u:.3}, v = {v:.3}", SurfaceId { kind: spot.kind, sector: 0 }),
+            spot.place.position,
+        );
+    }
+    diag
+}

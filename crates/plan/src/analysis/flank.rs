@@ -1,0 +1,611 @@
+//! Fit of the side of a cutter to a face: the requirements of flank milling at points of the part, the start of the
+//! optimisation, and the least error with one, two and three strips.
+
+use super::tolerance_budget::budget;
+use axes::envelope::{Deviation, Measured, Mounted, Target, best_least_squares, minimax};
+use base::progress::Progress;
+use base::units::{Mm, length};
+use diagnostics::codes::geometry as codes;
+use diagnostics::{Diag, Sink};
+use ir::{OperationKind, Program};
+use nalgebra::{Point3, Vector3};
+use nurbs::DualCurve;
+use rayon::prelude::*;
+use tool_stock::collide::Cutter;
+use wheel::method::FlankMethod;
+use wheel::part::{
+    FaceId, Fillet, Part, Passage, Surface, SurfaceKind,
+    chart::{self, Chart, Shape},
+    hub_normal,
+};
+
+/// Difference of radii (mm) or of shares of the height that is rounding.
+const SAME: f64 = 1e-9;
+
+/// Least error that is divided by, mm.
+const LEAST_ERROR: f64 = 1e-6;
+
+/// Control points of a guide curve: 14 are enough for the paper's vane (algorithms reference, 1.4).
+pub const CONTROL: usize = 14;
+
+/// Distance beyond inlet and outlet, in cutter radii, up to which a pass follows the continued face. Beyond this
+/// distance, a shift at less than 45 deg to the tangents only moves the tool away from the edge.
+pub const LEAVE: f64 = 1.0;
+
+/// The same distance where the path beyond the edges is free and may deviate further from the tangents.
+const LEAVE_FREE: f64 = 1.5;
+
+/// Clearance of the side of a cutter to faces that it does not finish, mm.
+pub const SIDE_CLEARANCE: f64 = 0.1;
+
+/// Columns and rows of targets on the milled face; the other surfaces follow.
+const FACE: [usize; 2] = [100, 15];
+const FILLET: [usize; 2] = [100, 8];
+const HUB: [usize; 2] = [60, 16];
+const NEIGHBOUR: [usize; 2] = [30, 8];
+
+/// Height between the lower edge and the top of a strip of the point whose offset is on the axis of a start, and the same of further
+/// starts, as shares.
+const AIMED: f64 = 0.85;
+const AIMED_AS_WELL: [f64; 2] = [0.6, 1.0];
+
+/// A part with the charts of its surfaces, computed once.
+pub struct Surroundings<'a> {
+    part: &'a Part,
+    charts: Vec<Chart<'a>>,
+    /// Ends fits, each of which takes some tenths of a second.
+    progress: Option<&'a Progress>,
+}
+
+impl<'a> Surroundings<'a> {
+    /// The charts around the vane of sector 0.
+    pub fn new(part: &'a Part) -> Self {
+        Self { part, charts: chart::charts(part), progress: None }
+    }
+
+    /// The same; fits find nothing after the run was cancelled.
+    pub fn watched(part: &'a Part, progress: &'a Progress) -> Self {
+        Self { progress: Some(progress), ..Self::new(part) }
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.progress.is_some_and(Progress::is_cancelled)
+    }
+}
+
+/// A strip of a face for a cutter.
+pub struct Strip<'a> {
+    around: &'a Surroundings<'a>,
+    /// Face.
+    pub side: FaceId,
+    /// Lower and upper border of the strip as shares of the height of the face.
+    pub span: [f64; 2],
+    cutter: Cutter,
+}
+
+/// A target with its place on the design.
+#[derive(Clone, Copy, Debug)]
+pub struct Placed {
+    /// What is required there.
+    pub target: Target,
+    /// Surface.
+    pub kind: SurfaceKind,
+    /// Parameters of the surface.
+    pub parameters: [f64; 2],
+    /// Coordinates in the chart, each in [0, 1]; on a face along the face, and up from its root.
+    pub at: [f64; 2],
+}
+
+/// Border of a condition that is false at `from` and true at `to`, by bisection: the last place at which the condition
+/// is true.
+fn border(holds: impl Fn(f64) -> bool, mut from: f64, mut to: f64) -> f64 {
+    for _ in 0..20 {
+        let middle = 0.5 * (from + to);
+        if holds(middle) { to = middle } else { from = middle }
+    }
+    to
+}
+
+/// v at the lower end of a face at u: at the upper edge of the fillet, at a sharp root where the ball of the tool touches face and hub.
+pub(crate) fn foot(part: &Part, side: FaceId, cutter: &Cutter, u: f64) -> Option<f64> {
+    part.fillet_tangent(side, u, part.fillet_radius(side, u).unwrap_or_else(|| cutter.tip_radius()))
+}
+
+impl<'a> Strip<'a> {
+    /// A strip.
+    pub fn new(around: &'a Surroundings<'a>, side: FaceId, span: [f64; 2], cutter: Cutter) -> Self {
+        Self { around, side, span, cutter }
+    }
+
+    /// The cutter on the curves: the lower curve is the path of the tip.
+    pub fn tool(&self) -> Mounted<'static> {
+        Mounted { cutter: self.cutter, height: 0.0, body: &[] }
+    }
+
+    /// True when this pass also makes the fillet: the ball of the cutter has the radius of the fillet.
+    fn makes_fillet(&self) -> bool {
+        let same = |f: Mm| (f.get() - self.cutter.tip_radius()).abs() < SAME;
+        self.span[0] == 0.0 && self.around.part.fillet(self.side).and_then(Fillet::constant).is_some_and(same)
+    }
+
+    /// Requirements of the pass: it touches its strip, cuts nothing else and keeps clear of the neighbouring vane.
+    /// `fineness` divides the spacing of the points; at a fineness of one, points of the face are some 0.5 mm apart
+    /// along a vane of 50 mm.
+    pub fn targets(&self, fineness: f64) -> Vec<Placed> {
+        let first = self.around.part.looks_ahead(self.side);
+        let mut out = Vec::new();
+        for chart in self.around.charts.iter().filter(|chart| self.is_near(chart.kind)) {
+            let [columns, rows] = self.counts(chart.kind).map(|n| (n as f64 * fineness).round().max(2.0) as usize);
+            let mut add = |x: f64, y: f64| out.push(self.placed(chart, x, y));
+            let goes_on = chart.kind == SurfaceKind::Fillet(self.side);
+            let milled = |x: f64, y: f64| chart.is_milled(&chart.place(x, y).position);
+            let mut heights: Vec<f64> = (0..=rows).map(|j| j as f64 / rows as f64).collect();
+            if matches!(chart.kind, SurfaceKind::Hub(_)) {
+                // The points are densest where the ball leaves the hub: the ball has a curvature of its own there.
+                let from_wall = heights.iter().map(|y| 0.6 * y * y);
+                heights = if first { from_wall.collect() } else { from_wall.map(|y| 1.0 - y).collect() };
+            }
+            if chart.kind == SurfaceKind::Face(self.side) {
+                // At the border of two strips, the ball leaves the face within a few tenths of a millimetre.
+                const BESIDE: [f64; 7] = [-0.05, -0.025, -0.01, 0.0, 0.01, 0.025, 0.05];
+                let inner = self.span.iter().filter(|e| **e > 0.0 && **e < 1.0);
+                heights.extend(inner.flat_map(|e| BESIDE.iter().map(move |b| e + b)));
+            }
+            for y in heights {
+                let mut before = None;
+                for i in 0..=columns {
+                    let x = i as f64 / columns as f64;
+                    let now = milled(x, y);
+                    if before.is_some_and(|b| b != now) {
+                        let last = x - 1.0 / columns as f64;
+                        let ends = if now { (last, x) } else { (x, last) };
+                        add(border(|x| milled(x, y), ends.0, ends.1), y);
+                    }
+                    if now || goes_on {
+                        add(x, y);
+                    }
+                    before = Some(now);
+                }
+            }
+        }
+        out
+    }
+
+    /// The passage in front of the face, and the side of the face: 0 for its clockwise wall.
+    fn passage(&self) -> (Passage, usize) {
+        let (id, wall) = self.around.part.passage_of(self.side);
+        (self.around.part.passage(id), wall)
+    }
+
+    /// True for the face and its fillet, and for the floor and the opposite blade of its passage.
+    fn is_near(&self, kind: SurfaceKind) -> bool {
+        let (passage, wall) = self.passage();
+        let opposite = passage.walls[1 - wall].blade;
+        match kind {
+            SurfaceKind::Face(id) | SurfaceKind::Fillet(id) => id == self.side || id.blade == opposite,
+            SurfaceKind::Hub(id) => id == passage.id,
+            _ => false,
+        }
+    }
+
+    /// Columns and rows of targets of a surface at a fineness of one.
+    fn counts(&self, kind: SurfaceKind) -> [usize; 2] {
+        match kind {
+            SurfaceKind::Face(side) if side == self.side => FACE,
+            SurfaceKind::Fillet(side) if side == self.side => FILLET,
+            SurfaceKind::Hub(_) => HUB,
+            _ => NEIGHBOUR,
+        }
+    }
+
+    /// Requirement of the pass at a place of a chart.
+    fn placed(&self, chart: &Chart<'_>, x: f64, y: f64) -> Placed {
+        let part = self.around.part;
+        let (passage, wall) = self.passage();
+        // Sectors to the passage in front of this face, and to the opposite blade.
+        let behind = (part.vane_count - passage.sectors) % part.vane_count;
+        let (to_channel, to_vane) = if wall == 0 { (0, passage.sectors) } else { (behind, behind) };
+        let [low, high] = self.span;
+        let place = chart.place(x, y);
+        // At a sharp root the ball reaches down only to its contact with the hub.
+        let reached = || {
+            let asked = part.fillet(self.side).is_none() && chart.kind == SurfaceKind::Face(self.side);
+            asked.then(|| part.fillet_tangent(self.side, x, self.cutter.tip_radius())).flatten()
+        };
+        let touched = |asked: bool| match asked {
+            true => Target::touched(place.position),
+            false => Target::clear(place.position, 0.0),
+        };
+        let target = match chart.kind {
+            SurfaceKind::Face(side) if side == self.side => {
+                let in_band = (low - SAME..=high + SAME).contains(&y);
+                touched(in_band && reached().is_none_or(|v| place.parameters[1] >= v))
+            }
+            // The targets continue beyond the part, so that the pass is as smooth at its ends as in the middle.
+            SurfaceKind::Fillet(side) if side == self.side => {
+                touched(self.makes_fillet() && chart.is_milled(&place.position))
+            }
+            SurfaceKind::Hub(_) => Target::clear(part.sector_rotation(to_channel) * place.position, 0.0),
+            _ => Target::clear(part.sector_rotation(to_vane) * place.position, SIDE_CLEARANCE),
+        };
+        Placed { target, kind: chart.kind, parameters: place.parameters, at: [x, y] }
+    }
+
+    /// Points around those of `placed` that lie on the face and its fillet, five times as dense as at this fineness.
+    pub fn about(&self, placed: &[Placed], fineness: f64) -> Vec<Placed> {
+        const DENSER: i32 = 5;
+        let [face, fillet] = [SurfaceKind::Face(self.side), SurfaceKind::Fillet(self.side)];
+        let offsets = || (-DENSER..=DENSER).flat_map(|i| (-DENSER..=DENSER).map(move |j| [i, j]));
+        let mut out = Vec::new();
+        for chart in self.around.charts.iter().filter(|c| c.kind == face || c.kind == fillet) {
+            let step = self.counts(chart.kind).map(|n| 1.0 / (n as f64 * fineness * f64::from(DENSER)));
+            let moved = |at: f64, k: i32, step: f64| (at + f64::from(k) * step).clamp(0.0, 1.0);
+            for p in placed.iter().filter(|p| p.kind == chart.kind) {
+                let about = offsets().map(|[i, j]| [moved(p.at[0], i, step[0]), moved(p.at[1], j, step[1])]);
+                let points = about.map(|[x, y]| self.placed(chart, x, y));
+                out.extend(points.filter(|p| chart.kind == fillet || chart.is_milled(&p.target.point)));
+            }
+        }
+        out
+    }
+
+    /// The targets that a path near `start` may touch or cut.
+    pub fn near<T>(&self, start: &DualCurve, placed: Vec<T>, target: impl Fn(&T) -> Target) -> Vec<T> {
+        /// Upper bound of the deviation of a path from its start, mm.
+        const FAR: f64 = 2.0;
+        let targets: Vec<Target> = placed.iter().map(&target).collect();
+        let measured = Measured::new(start, &self.tool(), &targets);
+        let near = |(d, t): (&Deviation, &Target)| t.high.is_finite() || d.value - t.low < FAR;
+        let keep: Vec<bool> = measured.at.iter().zip(&targets).map(near).collect();
+        placed.into_iter().zip(keep).filter(|(_, keep)| *keep).map(|(p, _)| p).collect()
+    }
+
+    /// Parameters u at which a pass begins and ends: the cutter is clear of inlet and outlet there.
+    pub fn extent(&self) -> [f64; 2] {
+        let beyond = LEAVE_FREE * self.cutter.tip_radius().max(self.cutter.widest_below(self.cutter.tip_radius()));
+        let part = self.around.part;
+        [-part.root_step(self.side, 0.0, beyond), 1.0 + part.root_step(self.side, 1.0, beyond)]
+    }
+
+    /// Normals of the face and of the hub at the root of the face, at its inlet (u = 0) or outlet (1) end.
+    pub fn normals(&self, u: f64) -> [Vector3<f64>; 2] {
+        let face = self.around.part.face(self.side);
+        [face.normal(u, 0.0), hub_normal(self.around.part, &face.surface.point(u, 0.0))]
+    }
+
+    /// The start of the optimisation, with the points that a path near it may touch; `fineness` is that of [`Self::targets`].
+    /// `None` where no ball rolls along the root.
+    pub fn fitted(&self, fineness: f64) -> Option<(DualCurve, Vec<Placed>)> {
+        let targets = self.targets(fineness);
+        let starts = self.starts();
+        let near = starts.iter().map(|start| self.near(start, targets.clone(), |p| p.target));
+        let mut near: Vec<Vec<Placed>> = near.collect();
+        let each = starts.iter().zip(&near).map(|(start, near)| (start, near.iter().map(|p| p.target).collect()));
+        // A fit takes a tenth of a second; of a cancelled run nobody asks for the best.
+        let each = each.take_while(|_| !self.around.is_cancelled());
+        let (chosen, fit) = best_least_squares(each, &self.tool())?;
+        Some((fit, near.swap_remove(chosen)))
+    }
+
+    /// Where the optimisation may start: with axes through several heights of the strip. Over a low strip such an axis may lean into a
+    /// hollow or twisted face above the strip; the last start leans as for the whole face.
+    fn starts(&self) -> Vec<DualCurve> {
+        let top = self.span[1];
+        let mut aims = vec![(AIMED, top)];
+        // The start of a barrel aims at no height.
+        if !matches!(self.cutter, Cutter::Barrel { .. }) {
+            aims.extend(AIMED_AS_WELL.map(|share| (share, top)));
+            aims.extend((top < 1.0).then_some((AIMED, 1.0)));
+        }
+        aims.into_iter().filter_map(|(share, top)| self.start_below(share, top)).collect()
+    }
+
+    /// A start: the cutter rolls between face and hub, or stands on the lower edge of the strip. Its axis goes through the
+    /// offset of a point at a share of the height up to `top`, which is a share of the height of the face; the arc of a barrel
+    /// touches the middle of the strip.
+    fn start_below(&self, share: f64, top: f64) -> Option<DualCurve> {
+        /// Number of points to which the curves are fitted.
+        const POINTS: usize = 300;
+        let part = self.around.part;
+        let face = part.face(self.side);
+        let length =
+            (0..=8).map(|i| f64::from(i) / 8.0).map(|u| face.surface.point(u, 1.0) - face.surface.point(u, 0.0));
+        let length = length.map(|r| r.norm_squared().sqrt()).fold(0.0, f64::max);
+        let touches = self.cutter.tip_radius();
+        let radius = |height: f64| self.cutter.radius_at(height.max(SAME));
+        let [low, high] = self.span;
+        let [from, to] = self.extent();
+        let pairs: Option<Vec<[Point3<f64>; 2]>> = (0..=POINTS)
+            .map(|i| {
+                let u = from + (to - from) * i as f64 / POINTS as f64;
+                let root = foot(part, self.side, &self.cutter, u)?;
+                let at = |height: f64| root + (1.0 - root) * height;
+                let (tip, axis) = if let Cutter::Barrel { .. } = self.cutter {
+                    self.on_its_arc(u, at(0.5 * (low + high)), root)?
+                } else {
+                    let offset = |v: f64, by: f64| face.surface.point(u, v) + face.normal(u, v) * by;
+                    let upper = at(low + share * (top - low));
+                    let below = offset(at(low), radius(touches));
+                    let between = (face.surface.point(u, upper) - face.surface.point(u, at(low))).norm_squared().sqrt();
+                    let axis = (offset(upper, radius(touches + between)) - below).normalize();
+                    (below - axis * touches, axis)
+                };
+                Some([tip, tip + axis * length])
+            })
+            .collect();
+        DualCurve::through(&pairs?, CONTROL)
+    }
+
+    /// Tip and axis of a barrel whose arc touches a point of the face, as high over the tip as the hub allows.
+    fn on_its_arc(&self, u: f64, v: f64, root: f64) -> Option<(Point3<f64>, Vector3<f64>)> {
+        let face = self.around.part.face(self.side);
+        let (point, normal) = (face.surface.point(u, v), face.normal(u, v));
+        let up = point - face.surface.point(u, root);
+        let lowest = self.cutter.profile_at(self.cutter.barrel_angle()?)?.s;
+        let widest = self.cutter.barrel_height()?;
+        let height = (up.norm_squared().sqrt() + self.cutter.tip_radius()).clamp(lowest, widest);
+        let Cutter::Barrel { barrel, .. } = self.cutter else { return None };
+        let angle = libm::asin((widest - height) / barrel);
+        let along = face.surface.ruling(u);
+        let along = (along - normal * along.dot(&normal)).normalize();
+        let axis = along * libm::cos(angle) + normal * libm::sin(angle);
+        // Towards the face, perpendicular to the axis.
+        let towards = normal * -libm::cos(angle) + along * libm::sin(angle);
+        Some((point - towards * self.cutter.radius_at(height) - axis * height, axis))
+    }
+
+    /// The least possible largest error of this strip: gouge and excess are equal, and nothing else is cut deeper.
+    /// `None` where there is no start.
+    pub fn least_error(&self) -> Option<WorstError> {
+        /// More points are not needed for errors to a few per cent.
+        const FINENESS: f64 = 0.6;
+        const GAIN: f64 = 0.02;
+        if self.around.is_cancelled() {
+            return None;
+        }
+        let (fit, placed) = self.fitted(FINENESS)?;
+        if self.around.is_cancelled() {
+            return None;
+        }
+        let targets: Vec<Target> = placed.iter().map(|p| p.target).collect();
+        let best = minimax(&fit, &self.tool(), &targets, GAIN);
+        let violation = |(p, d): (&Placed, &Deviation)| ((p.target.low - d.value).max(d.value - p.target.high), *p);
+        let violations = placed.iter().zip(&best.measured.at).map(violation);
+        let (error, placed) = violations.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some(WorstError { error: error.max(0.0), placed })
+    }
+}
+
+/// The largest error of a strip.
+#[derive(Clone, Copy, Debug)]
+pub struct WorstError {
+    /// Size of the error, mm.
+    pub error: f64,
+    /// A place with this error; other places have the same error.
+    pub placed: Placed,
+}
+
+/// Strips of a face from the root, with the least error of each; their heights make the errors as equal as possible.
+/// The error of a strip grows with the cube of its height (algorithms reference, 1.2). The lowest strip has to fit the
+/// floor as well, so that equal heights are not the best; `rounds` iterations equalise the errors. `None` where no ball
+/// rolls along the root.
+pub fn strips_of<'a>(
+    around: &'a Surroundings<'a>,
+    side: FaceId,
+    strips: u32,
+    cutter: Cutter,
+    rounds: usize,
+) -> Option<Vec<(Strip<'a>, WorstError)>> {
+    let measured = |borders: &[f64]| -> Option<Vec<(Strip<'a>, WorstError)>> {
+        let spans = borders.par_windows(2).map(|b| Strip::new(around, side, [b[0], b[1]], cutter));
+        spans.map(|strip| strip.least_error().map(|found| (strip, found))).collect()
+    };
+    let even: Vec<f64> = (0..=strips).map(|k| f64::from(k) / f64::from(strips)).collect();
+    let first = measured(&even)?;
+    if strips < 2 {
+        return Some(first);
+    }
+    let mut best = first;
+    for _ in 0..rounds {
+        // Heights that make all errors equal by the cubic law.
+        let even = |(strip, w): &(Strip<'_>, WorstError)| {
+            (strip.span[1] - strip.span[0]) * libm::pow(w.error.max(LEAST_ERROR), -1.0 / 3.0)
+        };
+        let heights: Vec<f64> = best.iter().map(even).collect();
+        let whole: f64 = heights.iter().sum();
+        let mut borders = vec![0.0];
+        let mut sum = 0.0;
+        for height in &heights[..heights.len() - 1] {
+            sum += height / whole;
+            borders.push(sum);
+        }
+        borders.push(1.0);
+        let next = measured(&borders)?;
+        let [then, now] = [&next, &best].map(|b| worst(b).map_or(0.0, |w| w.error));
+        if then >= now {
+            break;
+        }
+        best = next;
+    }
+    Some(best)
+}
+
+/// The largest error of some strips; `None` without strips.
+pub fn worst(strips: &[(Strip<'_>, WorstError)]) -> Option<WorstError> {
+    strips.iter().map(|strip| strip.1).max_by(|a, b| a.error.total_cmp(&b.error))
+}
+
+/// The least error of a face with a number of strips, after `rounds` iterations of their heights; `None` where no ball
+/// rolls along the root.
+pub fn least_error(
+    around: &Surroundings<'_>,
+    side: FaceId,
+    strips: u32,
+    cutter: Cutter,
+    rounds: usize,
+) -> Option<WorstError> {
+    worst(&strips_of(around, side, strips, cutter, rounds)?)
+}
+
+/// Size of the largest cutter of the same shape that leaves at most `error` with this number of strips, as a share of
+/// the size of this cutter. `None` where no cutter down to a tenth of the size does. The error is about proportional to
+/// the size, so that a few trials find the size to a few per cent from below.
+pub fn fitting(around: &Surroundings<'_>, side: FaceId, strips: u32, cutter: Cutter, error: f64) -> Option<f64> {
+    const TRIALS: usize = 5;
+    const SMALLEST: f64 = 0.1;
+    /// Share of the allowed error from which on the search ends.
+    const NEAR: f64 = 0.95;
+    let mut fits: Option<f64> = None;
+    let mut share = 1.0;
+    for _ in 0..TRIALS {
+        let Some(found) = least_error(around, side, strips, cutter.scaled(share), 1) else { break };
+        let good = found.error <= error;
+        if good {
+            fits = Some(fits.map_or(share, |f| f.max(share)));
+        }
+        if good && (found.error > NEAR * error || share >= 1.0) {
+            break;
+        }
+        // Aims a little below the bound; never up to what was too large.
+        let aimed = share * (0.98 * error / found.error.max(SAME)).clamp(0.2, 1.5);
+        share = aimed.min(1.0);
+        if share < SMALLEST {
+            break;
+        }
+    }
+    fits
+}
+
+/// Fit of a cutter to a face.
+struct Fit {
+    side: FaceId,
+    cutter: Cutter,
+    tool: String,
+    allowed: EnoughFit,
+}
+
+/// The error on each side at which flank milling is good enough, mm.
+#[derive(Clone, Copy)]
+enum EnoughFit {
+    /// What contracts leave.
+    Contracts(f64),
+    /// What a finish allows.
+    Finish,
+    /// As little as an operation leaves that mills the face by points, with this scallop height, mm.
+    Scallop(f64),
+}
+
+impl EnoughFit {
+    fn error(self) -> f64 {
+        match self {
+            Self::Contracts(error) => error,
+            Self::Finish => POINT_MILLED,
+            // With `side excess` all of the error is excess, as scallops are.
+            Self::Scallop(height) => 0.5 * height,
+        }
+    }
+
+    /// What follows from the errors with one, two and three strips.
+    fn verdict(self, errors: [f64; 3]) -> String {
+        let fitting = errors.iter().position(|e| *e <= self.error());
+        let strips = fitting.map(|n| ["one strip", "two strips", "three strips"][n]);
+        if let Self::Scallop(height) = self {
+            let height = length(height);
+            return match strips {
+                Some(strips) => {
+                    format!("with `side excess` flank milling in {strips} leaves no more than the scallops of {height}")
+                }
+                None => format!(
+                    "point milling is better: its scallops are {height} high, flank milling leaves {} in three strips with `side excess`",
+                    length(2.0 * errors[2])
+                ),
+            };
+        }
+        let whose = match self {
+            Self::Contracts(_) => "the contracts leave as tolerance budget on each side",
+            _ => "a finish allows",
+        };
+        let allowed = length(self.error());
+        match strips {
+            Some(strips) => {
+                let are = if fitting == Some(0) { "is" } else { "are" };
+                format!("{strips} {are} within the {allowed} that {whose}")
+            }
+            None => {
+                format!("use point milling: even with three strips the error is larger than the {allowed} that {whose}")
+            }
+        }
+    }
+}
+
+/// Faces and cutters whose fit is asked for: those of `minimax` operations, and those of point milling with balls whose flutes are as
+/// long as the face is high.
+fn asked(program: &Program) -> Vec<Fit> {
+    let part = &program.part;
+    let mut asked: Vec<Fit> = Vec::new();
+    for (id, operation) in program.operations.iter() {
+        let tool = &program.tools[operation.tool];
+        let cutter = tool.solid.cutter;
+        let faces: Vec<(FaceId, EnoughFit)> = match &operation.kind {
+            OperationKind::Flank { faces, flank } if flank.method == FlankMethod::Minimax => {
+                let allowed = |side: FaceId| {
+                    let budget = budget(program, id, flank.side, SurfaceKind::Face(side), side);
+                    budget.map_or(EnoughFit::Finish, |[below, above]| EnoughFit::Contracts(0.5 * (below + above)))
+                };
+                faces.iter().map(|side| (*side, allowed(*side))).collect()
+            }
+            OperationKind::Point { surfaces, scallop, .. } if cutter.ends_in_ball() => {
+                let reached = |side: FaceId| {
+                    let surface = &part.face(side).surface;
+                    [0.0, 0.5, 1.0].iter().all(|u| surface.height(*u) <= tool.solid.flute_length)
+                };
+                let faces =
+                    surfaces.iter().filter_map(|s| if let SurfaceKind::Face(side) = s { Some(*side) } else { None });
+                faces.filter(|side| reached(*side)).map(|side| (side, EnoughFit::Scallop(scallop.get()))).collect()
+            }
+            _ => Vec::new(),
+        };
+        for (side, allowed) in faces {
+            if !asked.iter().any(|f| f.side == side && f.cutter == cutter) {
+                asked.push(Fit { side, cutter, tool: tool.name.clone(), allowed });
+            }
+        }
+    }
+    asked
+}
+
+/// Reports how well the sides of cutters fit the faces that they finish, or could finish in the place of point milling.
+pub fn report(program: &Program, progress: &Progress, sink: &mut Sink) {
+    let part = &program.part;
+    let around = Surroundings::watched(part, progress);
+    let asked = asked(program);
+    let work = progress.begin("fits of cutters to faces", 3 * asked.len());
+    let fitted = |fit: &Fit, strips| work.do_step(|| least_error(&around, fit.side, strips, fit.cutter, 1)).flatten();
+    let errors = |fit: &Fit| [1, 2, 3].map(|strips| fitted(fit, strips));
+    let found: Vec<_> = asked.par_iter().map(errors).collect();
+    for (fit, errors) in asked.iter().zip(found) {
+        let [Some(one), Some(two), Some(three)] = errors.map(|w| w.map(|w| w.error)) else { continue };
+        // More strips can follow the paths of fewer, where the search found none that are better.
+        let (two, three) = (two.min(one), three.min(two).min(one));
+        let of = if part.blades.len() == 1 { String::new() } else { format!("{} ", part.blade(fit.side.blade).name) };
+        sink.push(
+            Diag::remark(
+                codes::FLANK_FIT,
+                format!(
+                    "flank milling leaves {} on the {of}{} face with {} in one strip, {} in two, {} in three",
+                    length(one),
+                    fit.side.name(),
+                    fit.tool,
+                    length(two),
+                    length(three)
+                ),
+            )
+            .note("gouge and excess are equal; with `side excess` there is no gouge, and the excess is twice as large")
+            .note(fit.allowed.verdict([one, two, three])),
+        );
+    }
+}
+
+/// Allowed error where contracts give none, mm: what a finish allows. A face whose error with three strips is larger is
+/// better point milled.
+const POINT_MILLED: f64 = 0.02;

@@ -1,0 +1,33 @@
+//! Whether the blank is so high over the shroud that the first level of `rough` would be much deeper than the job says.
+
+use base::units::Mm;
+use diagnostics::codes::geometry::STOCK_HIGH;
+use diagnostics::{Diag, Sink};
+use ir::{OperationKind, Program};
+
+/// Largest height of the blank over the shroud, as a share of the depth of a level: levels begin at the shroud, and the
+/// first of them takes what stands over it.
+const MOST_OVER: f64 = 0.5;
+
+/// Reports an error when the first operation roughs and the blank stands too high.
+pub(super) fn check(program: &Program, sink: &mut Sink) {
+    let Some((_, operation)) = program.operations.iter().next() else { return };
+    let OperationKind::Rough { depth, .. } = operation.kind else { return };
+    let over = program.stock.over_shroud;
+    let most = Mm(MOST_OVER * depth.get());
+    if over.get() <= most.get() {
+        return;
+    }
+    let first = Mm(over.get() + depth.get());
+    sink.push(
+        Diag::error(
+            STOCK_HIGH,
+            format!(
+                "the blank stands {over} over the shroud; the first level of `{}` would be up to {first} deep instead of {depth}",
+                operation.name
+            ),
+        )
+        .label(operation.span, "levels begin at the shroud")
+        .help(format!("turn the blank to `over shroud {most}` or less")),
+    );
+}

@@ -1,0 +1,7 @@
+//! From program to motion. The planner knows nothing of the verifier.
+
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking"))]
+
+pub mod analysis;
+pub mod passes;

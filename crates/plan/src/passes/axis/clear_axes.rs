@@ -1,0 +1,464 @@
+//! Which tool axes are clear at a contact of the floor, with a proof between contacts.
+//!
+//! The ball of the tool stands on the floor, and the tool turns about the centre of the ball. Required distances: those
+//! of the contracts for shank and holder, and [`SIDE`] for the side of the cutter. The side counts from one diameter
+//! over the tip on, where the contact no longer has any influence. Between two stations the tip runs straight and the
+//! rotary axes turn evenly. At the middle of a piece, each tool point is at most this far from all of its positions on
+//! the piece: half of the tip motion, plus half of the turn times its distance from the tip. Pieces are halved until
+//! the distance at the middle is larger than that.
+
+use crate::passes::context::{Ends, Obstacles};
+use axes::orient::inscribe::{Proof, inscribe};
+use base::units::trim;
+use diagnostics::{
+    Diag,
+    codes::{kinematics, orientation},
+};
+use five_axis::Pose;
+use ir::{ClPoint, Operation, Program};
+use nalgebra::{Point3, Vector2, Vector3};
+use nurbs::EllipticCone;
+use nurbs::elliptic_cone::frame_about;
+use std::f64::consts::{FRAC_PI_2, TAU};
+use tool_stock::collide::{Section, ToolSolid};
+use wheel::contract::Guarded;
+use wheel::operation::Allowances;
+use wheel::part::Clamping;
+
+/// Required distance of the side of the cutter from the part, from one diameter over the tip on, mm, for tools from
+/// [`WHOLE_SIDE`] on.
+const SIDE: f64 = 0.5;
+
+/// Diameter of a ball, mm, below which the required distance of the side shrinks in proportion: a distance that suits a wheel
+/// of 100 mm is wider than the channels of one of 20 mm.
+const WHOLE_SIDE: f64 = 5.0;
+
+/// Shares of the distance beside the cutter that are enough on a pass where no axes with the whole distance lead along it: between
+/// two blades, or round an edge. The distance only keeps the flutes free; cuts into the part are judged in verification.
+const LESS_BESIDE: [f64; 2] = [0.4, 0.1];
+
+/// Angles from the middle at which axes are tried, degrees.
+const RINGS: [f64; 9] = [2.5, 5.0, 8.0, 11.0, 15.0, 20.0, 26.0, 33.0, 41.0];
+
+/// Angles at which axes are tried where none of [`RINGS`] is clear, degrees: along a twisted channel the tool comes in over
+/// the inlet or over the outlet.
+const WIDER_RINGS: [f64; 3] = [50.0, 60.0, MOST_AWAY];
+
+/// Largest angle from the middle, degrees.
+const MOST_AWAY: f64 = 70.0;
+
+/// Directions from which the search goes on where no axis on the rings is clear: those that lack least.
+const STARTS: usize = 4;
+
+/// Steps of that search, degrees: the first one, and the least.
+const STEPS: [f64; 2] = [4.0, 0.25];
+
+/// Axes tried on each ring.
+const AROUND: usize = 16;
+
+/// Least tilt of a candidate, radians. Nearer to the pole, rotary axis 2 would turn through, and a pass keeps one
+/// branch.
+pub(super) const LEAST_TILT: f64 = 0.1;
+
+/// Largest cone about an axis, as a tangent in the plane at height one.
+const REACH: f64 = 0.6;
+
+/// Distance of a contact from the centre of its ball below which they have no direction, mm.
+const NO_NORMAL: f64 = 1e-9;
+
+/// Rounding of the angle between axis and normal, radians: an axis along a ruling touches with the middle of the ball.
+const AT_THE_MIDDLE: f64 = 1e-6;
+
+/// Half axis of a cone that is wide enough: 1.7 deg.
+const WIDE: f64 = 0.03;
+
+/// Number of clear axes about which cones are tried until a cone is wide enough.
+const SEEDS: usize = 8;
+
+/// The ball of a tool that stands on the part.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StandingBall {
+    pub(crate) centre: Point3<f64>,
+    /// Normal of the part at the contact; `None` where the ball touches nothing.
+    pub(crate) normal: Option<Vector3<f64>>,
+}
+
+impl StandingBall {
+    /// The ball of a radius at a cutter location.
+    pub(crate) fn at(point: &ClPoint, radius: f64) -> Self {
+        let centre = point.tip + point.axis * radius;
+        Self { centre, normal: point.contact.and_then(|contact| (centre - contact).try_normalize(NO_NORMAL)) }
+    }
+
+    /// The ball on the straight way to another place.
+    pub(crate) fn towards(&self, other: &Self, share: f64) -> Self {
+        let between = |(a, b): (Vector3<f64>, Vector3<f64>)| (a + (b - a) * share).try_normalize(NO_NORMAL);
+        Self {
+            centre: self.centre + (other.centre - self.centre) * share,
+            normal: self.normal.zip(other.normal).and_then(between),
+        }
+    }
+
+    /// How far the contact is above the middle of the ball with this axis, radians: there the side of the cutter would cut into
+    /// the part. Zero or negative on the lower half of the ball.
+    fn above_the_middle(&self, axis: &Vector3<f64>) -> f64 {
+        self.normal.map_or(-FRAC_PI_2, |normal| normal.angle(axis) - FRAC_PI_2)
+    }
+}
+
+/// The tool of an operation among the obstacles.
+#[derive(Clone, Copy)]
+pub(crate) struct ClearAxes<'a> {
+    obstacles: &'a Obstacles,
+    solid: &'a ToolSolid,
+    clamping: &'a Clamping,
+    /// Required distances of the side of the cutter, of shank and of holder, mm.
+    asked: [f64; 3],
+    /// Largest angle between tool axis and Z within the travel of the rotary axes, radians.
+    most_lean: f64,
+    program: &'a Program,
+    /// Sectors in which the axes are to stay within their travel: one of them where all have equal positions of X, Y and Z.
+    sectors: &'a [u32],
+}
+
+impl<'a> ClearAxes<'a> {
+    pub(crate) fn new(program: &'a Program, obstacles: &'a Obstacles, operation: &'a Operation) -> Self {
+        let alike = program.machine.turns_part_about_its_axis();
+        let sectors = if alike { operation.sectors.get(..1).unwrap_or_default() } else { &operation.sectors };
+        let bound = |body: Guarded| program.clearance_asked(body).unwrap_or(program.clearance.get());
+        let solid = &program.tools[operation.tool].solid;
+        Self {
+            obstacles,
+            solid,
+            clamping: &program.stock.clamping,
+            asked: [SIDE * share_of_size(solid), bound(Guarded::Shank), bound(Guarded::Holder)],
+            most_lean: program.machine.most_lean(),
+            program,
+            sectors,
+        }
+    }
+
+    pub(crate) fn radius(&self) -> f64 {
+        self.solid.cutter.tip_radius()
+    }
+
+    /// The same with less and less distance beside the cutter.
+    pub(crate) fn with_less_beside(&self) -> [Self; 2] {
+        let [side, shank, holder] = self.asked;
+        LESS_BESIDE.map(|share| Self { asked: [share * side, shank, holder], ..*self })
+    }
+
+    /// Required distance beside the cutter, mm.
+    pub(crate) fn beside_cutter(&self) -> f64 {
+        self.asked[0]
+    }
+
+    /// A length that suits usual tools, less in proportion for thin ones: such tools finish small wheels.
+    pub(crate) fn scaled(&self, whole: f64) -> f64 {
+        whole * share_of_size(self.solid)
+    }
+
+    /// Distance of a point less the required distance; negative for a violation.
+    fn slack(&self, rho: f64, s: f64) -> f64 {
+        let from = 2.0 * self.radius();
+        let [side, shank, holder] = self.asked;
+        let least = |sections: &[Section]| Section::least_distance(sections, rho, s);
+        let cutter = if s >= from {
+            self.solid.cutter_distance(rho, s)
+        } else {
+            libm::hypot(self.solid.cutter_distance(rho, from).max(0.0), from - s)
+        };
+        (cutter - side).min(least(&self.solid.shank) - shank).min(least(&self.solid.holder) - holder)
+    }
+
+    /// True when every axis within the angle `cap` of this axis is within the travel of the rotary axes, touches with the lower half of
+    /// the ball, is clear by at least `margin`, and keeps shank and holder over the clamping. X, Y and Z stay within their travel at this
+    /// axis, and about so at the others.
+    pub(crate) fn clear(&self, ball: &StandingBall, axis: &Vector3<f64>, cap: f64, margin: f64) -> bool {
+        let StandingBall { centre, .. } = ball;
+        let tip = centre - axis * self.radius();
+        self.leans_within_travel(axis, cap)
+            && ball.above_the_middle(axis) + cap <= AT_THE_MIDDLE
+            && self.in_linear_travel(&tip, axis, cap)
+            && self.over_clamping(centre, &leaning_by(axis, cap))
+            && self.obstacles.keeps(
+                (&tip, axis),
+                (|rho, s, _| self.slack(rho, s), Allowances::NONE),
+                (centre, cap, margin),
+            )
+    }
+
+    /// True when shank and holder are over the clamping or beside it. The tool comes down as it leans, so that an axis which leans less
+    /// is over the clamping as well.
+    fn over_clamping(&self, centre: &Point3<f64>, axis: &Vector3<f64>) -> bool {
+        self.clamping.clears_body(self.solid, &(centre - axis * self.radius()), axis)
+    }
+
+    /// True when every axis within the angle `cap` of this axis is within the travel of the rotary axes.
+    fn leans_within_travel(&self, axis: &Vector3<f64>, cap: f64) -> bool {
+        libm::atan2(libm::hypot(axis.x, axis.y), axis.z) + cap <= self.most_lean
+    }
+
+    /// True when X, Y and Z stay within their travel too, in all sectors. An angle of `cap` moves them by about this angle times
+    /// the lengths of tool and part; the links between passes decide.
+    fn in_linear_travel(&self, tip: &Point3<f64>, axis: &Vector3<f64>, cap: f64) -> bool {
+        let Program { machine, part, .. } = self.program;
+        let length = self.solid.length();
+        self.sectors.iter().all(|sector| {
+            let turn = part.sector_rotation(*sector);
+            machine.reaches_place(
+                &Pose { tip: turn * tip, axis: turn * axis },
+                length,
+                cap * (length + tip.coords.norm()),
+            )
+        })
+    }
+
+    /// True when all axes of the machine stay within their travel, in all sectors.
+    pub(crate) fn in_travel(&self, at: &ClPoint) -> bool {
+        self.leans_within_travel(&at.axis, 0.0) && self.in_linear_travel(&at.tip, &at.axis, 0.0)
+    }
+
+    /// True when the tool is clear over a whole piece of motion.
+    pub(crate) fn proved(&self, ends: &Ends) -> bool {
+        self.obstacles.keeps_over(ends, (|rho, s, _| self.slack(rho, s), Allowances::NONE))
+    }
+
+    /// Clear axes about a direction, the nearest first.
+    pub(crate) fn candidates(&self, ball: &StandingBall, middle: &Vector3<f64>, margin: f64) -> Vec<Vector3<f64>> {
+        let clear = |d: &Vector3<f64>| self.clear(ball, d, 0.0, margin);
+        let near: Vec<Vector3<f64>> = around(middle).filter(clear).collect();
+        if !near.is_empty() {
+            return near;
+        }
+        let wider: Vec<Vector3<f64>> = rings(middle, &WIDER_RINGS).filter(clear).collect();
+        if wider.is_empty() { self.between_rings(ball, middle, margin) } else { wider }
+    }
+
+    /// True where [`Self::candidates`] finds an axis.
+    pub(crate) fn has_candidates(&self, ball: &StandingBall, middle: &Vector3<f64>) -> bool {
+        let mut tried = around(middle).chain(rings(middle, &WIDER_RINGS));
+        tried.any(|d| self.clear(ball, &d, 0.0, 0.0)) || !self.between_rings(ball, middle, 0.0).is_empty()
+    }
+
+    /// Clear axes between those of the rings: from the axes that lack least, each step goes where the tool lacks less. Between
+    /// the walls of a twisted channel the clear axes are a narrow cone.
+    fn between_rings(&self, ball: &StandingBall, middle: &Vector3<f64>, margin: f64) -> Vec<Vector3<f64>> {
+        let lack = |d: &Vector3<f64>| self.lack(ball, d, margin);
+        let clear = |d: &Vector3<f64>| self.clear(ball, d, 0.0, margin);
+        let all = around(middle).chain(rings(middle, &WIDER_RINGS));
+        let mut starts: Vec<(f64, Vector3<f64>)> = all.map(|d| (lack(&d), d)).collect();
+        starts.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let cone = libm::cos(MOST_AWAY.to_radians());
+        for (mut least, mut axis) in starts.into_iter().take(STARTS).filter(|(lack, _)| lack.is_finite()) {
+            let mut step = STEPS[0];
+            while step >= STEPS[1] && least < 0.0 {
+                let beside = ring(&axis, step).filter(|d| d.dot(middle) >= cone).map(|d| (lack(&d), d));
+                match beside.max_by(|a, b| a.0.total_cmp(&b.0)) {
+                    Some(better) if better.0 > least => (least, axis) = better,
+                    _ => step *= 0.5,
+                }
+            }
+            if clear(&axis) {
+                return std::iter::once(axis).chain(rings(&axis, &RINGS[..2]).filter(clear)).collect();
+            }
+        }
+        Vec::new()
+    }
+
+    /// How much the tool lacks of the required distances, negative; 0 where it keeps them.
+    fn lack(&self, ball: &StandingBall, axis: &Vector3<f64>, margin: f64) -> f64 {
+        let tip = ball.centre - axis * self.radius();
+        let reached = self.in_travel(&ClPoint { tip, axis: *axis, contact: None });
+        if !reached || !self.over_clamping(&ball.centre, axis) {
+            return f64::NEG_INFINITY;
+        }
+        let distance = |rho: f64, s: f64| self.slack(rho, s) - margin;
+        let above = -self.radius() * ball.above_the_middle(axis);
+        self.obstacles.nearest((&tip, axis), distance, 0.0).map(|(least, _)| least).fold(above.min(0.0), f64::min)
+    }
+
+    /// True when an axis near a direction is clear and far enough from the pole.
+    pub(crate) fn has_candidate(&self, ball: &StandingBall, middle: &Vector3<f64>, margin: f64) -> bool {
+        around(middle).any(|d| is_steep(&d) && self.clear(ball, &d, 0.0, margin))
+    }
+
+    /// Clear axes on the first so many of [`RINGS`] about a direction, this direction first.
+    pub(crate) fn beside(
+        &self,
+        ball: &StandingBall,
+        (to, rings): (&Vector3<f64>, usize),
+        margin: f64,
+    ) -> Vec<Vector3<f64>> {
+        around(to).take(1 + AROUND * rings).filter(|d| self.clear(ball, d, 0.0, margin)).collect()
+    }
+
+    /// A cone of clear axes about a clear axis near a direction: the first cone that is wide enough, else the widest.
+    pub(crate) fn cone(
+        &self,
+        ball: &StandingBall,
+        to: &Vector3<f64>,
+        proof: Proof,
+        margin: f64,
+    ) -> Option<EllipticCone> {
+        self.widest(ball, around(to).filter(|d| self.clear(ball, d, 0.0, margin)), proof, margin)
+    }
+
+    /// A cone of clear axes as by [`Self::cone`], else about an axis between the rings.
+    pub(crate) fn narrow_cone(
+        &self,
+        ball: &StandingBall,
+        to: &Vector3<f64>,
+        proof: Proof,
+        margin: f64,
+    ) -> Option<EllipticCone> {
+        let between = || self.widest(ball, self.between_rings(ball, to, margin).into_iter(), proof, margin);
+        self.cone(ball, to, proof, margin).or_else(between)
+    }
+
+    /// The first cone about one of these clear axes that is wide enough, else the widest.
+    fn widest(
+        &self,
+        ball: &StandingBall,
+        axes: impl Iterator<Item = Vector3<f64>>,
+        proof: Proof,
+        margin: f64,
+    ) -> Option<EllipticCone> {
+        let mut best: Option<EllipticCone> = None;
+        for about in axes.take(SEEDS) {
+            let frame = frame_about(&about, &Vector3::z());
+            let clear = |d: &Vector3<f64>, cap: f64| self.clear(ball, d, cap, margin);
+            let Some(cone) = inscribe(&frame, Vector2::zeros(), REACH, proof, &clear) else { continue };
+            if best.is_none_or(|b| cone.half_axes[1] > b.half_axes[1]) {
+                best = Some(cone);
+            }
+            if cone.half_axes[1] >= WIDE {
+                break;
+            }
+        }
+        best
+    }
+
+    /// The error for a contact without a clear axis about a direction, which is named. `help` tells tools that would have one.
+    pub(crate) fn no_axis(
+        &self,
+        (operation, tool): (&str, &str),
+        at: &Point3<f64>,
+        (about, direction): (&Vector3<f64>, &str),
+        help: impl FnOnce() -> String,
+    ) -> Diag {
+        if let Some(diag) = self.no_travel((operation, tool), at, about) {
+            return diag;
+        }
+        let [side, shank, holder] = self.asked;
+        Diag::error(
+            orientation::NO_AXIS,
+            format!(
+                "`{operation}`: no tool axis within {MOST_AWAY} deg of {direction} keeps {tool} clear of the part; \
+                 required clearance {} mm at the side of the cutter, {shank} mm at the shank, {holder} mm at the holder",
+                trim(side, 3)
+            ),
+        )
+        .help(help())
+    }
+
+    /// The error where axes about a direction are clear of the part, but each of them takes X, Y or Z out of its travel.
+    fn no_travel(&self, (operation, tool): (&str, &str), centre: &Point3<f64>, about: &Vector3<f64>) -> Option<Diag> {
+        let anywhere = Self { sectors: &[], ..*self };
+        let ball = StandingBall { centre: *centre, normal: None };
+        let machine = &self.program.machine;
+        let worst = |axis: Vector3<f64>| {
+            let tip = centre - axis * self.radius();
+            let in_sector = |sector: &u32| {
+                let turn = self.program.part.sector_rotation(*sector);
+                machine.farthest_out(&Pose { tip: turn * tip, axis: turn * axis }, self.solid.length())
+            };
+            self.sectors.iter().filter_map(in_sector).max_by(|a, b| a.2.total_cmp(&b.2))
+        };
+        let clear = around(about).chain(rings(about, &WIDER_RINGS)).filter(|d| anywhere.clear(&ball, d, 0.0, 0.0));
+        let (k, position, beyond) = clear.filter_map(worst).min_by(|a, b| a.2.total_cmp(&b.2))?;
+        if beyond <= 0.0 {
+            return None;
+        }
+        let (name, [least, most]) = (machine.names()[k], machine.travel()[k]);
+        Some(
+            Diag::error(
+                kinematics::OUT_OF_TRAVEL,
+                format!(
+                    "`{operation}` needs {name} = {position:.3} mm here, or more; the travel of this axis of {} is {least:.3} to \
+                     {most:.3} mm",
+                    machine.name
+                ),
+            )
+            .note(format!("every tool axis that keeps {tool} clear of the part here takes X, Y or Z out of its travel"))
+            .help(format!(
+                "use a machine on which {name} travels to {position:.3} mm, or mount the part at another position"
+            )),
+        )
+    }
+}
+
+/// An axis that leans by an angle more than another one, at most at a right angle to Z.
+fn leaning_by(axis: &Vector3<f64>, angle: f64) -> Vector3<f64> {
+    let level = libm::hypot(axis.x, axis.y);
+    if angle == 0.0 || level < NO_NORMAL {
+        return *axis;
+    }
+    let lean = libm::atan2(level, axis.z);
+    let (sin, cos) = libm::sincos((lean + angle).min(FRAC_PI_2.max(lean)));
+    Vector3::new(axis.x / level * sin, axis.y / level * sin, cos)
+}
+
+/// Share to which distances beside a tool shrink with its diameter.
+pub(super) fn share_of_size(solid: &ToolSolid) -> f64 {
+    (2.0 * solid.cutter.tip_radius() / WHOLE_SIDE).min(1.0)
+}
+
+/// True when an axis is far enough from the pole.
+pub(crate) fn is_steep(axis: &Vector3<f64>) -> bool {
+    libm::hypot(axis.x, axis.y) >= libm::sin(LEAST_TILT)
+}
+
+/// Directions about `middle`: first `middle` itself, then ring by ring.
+fn around(middle: &Vector3<f64>) -> impl Iterator<Item = Vector3<f64>> {
+    std::iter::once(*middle).chain(rings(middle, &RINGS))
+}
+
+/// Directions at angles from `middle`, degrees, ring by ring.
+fn rings(middle: &Vector3<f64>, angles: &'static [f64]) -> impl Iterator<Item = Vector3<f64>> + use<> {
+    let middle = *middle;
+    angles.iter().flat_map(move |angle| ring(&middle, *angle))
+}
+
+/// Directions at an angle from `middle`, degrees.
+fn ring(middle: &Vector3<f64>, angle: f64) -> impl Iterator<Item = Vector3<f64>> + use<> {
+    let [x, y, w] = frame_about(middle, &Vector3::z());
+    let radius = libm::tan(angle.to_radians());
+    (0..AROUND).map(move |k| {
+        let (sin, cos) = libm::sincos(TAU * k as f64 / AROUND as f64);
+        (w + (x * cos + y * sin) * radius).normalize()
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A ball that touches a wall stands on its lower half while the tool leans away from the wall, not towards it.
+    #[test]
+    fn the_side_of_a_tool_does_not_lean_into_its_contact() {
+        let location = |axis: Vector3<f64>| ClPoint {
+            tip: Point3::from(-axis * 2.0),
+            axis,
+            contact: Some(Point3::new(-2.0, 0.0, 0.0)),
+        };
+        let leaning = |lean: f64| Vector3::new(libm::sin(lean), 0.0, libm::cos(lean));
+        for lean in [-0.3, 0.0, 0.3] {
+            let ball = StandingBall::at(&location(leaning(lean)), 2.0);
+            assert!((ball.normal.unwrap() - Vector3::x()).norm() < 1e-12);
+            assert!((ball.above_the_middle(&leaning(lean)) + lean).abs() < 1e-12, "{lean}");
+        }
+        let free = StandingBall { centre: Point3::origin(), normal: None };
+        assert!(free.above_the_middle(&Vector3::z()) < 0.0);
+    }
+}

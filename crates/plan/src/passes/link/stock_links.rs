@@ -1,0 +1,52 @@
+//! Links of finishing, grooving and expanding through the air of the simulated stock.
+//!
+//! Before: the passes of an operation in all sectors. After: a link for each pass that the tool reaches from the end of the
+//! pass before on straight ways through air, clear of the part; of several the quickest one. A link may go through the
+//! channel, over the shroud or round the outside of the blades: the stock and the part decide this, not a rule. Links
+//! between neighbouring lines, which direct links prove without any stock, are left to them.
+//!
+//! The stock is that before the operation, which holds all that the operation may find; for operations that later ones
+//! find the rest of, it is the stock that each pass leaves.
+
+use super::direct_link::DirectLinks;
+use super::stock_steps::steps;
+use super::through_air::ThroughAir;
+use base::progress::Work;
+use ir::{ClOperation, Operation, Program};
+use tool_stock::stock::{self, Field, StepKind};
+
+/// Adds the links of an operation, and removes its cuts from the stock where `cuts` is true.
+pub(super) fn add(
+    program: &Program,
+    operation: &Operation,
+    direct: &DirectLinks<'_>,
+    (planned, cuts): (&mut ClOperation, bool),
+    (field, work): (&mut Field, &Work),
+) {
+    let solid = &program.tools[operation.tool].solid;
+    let cutter = solid.cutter_alone(0.0);
+    let air = ThroughAir::new(program, direct, solid, field);
+    let mut before = None;
+    let mut linked = 0;
+    for pass in &mut planned.passes {
+        if work.do_step(|| ()).is_none() {
+            return;
+        }
+        let ends = pass.points.first().copied().zip(pass.points.last().copied());
+        let Some((first, last)) = ends else { continue };
+        if let Some(end) = before
+            && !(operation.kind.finishes() && direct.between(&end, &first).is_some())
+        {
+            pass.link = air.quickest(&end, &first, operation.link_feed.get() / 60.0, field);
+            linked += usize::from(pass.link.is_some());
+        }
+        before = Some(last);
+        if cuts {
+            let steps = steps(&program.machine, std::slice::from_ref(pass), StepKind::Cut, 0.0);
+            stock::simulate(field, &cutter, steps.map(|(_, step)| step));
+        }
+    }
+    if linked > 0 {
+        planned.notes.push(format!("{linked} links through the air of the simulated stock"));
+    }
+}

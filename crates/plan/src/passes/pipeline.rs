@@ -1,0 +1,130 @@
+//! The order of the passes, with the reason for each place.
+
+use super::axis::{avoid_collision, clear_floor, orient_tool, smooth_axis};
+use super::channel::middle::Middles;
+use super::context::limits::{check_memory, check_points, check_size};
+use super::context::{Obstacles, PassContext};
+use super::feed::{equal_sectors, exact_stops, removal_feeds, time_feeds};
+use super::link::{fast_leads, first_travel, link_moves, rest_machining};
+use super::rough::{Roughings, channel_levels, expand, groove, plunge, roughings, short_reach};
+use super::{channel, copy_sectors, fit_splines, flank, point, round_to_words, sample_to_tolerance};
+use crate::analysis::cost::{self, Stations};
+use base::progress::Progress;
+use diagnostics::{Aborted, Sink};
+use ir::validate::{self, ClStage};
+use ir::{CcPlan, ClPlan, Motion, OperationKind, Program};
+
+/// Values of the planning stages.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// Contact or drive points.
+    pub cc: CcPlan,
+    /// Cutter locations of all passes.
+    pub cl: ClPlan,
+    /// Joint motion.
+    pub motion: Motion,
+}
+
+/// Runs all passes.
+///
+/// # Errors
+/// A pass that fails, after the plans of all operations were tried: the sink has the reasons. Or the run was cancelled: then it
+/// has none.
+pub fn run(program: &Program, sink: &mut Sink) -> Result<Plan, Aborted> {
+    run_with(program, &Progress::default(), sink)
+}
+
+/// [`run`] with reports of progress.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Result<Plan, Aborted> {
+    check_size(program, sink)?;
+    let obstacles = Obstacles::of(program);
+    let mut cx = PassContext { program, obstacles: &obstacles, progress, sink, stations: Stations::default() };
+    cx.holds("lower", validate::program)?;
+    let roughings = roughings(&cx)?;
+    // Tools that are too short are told before their levels are planned without the floor.
+    short_reach::check(&mut cx, &roughings)?;
+    // Smaller balls of the floor finish what larger ones cannot.
+    let middles = clear_floor::run(&mut cx)?;
+    // Contacts on drive surfaces, operation by operation. Roughing comes first, since each roughing starts at the level
+    // that the one before reached.
+    let cc = plan(&mut cx, &roughings, &middles)?;
+    cx.holds("plan", |program| validate::cc(program, &cc))?;
+    let mut cl = orient_tool::run(&mut cx, &cc)?;
+    cx.holds("orient-tool", |program| validate::cl(program, &cl, ClStage::Oriented))?;
+    // A machine that is too small is told before the axes of finishing are planned.
+    first_travel::check(&mut cx, &cl)?;
+    // Collision avoidance and smoothing need all stations; thinning and links need the final axes.
+    avoid_collision::run(&mut cx, short_reach::refusal, &cc, &mut cl)?;
+    cx.holds("avoid-collision", |program| validate::cl(program, &cl, ClStage::Oriented))?;
+    smooth_axis::run(&mut cx, &cc, &mut cl)?;
+    cx.holds("smooth-axis", |program| validate::cl(program, &cl, ClStage::Oriented))?;
+    sample_to_tolerance::run(&cx, &mut cl);
+    cx.holds("sample-to-tolerance", |program| validate::cl(program, &cl, ClStage::Oriented))?;
+    // The blank is the same in all sectors.
+    fast_leads::run(program, &mut cl);
+    cx.holds("fast-leads", |program| validate::cl(program, &cl, ClStage::Oriented))?;
+    copy_sectors::run(program, &mut cl);
+    cx.holds("copy-sectors", |program| validate::cl(program, &cl, ClStage::InSectors))?;
+    // Passes that cut nothing are removed before links are made.
+    rest_machining::run(program, &obstacles, &mut cl, cx.progress, cx.sink)?;
+    cx.holds("rest-machining", |program| validate::cl(program, &cl, ClStage::InSectors))?;
+    let mut motion = link_moves::run(&mut cx, &cl)?;
+    cx.holds("link-moves", |program| validate::motion(program, &motion))?;
+    // Splines go through the ends of moves as they are before rounding.
+    fit_splines::run(&cx, &mut motion);
+    cx.holds("fit-splines", |program| validate::motion(program, &motion))?;
+    // What follows counts with the moves that the text says.
+    round_to_words::run(program, progress, &mut motion);
+    cx.holds("round-to-words", |program| validate::motion(program, &motion))?;
+    let needed = cost::of_moves(program, &motion, cx.stations.planned);
+    check_memory(&mut cx, None, needed)?;
+    // Times follow from feeds that tool and spindle can take.
+    removal_feeds::run(program, &mut motion, cx.progress, cx.sink)?;
+    cx.holds("removal-feeds", |program| validate::motion(program, &motion))?;
+    time_feeds::run(program, progress, &mut motion);
+    cx.holds("time-feeds", |program| validate::motion(program, &motion))?;
+    equal_sectors::feeds(program, &mut motion);
+    cx.holds("equal-sectors", |program| validate::motion(program, &motion))?;
+    // How far the control leaves the path depends on the speeds of all moves.
+    exact_stops::run(program, progress, &mut motion);
+    cx.holds("exact-stops", |program| validate::motion(program, &motion))?;
+    equal_sectors::stops(program, &mut motion);
+    Ok(Plan { cc, cl, motion })
+}
+
+/// The `plan-*` passes, in the order of the operations. Roughing starts at the level that earlier roughing of the same
+/// kind reached.
+fn plan(cx: &mut PassContext<'_>, roughings: &Roughings<'_>, middles: &Middles<'_>) -> Result<CcPlan, Aborted> {
+    let passages = cx.program.part.passages().count();
+    let [mut groove_levels, mut expand_levels] = [1.0, 1.0].map(|shroud| vec![shroud; passages]);
+    let mut cc = CcPlan::default();
+    let mut failed = false;
+    for (id, operation) in cx.program.operations.iter() {
+        cx.go_on()?;
+        let planned = match operation.kind {
+            OperationKind::Groove { .. } => groove::plan(cx, roughings, (id, operation), &mut groove_levels),
+            OperationKind::Expand { .. } => expand::plan(cx, roughings, (id, operation), &mut expand_levels),
+            OperationKind::Rough { .. } => channel_levels::plan(cx, roughings, (id, operation)),
+            OperationKind::Plunge { .. } => plunge::plan(cx, id, operation),
+            OperationKind::Flank { .. } => flank::plan::plan(cx, id, operation),
+            OperationKind::Point { .. } => point::plan::plan(cx, id, operation),
+            OperationKind::Channel { .. } => channel::plan::plan(cx, id, operation, middles),
+        };
+        match planned {
+            Ok(plan) => {
+                let points = plan.passes.iter().map(|p| p.points.len()).sum::<usize>() as f64;
+                cx.stations = cx.stations.and(points, operation);
+                cc.operations.push(plan);
+                // Each operation may fit alone, but not all together. No later operation will fit either.
+                if check_points(cx, operation, 0.0).is_err() {
+                    return Err(Aborted);
+                }
+            }
+            Err(Aborted) => failed = true,
+        }
+    }
+    if failed { Err(Aborted) } else { Ok(cc) }
+}

@@ -1,0 +1,178 @@
+//! Distance of cutter, shank and holder to the clamping over continuous time, in cuts, links and rapids. The clamping
+//! is the space of chuck and table that the job states: a cylinder about Z without a lower end.
+//!
+//! The distance of two convex bodies is the largest gap between them along any direction. Each direction gives a lower
+//! bound, so that a positive gap proves clearance, independent of the quality of the search.
+
+use super::place::describe;
+use super::proof::piece::{self, At, Piece};
+use base::units::length;
+use diagnostics::{Diag, Sink, codes::verification};
+use ir::{Motion, MoveKind, Program};
+use nalgebra::{Point3, Vector3};
+use rayon::prelude::*;
+use serde::Serialize;
+use std::f64::consts::FRAC_PI_2;
+use tool_stock::collide::Body;
+use wheel::part::Clamping;
+
+/// Displacement of the farthest point of a body over a piece below which the piece is not halved any further, mm.
+const RESOLUTION: f64 = 1e-3;
+
+/// Pieces of a run: enough that a small distance found early in a run excludes most of the rest.
+const RUN: usize = 4096;
+
+/// The part of any tool nearest to the clamping.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct ClampingReport {
+    /// Height of the clamping, mm.
+    pub below: f64,
+    /// Its diameter, mm; `None` for everything below the height.
+    pub diameter: Option<f64>,
+    /// True when the job does not state the clamping.
+    pub by_default: bool,
+    /// `cutter`, `shank` or `holder`; empty without moves.
+    pub part: &'static str,
+    /// Lower bound of the least distance, mm; negative when a tool is inside. `None` without moves.
+    pub distance: Option<f64>,
+    /// Tool tip there, part frame, mm.
+    pub tip: [f64; 3],
+    /// Move.
+    pub at: Option<At>,
+}
+
+/// Gap along a direction between a body of a tool and the clamping: a lower bound of their distance.
+fn gap(clamping: &Clamping, body: &Body, (tip, axis): &(Point3<f64>, Vector3<f64>), n: &Vector3<f64>) -> f64 {
+    let along = n.dot(axis);
+    let across = (1.0 - along * along).max(0.0).sqrt();
+    let side = clamping.radius.map_or(0.0, |r| r.get() * libm::hypot(n.x, n.y));
+    n.dot(&tip.coords) + body.least(along, across) - clamping.below.get() * n.z - side
+}
+
+/// The largest gap of the search; the search ends above `enough`.
+fn distance(clamping: &Clamping, body: &Body, pose: &(Point3<f64>, Vector3<f64>), enough: f64) -> f64 {
+    let upward = gap(clamping, body, pose, &Vector3::z());
+    if upward > enough || clamping.radius.is_none() {
+        return upward;
+    }
+    let along = |[elevation, azimuth]: [f64; 2]| {
+        let (up, out) = libm::sincos(elevation);
+        let (y, x) = libm::sincos(azimuth);
+        gap(clamping, body, pose, &Vector3::new(out * x, out * y, up))
+    };
+    // The gap is concave in the direction: a pattern search from the side finds the maximum.
+    let (tip, axis) = pose;
+    let middle = tip + axis * (0.5 * body.reach());
+    let (mut best, mut step) = ([0.0, libm::atan2(middle.y, middle.x)], 0.5);
+    let mut most = along(best);
+    while step > 1e-4 && most <= enough {
+        let around = [[step, 0.0], [-step, 0.0], [0.0, step], [0.0, -step]];
+        let next = around.map(|d| [(best[0] + d[0]).clamp(0.0, FRAC_PI_2), best[1] + d[1]]);
+        match next.into_iter().map(|n| (along(n), n)).find(|(value, _)| *value > most) {
+            Some((value, n)) => (most, best) = (value, n),
+            None => step *= 0.5,
+        }
+    }
+    most.max(upward)
+}
+
+/// The nearest approach of all tools.
+pub fn check(program: &Program, motion: &Motion) -> ClampingReport {
+    let clamping = &program.stock.clamping;
+    let mut nearest: Option<(f64, &'static str, [f64; 3], At)> = None;
+    for (o, operation) in motion.operations.iter().enumerate() {
+        let bodies = program.tools[program.operations[operation.operation].tool].solid.bodies();
+        let pieces = piece::pieces(&program.machine, motion, o);
+        let start = nearest.map_or(f64::INFINITY, |n| n.0);
+        let found: Vec<_> = pieces.par_chunks(RUN).filter_map(|run| least(clamping, &bodies, run, start)).collect();
+        // Of equal distances the first.
+        nearest = nearest.into_iter().chain(found).reduce(|a, b| if b.0 < a.0 { b } else { a });
+    }
+    let (part, tip) = nearest.map_or(("", [0.0; 3]), |n| (n.1, n.2));
+    ClampingReport {
+        below: clamping.below.get(),
+        diameter: clamping.radius.map(|r| 2.0 * r.get()),
+        by_default: clamping.by_default,
+        part,
+        distance: nearest.map(|n| n.0 - RESOLUTION),
+        tip,
+        at: nearest.map(|n| n.3),
+    }
+}
+
+/// Least distance below `start` over a run of pieces, exact to [`RESOLUTION`], with part, tip and move.
+fn least(
+    clamping: &Clamping,
+    bodies: &[(&'static str, Body)],
+    run: &[Piece],
+    start: f64,
+) -> Option<(f64, &'static str, [f64; 3], At)> {
+    let mut best = None;
+    let mut bound = start;
+    let mut stack: Vec<Piece> = Vec::new();
+    for (name, body) in bodies {
+        let arm = body.reach();
+        for piece in run {
+            stack.push(*piece);
+            while let Some(piece) = stack.pop() {
+                let moved = piece.displacement(arm);
+                let found = distance(clamping, body, piece.middle(), bound + moved);
+                if found - moved >= bound {
+                    continue;
+                }
+                if found < bound {
+                    let tip = piece.middle().0;
+                    (bound, best) = (found, Some((found, *name, [tip.x, tip.y, tip.z], piece.at)));
+                }
+                if moved > RESOLUTION {
+                    stack.extend(piece.halves());
+                }
+            }
+        }
+    }
+    best
+}
+
+impl ClampingReport {
+    /// Describes the space.
+    fn space(&self) -> String {
+        let width = self.diameter.map_or_else(|| "everything".to_owned(), |d| format!("{d:.3} mm about Z"));
+        let default = if self.by_default { ", by default" } else { "" };
+        format!("{width} below z {:.3} mm{default}", self.below)
+    }
+
+    /// Writes the line of the certificate.
+    pub(super) fn write(&self, program: &Program, motion: &Motion, t: &mut String) -> std::fmt::Result {
+        use std::fmt::Write as _;
+        let (Some(at), Some(distance)) = (self.at, self.distance) else { return Ok(()) };
+        let place = describe(program, motion, Some(at));
+        let (space, part, distance) = (self.space(), self.part, length(distance));
+        writeln!(t, "  no tool enters the clamping ({space}): the {part} stays {distance} away: {place}")
+    }
+}
+
+/// Reports a tool inside of the clamping as an error.
+pub fn report(program: &Program, motion: &Motion, found: &ClampingReport, sink: &mut Sink) {
+    let (Some(at), Some(distance)) = (found.at, found.distance.filter(|d| *d < 0.0)) else { return };
+    let Some(operation) = motion.operations.get(at.operation as usize) else { return };
+    let kind = match operation.moves.get(at.index as usize).map(|m| m.kind) {
+        Some(MoveKind::Rapid) => "at rapid",
+        Some(MoveKind::Link) => "in a link",
+        _ => "while cutting",
+    };
+    let declared = &program.operations[operation.operation];
+    let tool = &program.tools[declared.tool].name;
+    let text = format!("{kind} the {} of {tool} goes {} into the clamping", found.part, length(-distance));
+    let mut diag = Diag::error(verification::CLAMPING, text)
+        .label(declared.span, "in this operation")
+        .place(describe(program, motion, Some(at)), Point3::from(found.tip))
+        .block(at.operation, at.index)
+        .note(format!("the clamping is {}", found.space()));
+    if found.by_default {
+        diag = diag.note("the job has no `clamping`, so no tool may go below the back face of the stock");
+    }
+    sink.push(diag.help(
+        "use a shorter lead, a longer reach, smaller tilt angles, or state the true height and diameter of the chuck in the stock: \
+         `clamping { below -42 mm  diameter 60 mm }`",
+    ));
+}

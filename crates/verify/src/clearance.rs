@@ -1,0 +1,123 @@
+//! Distance of parts of the tool to sampled surfaces over continuous time: shank and holder to the design part, the
+//! whole tool to the stock at rapid.
+
+use super::proof::piece::{At, Piece};
+use nalgebra::{Point3, Vector3};
+use serde::Serialize;
+use tool_stock::collide::{Cloud, ToolSolid};
+
+/// Displacement of the farthest tool point over a piece below which the piece is not halved any further, mm. The
+/// reported distance is exact to this.
+const RESOLUTION: f64 = 1e-3;
+
+/// Allowed error of the depth of a tool that is inside of a surface by more than this, mm: the exact depth of a
+/// collision does not matter.
+const INSIDE: f64 = 0.1;
+
+/// Distance beyond the one asked for up to which samples are searched, mm: what is found excludes the next poses.
+const AHEAD: f64 = 1.0;
+
+/// Reserve for rounding, mm.
+const ROUNDING: f64 = 1e-9;
+
+/// A pose for which no sample is nearer than `least`, mm.
+struct KnownPose {
+    tip: Point3<f64>,
+    axis: Vector3<f64>,
+    least: f64,
+}
+
+impl KnownPose {
+    /// Lower bound of the distance in another pose; no point of the tool is farther than `arm` from its tip.
+    fn at(&self, tip: &Point3<f64>, axis: &Vector3<f64>, arm: f64) -> f64 {
+        self.least - (tip - self.tip).norm() - arm * (axis - self.axis).norm() - ROUNDING
+    }
+}
+
+/// Least distance of a part of a tool.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Clearance {
+    /// Lower bound of the distance, mm: the measured distance less what the spacing of the samples may hide.
+    pub distance: f64,
+    /// Distance of the nearest sample, mm.
+    pub found: f64,
+    /// Nearest sample of the surface, part frame, mm.
+    pub point: [f64; 3],
+    /// Tool tip at this time.
+    pub tip: [f64; 3],
+    /// Move.
+    pub at: At,
+    /// Tag of the surface.
+    #[serde(skip)]
+    pub tag: u32,
+}
+
+/// Least distance below `cutoff` between samples and a part of a tool over pieces of motion. `distance` is the signed
+/// distance to this part of the tool; every surface point has a sample within `half_spacing`.
+pub fn least(
+    pieces: &[Piece],
+    solid: &ToolSolid,
+    distance: impl Fn(&ToolSolid, f64, f64) -> f64 + Copy,
+    cloud: &Cloud,
+    half_spacing: f64,
+    cutoff: f64,
+) -> Option<Clearance> {
+    let sections = solid.shank.iter().chain(&solid.holder);
+    let widest = sections.map(|s| s.radius_from.max(s.radius_to)).fold(solid.radius(), f64::max);
+    let arm = solid.length() + widest;
+    let mut best: Option<Clearance> = None;
+    let mut bound = cutoff;
+    // Lower bound over pieces that were not halved down to the resolution.
+    let mut unseen = f64::INFINITY;
+    let mut stack: Vec<Piece> = Vec::new();
+    let mut known: Option<KnownPose> = None;
+    for piece in pieces {
+        stack.push(*piece);
+        while let Some(piece) = stack.pop() {
+            let (tip, axis) = piece.middle();
+            let moved = piece.displacement(arm);
+            // Places that are deeper by less than this are not searched.
+            let enough = if bound < -INSIDE { INSIDE } else { 0.0 };
+            let cutoff = bound - enough + moved;
+            let found = if known.as_ref().is_some_and(|known| known.at(tip, axis, arm) >= cutoff) {
+                None
+            } else {
+                let found = cloud.nearest(tip, axis, |rho, s| distance(solid, rho, s), cutoff + AHEAD);
+                let least = found.map_or(cutoff + AHEAD, |f| f.0);
+                known = Some(KnownPose { tip: *tip, axis: *axis, least });
+                found.filter(|f| f.0 < cutoff)
+            };
+            let Some((found, index)) = found else {
+                unseen = unseen.min(bound - enough);
+                continue;
+            };
+            if found < bound {
+                bound = found;
+                let p = &cloud.points()[index];
+                best = Some(Clearance {
+                    distance: found,
+                    found,
+                    point: [p.position.x, p.position.y, p.position.z],
+                    tip: [tip.x, tip.y, tip.z],
+                    at: piece.at,
+                    tag: p.tag,
+                });
+            }
+            if moved > RESOLUTION.max(enough) {
+                stack.extend(piece.halves());
+            } else if moved > RESOLUTION {
+                unseen = unseen.min(found - moved);
+            }
+        }
+    }
+    best.map(|mut c| {
+        c.distance = c.distance.min(unseen);
+        // The nearest point of the surface lies beside the nearest sample, not in front of it.
+        c.distance = if c.distance > half_spacing {
+            (c.distance * c.distance - half_spacing * half_spacing).sqrt()
+        } else {
+            c.distance - half_spacing
+        };
+        c
+    })
+}

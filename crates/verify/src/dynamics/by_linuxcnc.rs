@@ -1,0 +1,81 @@
+//! The run by the planner of LinuxCNC, which does not plan by joints.
+
+use super::active::{ActiveTimes, MotionLimit, NO_CORNER, Pace, active};
+use super::{At, BlockError, MotionCell, Peak, Run, RunLimits, jerk, number};
+use five_axis::linuxcnc::{self, Ran};
+use ir::{JointMove, MoveKind};
+use std::ops::Range;
+
+/// Share of its programmed speed below which an axis limits a line: the rest is rounding.
+const PROGRAMMED: f64 = 0.999;
+
+/// Replaces times, active limits, corners and speeds by those of LinuxCNC.
+pub(super) fn replace(
+    settings: &linuxcnc::Settings,
+    (operation, moves): (u32, &[JointMove]),
+    (limits, cells): (&RunLimits, &[MotionCell]),
+    report: &mut Run,
+    errors: &mut [BlockError],
+) {
+    let lines = linuxcnc::lines(settings.machine, moves.iter().map(|m| (m.joints, m.time, m.stop)));
+    let ran = linuxcnc::run(&lines, settings);
+    report.time = [0.0; 3];
+    report.corners = Peak::NONE;
+    report.slowest = Peak { value: 1.0, at: None };
+    let rapid = |index: usize| moves.get(index).is_none_or(|m| m.kind == MoveKind::Rapid);
+    // The corner at the end of a move. Between two rapids the deviation does not matter, since nothing is near.
+    let corner = |index: usize| -> [f64; 2] {
+        let ran = index.checked_sub(1).and_then(|i| ran.get(i)).filter(|_| !rapid(index) || !rapid(index + 1));
+        ran.map_or([0.0; 2], |r| [r.deviation[0], r.deviation[1].to_degrees()])
+    };
+    let mut times = ActiveTimes::default();
+    for (m, (ran, index)) in moves.iter().skip(1).zip(ran.iter().zip(1_u32..)) {
+        let at = At { operation, index };
+        report.time[number(m.kind)] += ran.time;
+        if let Some(time) = report.move_times.get_mut(index as usize) {
+            *time = ran.time;
+        }
+        let first = cells.partition_point(|c| c.block < index);
+        let count = cells[first..].partition_point(|c| c.block == index);
+        add(limits, (cells, first..first + count), (index, number(m.kind), ran), &mut times);
+        if m.kind == MoveKind::Cut && m.time < report.slowest.value * ran.time {
+            report.slowest = Peak { value: m.time / ran.time, at: Some(at) };
+        }
+        report.corners.raise(corner(index as usize)[0], at);
+        for (most, share) in report.speed.iter_mut().zip(ran.speed) {
+            most.raise(share, at);
+        }
+    }
+    (report.limits, report.of_moves) = times.named(settings.machine.names());
+    for error in errors {
+        // The corner of an error is the corner at the start of its block.
+        error.corner = (error.at.index as usize).checked_sub(1).map_or([0.0; 2], corner);
+    }
+}
+
+/// Adds the time of a line with its cells by active limit. At its largest speed the limits are those of the joints, as
+/// for any control; while it accelerates or brakes, the acceleration of the axis with the largest share of it; in the
+/// transition from line to line the corner.
+fn add(
+    limits: &RunLimits,
+    (cells, own): (&[MotionCell], Range<usize>),
+    (index, kind, ran): (u32, usize, &Ran),
+    times: &mut ActiveTimes,
+) {
+    let [speed, acceleration] = ran.axes;
+    let whole: f64 = cells[own.clone()].iter().map(|c| c.width).sum();
+    let mut steady = 0.0;
+    for i in own {
+        let (cell, rate) = (&cells[i], ran.pace);
+        let acceleration = cell.second.map(|q| q * rate * rate);
+        let jerk = jerk::twist(cells, i).map(|q| q * rate.powi(3));
+        let by_joints = active(limits, &Pace { cell, rate, acceleration, jerk, corner: NO_CORNER });
+        let limited = matches!(by_joints.0, MotionLimit::Rest | MotionLimit::BlockFeed) && rate < PROGRAMMED;
+        let active = if limited { (MotionLimit::Speed, Some(speed)) } else { by_joints };
+        let time = ran.steady * cell.width / whole;
+        times.add(index, active, kind, time);
+        steady += time;
+    }
+    times.add(index, (MotionLimit::Corner, None), kind, ran.blends);
+    times.add(index, (MotionLimit::Acceleration, Some(acceleration)), kind, ran.time - steady - ran.blends);
+}

@@ -1,0 +1,237 @@
+//! Kept surfaces: how deep cutters go into surfaces that milling must leave as the lathe made them.
+//!
+//! The proof is that of design surfaces (`lower_bound.rs`, `cells.rs`), with lower bounds only, since excess on a kept
+//! surface does not matter. Whole patches without a nearby cutter are excluded at once, so that a back face of 100 cm2
+//! takes milliseconds.
+
+use super::SPACING;
+use super::place::describe;
+use super::proof::cells::{Extreme, Goals, Looked, PatchTask, Proved};
+use super::proof::grid::{Grid, PlacedSurface};
+use super::proof::sweep::Sweep;
+use super::surface::{self, FAR, LEAST_SLACK, SLACK, Worst};
+use base::progress::Progress;
+use base::units::length;
+use diagnostics::{Diag, Sink, codes::verification};
+use ir::{Motion, Program};
+use nalgebra::Rotation3;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::borrow::Cow;
+use std::fmt::Write as _;
+use wheel::part::{
+    SurfaceId, SurfaceKind,
+    chart::Shape,
+    kept::{Kept, kept},
+};
+
+/// Figures of the kept surfaces of one kind, in all sectors.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct KeptReport {
+    /// Common name: `rim`, `vanes 1-8 tip`.
+    pub surface: String,
+    /// The surface with the deepest cut.
+    pub worst_on: String,
+    /// Deepest measured cut.
+    pub gouge: Worst,
+    /// Proved bound of the depth of any cut into these surfaces, mm.
+    pub gouge_bound: f64,
+    /// Kind of the surfaces.
+    #[serde(skip)]
+    pub kind: SurfaceKind,
+}
+
+/// Result for all kept surfaces.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct KeptSurfaces {
+    /// Deepest cut that is allowed, mm: the strictest contract on gouge.
+    pub allowed: f64,
+    /// Results by kind.
+    pub surfaces: Vec<KeptReport>,
+}
+
+/// A surface with the patches that cutters may touch.
+pub(super) struct Covered<'a> {
+    /// The surface in its sector.
+    pub(super) surface: PlacedSurface<'a>,
+    /// Its patches, as indices into all grids.
+    pub(super) grids: Vec<usize>,
+}
+
+/// Least distance of cutters to one surface, if below the cutoff.
+pub(super) struct Deepest {
+    /// Least measured distance, with its place in the chart; `None` where it is not below the cutoff.
+    pub(super) found: Extreme,
+    /// Proved lower bound of the distance, mm.
+    pub(super) low: f64,
+}
+
+/// Measures the cutters of the whole program against all kept surfaces. The bounds include `off`, the largest distance of a
+/// cutter from its sweep, mm.
+pub fn check(program: &Program, sweeps: &[Sweep<'_>], off: f64, progress: &Progress) -> KeptSurfaces {
+    let allowed = super::kept_gouge(program);
+    let shapes = kept(&program.part, &program.stock, program.milled_turned());
+    let (grids, covered) = cover(program, &shapes, sweeps, 0.0);
+    let deepest = deepest(&covered, &grids, sweeps, (0.0, allowed - off), progress, "kept surfaces");
+    let mut surfaces: Vec<(KeptReport, Vec<u32>)> = Vec::new();
+    for (c, d) in covered.iter().zip(&deepest) {
+        let gouge = surface::extreme(&c.surface, d.found, -1.0, sweeps);
+        // A deep cut is described by its depth; the bound of g gives the part of the depth that was not measured.
+        let gouge_bound = (-d.low.min(gouge.value)).max(0.0) + (gouge.depth - (-gouge.value).max(0.0)) + off;
+        let SurfaceId { kind, sector } = c.surface.id;
+        let report =
+            KeptReport { surface: String::new(), worst_on: c.surface.id.to_string(), gouge, gouge_bound, kind };
+        match surfaces.iter_mut().find(|(known, _)| known.kind == kind) {
+            Some((known, sectors)) => {
+                sectors.push(sector);
+                known.gouge_bound = known.gouge_bound.max(report.gouge_bound);
+                let deeper = (report.gouge.depth, -report.gouge.value) > (known.gouge.depth, -known.gouge.value);
+                if deeper {
+                    *known = KeptReport { gouge_bound: known.gouge_bound, ..report };
+                }
+            }
+            None => surfaces.push((report, vec![sector])),
+        }
+    }
+    let named = |(report, mut sectors): (KeptReport, Vec<u32>)| {
+        sectors.sort_unstable();
+        sectors.dedup();
+        KeptReport { surface: report.kind.in_sectors(&sectors), ..report }
+    };
+    KeptSurfaces { allowed, surfaces: surfaces.into_iter().map(named).collect() }
+}
+
+/// The surfaces in their sectors, and grids of the patches with a cutter nearer than `reach`.
+pub(super) fn cover<'a>(
+    program: &Program,
+    shapes: &'a [Kept<'_>],
+    sweeps: &[Sweep<'_>],
+    reach: f64,
+) -> (Vec<Grid>, Vec<Covered<'a>>) {
+    let mut all = Vec::new();
+    let mut covered = Vec::new();
+    for shape in shapes {
+        let touched = |patch: &wheel::part::chart::Patch| {
+            shape
+                .ball(patch)
+                .is_none_or(|(middle, radius)| sweeps.iter().any(|sweep| sweep.near(&middle, radius + reach).is_some()))
+        };
+        let patches: Vec<_> = shape.patches(SPACING).into_par_iter().filter(touched).collect();
+        let first = all.len();
+        all.extend(patches.into_par_iter().map(|p| Grid::new(shape, p)).collect::<Vec<_>>());
+        let sectors = if shape.is_ring() { 1 } else { program.part.vane_count };
+        for sector in 0..sectors {
+            let turn = if shape.is_ring() { Rotation3::identity() } else { program.part.sector_rotation(sector) };
+            let id = SurfaceId { kind: shape.kind, sector };
+            covered.push(Covered { surface: PlacedSurface { shape, turn, id }, grids: (first..all.len()).collect() });
+        }
+    }
+    (all, covered)
+}
+
+/// Least distance of cutters to each surface, where it is less than `ceiling`, with its proof. The bound is within
+/// [`surface::SLACK`] of the measured value, or `-limit` where this is closer. For a cut more than [`surface::BROKEN`]
+/// beyond the limit, only the radius of the cutters is used as a bound.
+pub(super) fn deepest(
+    covered: &[Covered<'_>],
+    grids: &[Grid],
+    sweeps: &[Sweep<'_>],
+    (ceiling, limit): (f64, f64),
+    progress: &Progress,
+    stage: impl Into<Cow<'static, str>>,
+) -> Vec<Deepest> {
+    let tasks: Vec<(usize, PatchTask<'_>)> = covered
+        .iter()
+        .enumerate()
+        .flat_map(|(s, c)| {
+            let of_grid = move |grid: &usize| PatchTask { surface: &c.surface, grid: &grids[*grid], sweeps };
+            c.grids.iter().map(move |grid| (s, of_grid(grid)))
+        })
+        .collect();
+    let work = progress.begin(stage, 2 * tasks.len());
+    // Reserve for rounding: a distance equal to the cutoff is still evaluated.
+    let look = |task: &PatchTask<'_>| task.look_below(Some(ceiling + LEAST_SLACK));
+    let looked: Option<Vec<Looked>> =
+        tasks.par_iter().with_max_len(1).map(|(_, task)| work.do_step(|| look(task))).collect();
+    // A cancelled run has no value that anybody sees.
+    let Some(looked) = looked else { return Vec::new() };
+    let mut least = vec![FAR; covered.len()];
+    for ((s, _), looked) in tasks.iter().zip(&looked) {
+        least[*s] = least[*s].min(looked.range[0]);
+    }
+    let goal = |found: f64| {
+        // The measured value plus the slack; less where the limit lies between.
+        let found = -found.min(ceiling);
+        if found > limit.max(0.0) + surface::BROKEN {
+            return Goals { low: f64::NEG_INFINITY, high: f64::INFINITY };
+        }
+        let within = if found < limit { limit } else { f64::INFINITY };
+        Goals { low: -(found + SLACK).min(within).max(found + LEAST_SLACK), high: f64::INFINITY }
+    };
+    let proved: Option<Vec<Proved>> = tasks
+        .par_iter()
+        .zip(&looked)
+        .with_max_len(1)
+        .map(|((s, task), l)| work.do_step(|| task.prove(l, goal(least[*s]))))
+        .collect();
+    let Some(proved) = proved else { return Vec::new() };
+    let mut all: Vec<Proved> = vec![Proved::NOTHING; covered.len()];
+    for ((s, _), p) in tasks.iter().zip(&proved) {
+        all[*s] = all[*s].join(p);
+    }
+    all.into_iter().map(|p| Deepest { found: p.least.filter(|l| l.0 < FAR), low: p.low.min(ceiling) }).collect()
+}
+
+impl KeptSurfaces {
+    /// Writes the part of the certificate.
+    pub(super) fn write(&self, t: &mut String) -> std::fmt::Result {
+        writeln!(
+            t,
+            "kept surfaces: what milling leaves as the lathe made it, um; {} are allowed, the strictest gouge of the whole part",
+            length(self.allowed)
+        )?;
+        writeln!(t, "  {:<27} {:>8} {:>8}  at (mm)", "surface", "gouge", "at most")?;
+        for s in &self.surfaces {
+            let [x, y, z] = s.gouge.point;
+            let place = match s.gouge.depth > 0.0 {
+                true => format!("({x:.3}, {y:.3}, {z:.3})"),
+                false => "-".to_owned(),
+            };
+            let um = |mm: f64| format!("{:.2}", mm * 1e3);
+            writeln!(t, "  {:<27} {:>8} {:>8}  {place}", s.surface, um(s.gouge.depth), um(s.gouge_bound))?;
+        }
+        Ok(())
+    }
+}
+
+/// Reports cuts into kept surfaces as errors, one per kind.
+pub(super) fn report(program: &Program, motion: &Motion, found: &KeptSurfaces, sink: &mut Sink) {
+    for s in found.surfaces.iter().filter(|s| s.gouge_bound > found.allowed) {
+        let (surface, allowed) = (&s.worst_on, length(found.allowed));
+        let text = if s.gouge.depth > found.allowed {
+            format!(
+                "a cutter goes {} deep into the {surface}, a kept surface; allowed {allowed}",
+                length(s.gouge.depth)
+            )
+        } else {
+            format!(
+                "the deepest cut found in the {surface}, a kept surface, is {}, but the proved bound is {}; allowed \
+                 {allowed}",
+                length(s.gouge.depth),
+                length(s.gouge_bound)
+            )
+        };
+        let mut diag =
+            Diag::error(verification::KEPT, text).place(describe(program, motion, s.gouge.at), s.gouge.point.into());
+        if let Some(at) = s.gouge.at {
+            diag = diag.block(at.operation, at.index);
+            if let Some(operation) = motion.operations.get(at.operation as usize) {
+                diag = diag.label(program.operations[operation.operation].span, "in this operation");
+            }
+        }
+        sink.push(
+            diag.note("no operation mills this surface; the strictest contract on gouge applies")
+                .help("use leads and links clear of this surface, or a thinner tool; for an edge or a tip of the vanes use an operation `edge` or `tip`"),
+        );
+    }
+}

@@ -1,0 +1,232 @@
+//! V4: travel of the joints, also between the ends of a move; limits of the axis speeds; the feed that is reached; and
+//! the deviation of the real motion from the verified motion.
+
+use super::dynamics::{self, Peak, Run};
+use super::proof::piece::At;
+use super::stock::StockReport;
+use five_axis::{Chain, Interpolation, Joints, Machine, between};
+use ir::{Motion, MoveKind, Program};
+use nalgebra::Point3;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::f64::consts::FRAC_PI_2;
+
+/// Places inside a move at which the joints are checked. The tip runs straight and the rotary axes evenly. Between two
+/// of 16 places a linear joint therefore deviates from its chord by less than 1/256 of its sagitta over the whole move.
+const PLACES: usize = 16;
+
+/// Excess over a travel that counts as rounding of the conversion from joints to the part and back, mm and radians.
+const TRAVEL_ROUNDING: f64 = 1e-9;
+
+/// Units of X, Y, Z and the rotary axes in reports.
+pub const AXIS_UNITS: [&str; 5] = ["mm", "mm", "mm", "deg", "deg"];
+
+/// Excess of an axis speed over its limit that counts as rounding of times and feeds.
+const SPEED_ROUNDING: f64 = 1e-3;
+
+/// Range of an axis.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AxisRange {
+    /// Name.
+    pub axis: String,
+    /// Least and largest position used, mm or deg.
+    pub used: [f64; 2],
+    /// Travel, mm or deg; `None` for an axis without limits.
+    pub travel: Option<[f64; 2]>,
+    /// Largest speed of the run, as a share of the limit.
+    pub speed_share: f64,
+    /// Largest acceleration inside of blocks at the programmed feeds, as a share of the limit: above 1 the control
+    /// slows down.
+    pub acceleration_share: f64,
+    /// Largest jerk of the run, as a share of the limit; zero without a limit.
+    pub jerk_share: f64,
+}
+
+/// Violation of a limit by an axis.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AxisFault {
+    /// Name.
+    pub axis: String,
+    /// Position (mm or deg), or the speed as a share of the limit.
+    pub value: f64,
+    /// Violated limit.
+    pub bound: f64,
+    /// True for a speed, false for a position.
+    pub speed: bool,
+    /// Move.
+    pub at: At,
+}
+
+/// An axis speed of one move.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FastestAxis {
+    /// Name.
+    pub axis: String,
+    /// Largest speed as a share of the limit.
+    pub share: f64,
+    /// Move.
+    pub at: At,
+    /// Tool tip at the end of the move, part frame, mm.
+    pub tip: [f64; 3],
+}
+
+/// Deviation of the tool from the verified motion between blocks under other rules of interpolation, from the tip to
+/// the end of the flutes, mm; for cuts and links.
+#[derive(Clone, Debug, Serialize)]
+pub struct OtherRules {
+    /// Tool axis on great circles instead of linear rotary axes.
+    pub great_circle: Peak,
+    /// Without tool centre point control.
+    pub joints_linear: Peak,
+}
+
+/// Figures of the machine check.
+#[derive(Clone, Debug, Serialize)]
+pub struct MachineReport {
+    /// X, Y, Z and both rotary axes.
+    pub axes: Vec<AxisRange>,
+    /// Least angle between the tool axis and rotary axis 2 while cutting, degrees.
+    pub pole_distance: f64,
+    /// Worst fault of each axis.
+    pub faults: Vec<AxisFault>,
+    /// For each operation the axis nearest to its speed limit in the run.
+    pub fastest: Vec<Option<FastestAxis>>,
+    /// Run of each operation.
+    pub runs: Vec<Run>,
+    /// Deviations under other rules of interpolation in each operation.
+    pub other_rules: Vec<OtherRules>,
+}
+
+/// Checks every move. The simulated stock says where limits of removal are near; without it none counts.
+pub fn check(program: &Program, motion: &Motion, stock: Option<&StockReport>) -> MachineReport {
+    let machine = &program.machine;
+    let (travel, speed) = (machine.travel(), machine.speeds());
+    let name = |k: usize| machine.names()[k].to_owned();
+    let mut used = [[f64::INFINITY, f64::NEG_INFINITY]; 5];
+    // The largest possible angle to the pole.
+    let mut pole = FRAC_PI_2;
+    let mut faults: [Option<AxisFault>; 10] = Default::default();
+    let shown = |k: usize, x: f64| if k < 3 { x } else { x.to_degrees() };
+    for (o, operation) in motion.operations.iter().enumerate() {
+        let length = program.tools[program.operations[operation.operation].tool].length();
+        let mut before: Option<&Joints> = None;
+        for (i, m) in operation.moves.iter().enumerate() {
+            let at =
+                At { operation: u32::try_from(o).unwrap_or(u32::MAX), index: u32::try_from(i).unwrap_or(u32::MAX) };
+            if m.kind == MoveKind::Cut {
+                let first = |j: &Joints| j.rotary[0];
+                pole = pole.min(to_pole(&machine.chain, before.map_or(first(&m.joints), first), first(&m.joints)));
+            }
+            let places = path(machine, before.unwrap_or(&m.joints), &m.joints, before.is_some(), length);
+            for k in 0..5 {
+                for q in &places {
+                    used[k] = [used[k][0].min(q[k]), used[k][1].max(q[k])];
+                    let beyond = (q[k] - travel[k][1]).max(travel[k][0] - q[k]);
+                    let worse = faults[k].as_ref().is_none_or(|f| beyond > (f.value - f.bound).abs());
+                    if beyond > TRAVEL_ROUNDING && worse {
+                        let bound = if q[k] > travel[k][1] { travel[k][1] } else { travel[k][0] };
+                        faults[k] = Some(AxisFault { axis: name(k), value: q[k], bound, speed: false, at });
+                    }
+                }
+                if m.time > 0.0 {
+                    let fastest = places
+                        .windows(2)
+                        .map(|w| (w[1][k] - w[0][k]).abs() * (places.len() - 1) as f64 / m.time / speed[k])
+                        .fold(0.0, f64::max);
+                    if fastest > 1.0 + SPEED_ROUNDING && faults[5 + k].as_ref().is_none_or(|f| fastest > f.value) {
+                        faults[5 + k] = Some(AxisFault { axis: name(k), value: fastest, bound: 1.0, speed: true, at });
+                    }
+                }
+            }
+            before = Some(&m.joints);
+        }
+    }
+    let count = motion.operations.len();
+    let removal = |o: usize| stock.and_then(|s| s.operations.get(o)).map_or(&[][..], |o| &o.removal);
+    let runs: Vec<Run> = (0..count).into_par_iter().map(|o| dynamics::run(program, motion, o, removal(o))).collect();
+    for (k, peak) in runs.iter().flat_map(|r| r.speed.iter().enumerate()) {
+        // If a block alone exceeds a speed, the block is the fault; the run adds speeds that only successive blocks
+        // exceed.
+        let worse = peak.value > 1.0 + SPEED_ROUNDING && faults[5 + k].is_none();
+        if let Some(at) = peak.at.filter(|_| worse) {
+            faults[5 + k] = Some(AxisFault { axis: name(k), value: peak.value, bound: 1.0, speed: true, at });
+        }
+    }
+    for (k, fault) in faults.iter_mut().take(5).enumerate() {
+        if let Some(f) = fault {
+            (f.value, f.bound) = (shown(k, f.value), shown(k, f.bound));
+        }
+    }
+    let other_rules = (0..count).into_par_iter().map(|o| other_rules(program, motion, o)).collect();
+    let most = |peaks: &dyn Fn(&Run) -> Peak| runs.iter().map(|r| peaks(r).value).fold(0.0, f64::max);
+    MachineReport {
+        axes: (0..5)
+            .map(|k| AxisRange {
+                axis: name(k),
+                used: used[k].map(|x| shown(k, x)),
+                travel: travel[k].iter().all(|x| x.is_finite()).then(|| travel[k].map(|x| shown(k, x))),
+                speed_share: most(&|r| r.speed[k]),
+                acceleration_share: most(&|r| r.asked[k]),
+                jerk_share: most(&|r| r.jerk[k]),
+            })
+            .collect(),
+        pole_distance: pole.to_degrees(),
+        faults: faults.into_iter().flatten().collect(),
+        fastest: runs.iter().map(|run| fastest(program, motion, run)).collect(),
+        runs,
+        other_rules,
+    }
+}
+
+/// Least angle between the tool and rotary axis 2, in either sense of the tool, while axis 1 turns from one position to
+/// another, radians.
+fn to_pole(chain: &Chain, from: f64, to: f64) -> f64 {
+    if chain.poles_between(from, to) {
+        return 0.0;
+    }
+    let angle = |first: f64| libm::asin(libm::sin(chain.polar_angle(first)).abs());
+    angle(from).min(angle(to))
+}
+
+/// The axis of a run nearest to its speed limit.
+fn fastest(program: &Program, motion: &Motion, run: &Run) -> Option<FastestAxis> {
+    let names = program.machine.names();
+    let (axis, peak) = names.into_iter().zip(run.speed).max_by(|a, b| a.1.value.total_cmp(&b.1.value))?;
+    let at = peak.at?;
+    let end = motion.operations.get(at.operation as usize)?.moves.get(at.index as usize)?;
+    let tip = program.machine.forward(&end.joints).tip;
+    Some(FastestAxis { axis: axis.to_owned(), share: peak.value, at, tip: [tip.x, tip.y, tip.z] })
+}
+
+fn other_rules(program: &Program, motion: &Motion, operation: usize) -> OtherRules {
+    let mut found = OtherRules { great_circle: Peak::NONE, joints_linear: Peak::NONE };
+    let Some(moves) = motion.operations.get(operation) else { return found };
+    let tool = &program.tools[program.operations[moves.operation].tool];
+    let (length, height) = (tool.length(), tool.solid.flute_length);
+    for (i, pair) in moves.moves.windows(2).enumerate().filter(|(_, pair)| pair[1].kind != MoveKind::Rapid) {
+        let at = At {
+            operation: u32::try_from(operation).unwrap_or(u32::MAX),
+            index: u32::try_from(i + 1).unwrap_or(u32::MAX),
+        };
+        let by =
+            |rule: Interpolation| rule.deviation(&program.machine, [&pair[0].joints, &pair[1].joints], length, height);
+        found.great_circle.raise(by(Interpolation::GreatCircle), at);
+        found.joints_linear.raise(by(Interpolation::JointsLinear), at);
+    }
+    found
+}
+
+/// Positions of the axes along a move; only its end when the move starts from an unknown place.
+fn path(machine: &Machine, from: &Joints, to: &Joints, moves: bool, length: f64) -> Vec<[f64; 5]> {
+    if !moves {
+        return vec![machine.positions(to, length)];
+    }
+    let tips: [Point3<f64>; 2] = [machine.forward(from).tip, machine.forward(to).tip];
+    (0..=PLACES)
+        .map(|k| {
+            let t = k as f64 / PLACES as f64;
+            let tip = tips[0] + (tips[1] - tips[0]) * t;
+            machine.positions(&machine.joints(&tip, between(from.rotary, to.rotary, t)), length)
+        })
+        .collect()
+}

@@ -1,0 +1,326 @@
+//! Figures of contracts: the values of the certificate, limited to the surfaces and operations that a contract names.
+
+use super::certificate::Certificate;
+use super::clearance::Clearance;
+use super::dynamics::{Departure, Run};
+use super::proof::piece::At;
+use super::stock::{OperationStock, Peak, StockReport};
+use super::surface::SurfaceReport;
+use base::units::length;
+use wheel::contract::{ContractKind, Cuts, Guarded, Region};
+use wheel::part::SurfaceClass;
+
+/// A measured value with its place.
+#[derive(Clone, Debug)]
+pub(super) struct Figure {
+    /// In the unit of the contract's bound.
+    pub(super) value: f64,
+    /// The worst value at the computed points, where `value` is a proved bound beyond it.
+    pub(super) found: Option<f64>,
+    /// The measured quantity in words.
+    pub(super) what: String,
+    /// Place on the part.
+    pub(super) point: Option<[f64; 3]>,
+    /// Place in the program.
+    pub(super) at: Option<At>,
+    /// The operation with the largest share, by its index.
+    pub(super) operation: Option<usize>,
+}
+
+/// Why there is no figure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Unmeasured {
+    /// The stock was not simulated.
+    NeedsStock,
+    /// No roughing operation leaves anything.
+    NoRoughing,
+    /// The part has no closed surface.
+    NoSolid,
+}
+
+/// Measurements for a part of the surfaces or operations.
+pub(super) trait NarrowMeasure {
+    /// Surfaces as left by the cutters of these operations alone.
+    fn surfaces(&self, operations: &[bool]) -> Vec<SurfaceReport>;
+
+    /// Least distance of a part of the tool in an operation to some surfaces of the design.
+    fn clearance(&self, operation: usize, body: Guarded, surfaces: &[SurfaceClass]) -> Option<Clearance>;
+
+    /// Volume of the finished part, mm3; `None` when its surfaces are not closed.
+    fn part_volume(&self) -> Option<f64>;
+
+    /// Search distance of bodies, mm.
+    fn search(&self) -> f64;
+}
+
+/// The figure of a quantity on a region. `after` is the operation after which the quantity is judged; `None` means the
+/// last operation.
+///
+/// # Errors
+/// Why there is no figure.
+pub(super) fn measure(
+    kind: ContractKind,
+    region: &Region,
+    after: Option<usize>,
+    certificate: &Certificate,
+    narrow: &dyn NarrowMeasure,
+) -> Result<Figure, Unmeasured> {
+    let stock = || certificate.stock.as_ref().ok_or(Unmeasured::NeedsStock);
+    match kind {
+        ContractKind::Gouge => {
+            Ok(worst(certificate, narrow, region, |s| (s.gouge_bound, s.gouge.depth, s.gouge.point, s.gouge.at)))
+        }
+        ContractKind::Excess => {
+            let mut region = region.clone();
+            for (o, done) in region.rows.iter_mut().flat_map(|row| row.iter_mut().enumerate()) {
+                *done &= after.is_none_or(|last| o <= last);
+            }
+            let excess = |s: &SurfaceReport| (s.excess_bound, s.excess.value, s.excess.point, s.excess.at);
+            Ok(worst(certificate, narrow, &region, excess))
+        }
+        ContractKind::Clearance(body) => Ok(clearance(certificate, narrow, body, region)),
+        ContractKind::Time => Ok(time(certificate, region)),
+        ContractKind::AxisSpeed => Ok(axis_speed(certificate, region)),
+        ContractKind::ContourError => Ok(departure(certificate, region, contour)),
+        ContractKind::OrientationError => Ok(departure(certificate, region, orientation)),
+        ContractKind::Rest => rest(certificate, region, after),
+        ContractKind::Air => air(stock()?, region),
+        // The stock has mm3/s.
+        ContractKind::RemovalRate => Ok(largest(stock()?, region, |o| o.rate, 60.0)),
+        ContractKind::Engagement(cuts) => Ok(engagement(stock()?, region, cuts)),
+        ContractKind::Slot => Ok(largest(stock()?, region, |o| o.slot, 1.0)),
+        ContractKind::RestVolume => rest_volume(stock()?, after, narrow),
+    }
+}
+
+/// The largest bound and the largest computed value over the surfaces of a region; for each surface only the operations of the
+/// region count.
+fn worst(
+    certificate: &Certificate,
+    narrow: &dyn NarrowMeasure,
+    region: &Region,
+    pick: impl Fn(&SurfaceReport) -> (f64, f64, [f64; 3], Option<At>),
+) -> Figure {
+    let mut known: Vec<(&[bool], Vec<SurfaceReport>)> = Vec::new();
+    let mut found: Option<Figure> = None;
+    let mut largest = 0.0_f64;
+    for (surface, row) in SurfaceClass::ALL.into_iter().zip(&region.rows) {
+        if !row.contains(&true) {
+            continue;
+        }
+        let whole = row.iter().all(|o| *o);
+        if !whole && known.iter().all(|(operations, _)| operations != row) {
+            known.push((row, narrow.surfaces(row)));
+        }
+        let narrowed = known.iter().find(|(operations, _)| !whole && operations == row);
+        let reports = narrowed.map_or(&certificate.surfaces, |(_, reports)| reports);
+        for s in reports.iter().filter(|s| s.id.kind.class() == surface) {
+            let (value, computed, point, at) = pick(s);
+            largest = largest.max(computed);
+            if found.as_ref().is_none_or(|f| value > f.value) {
+                let operation = at.map(|a| a.operation as usize);
+                found = Some(Figure { value, found: None, what: s.surface.clone(), point: Some(point), at, operation });
+            }
+        }
+    }
+    found.map_or_else(|| none(0.0, "no surface"), |f| Figure { found: Some(largest), ..f })
+}
+
+fn none(value: f64, what: &str) -> Figure {
+    Figure { value, found: None, what: what.to_owned(), point: None, at: None, operation: None }
+}
+
+fn clearance(certificate: &Certificate, narrow: &dyn NarrowMeasure, body: Guarded, region: &Region) -> Figure {
+    let mut all: Vec<(&str, Clearance)> = Vec::new();
+    for (o, report) in certificate.operations.iter().enumerate() {
+        let surfaces: Vec<SurfaceClass> = SurfaceClass::ALL
+            .into_iter()
+            .zip(&region.rows)
+            .filter(|(_, row)| row.get(o) == Some(&true))
+            .map(|p| p.0)
+            .collect();
+        if surfaces.is_empty() {
+            continue;
+        }
+        if body == Guarded::Tool {
+            all.extend(report.rapid.clone().map(|c| ("tool at rapid", c)));
+            continue;
+        }
+        let parts = [(Guarded::Shank, "shank", &report.shank), (Guarded::Holder, "holder", &report.holder)];
+        for (part, name, stored) in parts.into_iter().filter(|p| body == Guarded::Body || body == p.0) {
+            let found = if surfaces.len() == SurfaceClass::ALL.len() {
+                stored.clone()
+            } else {
+                narrow.clearance(o, part, &surfaces)
+            };
+            all.extend(found.map(|c| (name, c)));
+        }
+    }
+    let least = all.into_iter().min_by(|a, b| a.1.distance.total_cmp(&b.1.distance));
+    match least {
+        Some((name, c)) => Figure {
+            value: c.distance,
+            found: Some(c.found),
+            what: name.to_owned(),
+            point: Some(c.point),
+            at: Some(c.at),
+            operation: Some(c.at.operation as usize),
+        },
+        // Nothing is within the search distance, and no bound of a contract exceeds this distance.
+        None => none(narrow.search(), "tool"),
+    }
+}
+
+fn time(certificate: &Certificate, region: &Region) -> Figure {
+    let chosen = region.operations();
+    let times = certificate.operations.iter().enumerate().filter(|(o, _)| chosen.get(*o) == Some(&true));
+    let mut longest: Option<(usize, f64)> = None;
+    let mut sum = 0.0;
+    for (o, report) in times {
+        let time: f64 = report.time.iter().sum();
+        sum += time;
+        if longest.is_none_or(|(_, t)| time > t) {
+            longest = Some((o, time));
+        }
+    }
+    let name = longest.and_then(|(o, _)| certificate.operations.get(o)).map_or("", |o| o.name.as_str());
+    let what = longest.map_or_else(String::new, |(_, t)| format!("{} of it in {name}", wheel::contract::clock(t)));
+    Figure { value: sum, found: None, what, point: None, at: None, operation: longest.map(|l| l.0) }
+}
+
+/// Share of the time at feed without removal.
+fn air(stock: &StockReport, region: &Region) -> Result<Figure, Unmeasured> {
+    let chosen = region.operations();
+    let (mut sum, mut worst): ([f64; 2], Option<&OperationStock>) = ([0.0; 2], None);
+    for o in stock.operations.iter().filter(|o| chosen.get(o.operation as usize) == Some(&true)) {
+        sum = [sum[0] + o.feed[0], sum[1] + o.feed[1]];
+        if worst.is_none_or(|w| o.feed[1] > w.feed[1]) {
+            worst = Some(o);
+        }
+    }
+    let what = worst.map_or_else(String::new, |w| format!("{} of it in {}", wheel::contract::clock(w.feed[1]), w.name));
+    let value = if sum[0] > 0.0 { sum[1] / sum[0] } else { 0.0 };
+    Ok(Figure { value, found: None, what, point: None, at: None, operation: worst.map(|w| w.operation as usize) })
+}
+
+/// The largest of the peaks of the chosen operations, in the unit of the contract, which is `unit` of the stock's.
+fn largest(stock: &StockReport, region: &Region, peak: impl Fn(&OperationStock) -> Option<Peak>, unit: f64) -> Figure {
+    let chosen = region.operations();
+    let operations = stock.operations.iter().filter(|o| chosen.get(o.operation as usize) == Some(&true));
+    let largest = operations.filter_map(|o| peak(o).map(|p| (o, p))).max_by(|a, b| a.1.value.total_cmp(&b.1.value));
+    largest.map_or_else(
+        || none(0.0, "nothing is removed"),
+        |(o, p)| Figure {
+            value: p.value * unit,
+            found: None,
+            what: o.name.clone(),
+            point: Some(p.tip),
+            at: Some(p.at),
+            operation: Some(o.operation as usize),
+        },
+    )
+}
+
+/// The largest upper bound of the arc in the chosen operations.
+fn engagement(stock: &StockReport, region: &Region, cuts: Cuts) -> Figure {
+    let of = |o: &OperationStock| match cuts {
+        Cuts::All => o.arc_bound,
+        Cuts::OutsideSlots => o.arc_outside_slots,
+    };
+    let found = |f: &Figure| {
+        let o = stock.operations.iter().find(|o| Some(o.operation as usize) == f.operation)?;
+        of(o).map(|b| b.found)
+    };
+    let figure = largest(stock, region, |o| of(o).map(|b| Peak { value: b.value, at: b.at, tip: b.tip }), 1.0);
+    Figure { found: found(&figure), ..figure }
+}
+
+/// Stock after an operation, or at the end, less the finished part. A cut into the part reduces this value.
+fn rest_volume(stock: &StockReport, after: Option<usize>, narrow: &dyn NarrowMeasure) -> Result<Figure, Unmeasured> {
+    let part = narrow.part_volume().ok_or(Unmeasured::NoSolid)?;
+    let last = match after {
+        Some(o) => stock.operations.iter().find(|s| s.operation as usize == o),
+        None => stock.operations.last(),
+    };
+    let rest = last.map_or(stock.blank, |o| o.rest);
+    let name = last.map_or("the blank", |o| o.name.as_str());
+    Ok(Figure {
+        value: rest - part,
+        found: None,
+        what: format!("{rest:.0} mm3 of stock after {name}, {part:.0} mm3 of part"),
+        point: None,
+        at: None,
+        operation: last.map(|o| o.operation as usize),
+    })
+}
+
+fn axis_speed(certificate: &Certificate, region: &Region) -> Figure {
+    let chosen = region.operations();
+    let uses = certificate.machine.fastest.iter().enumerate().filter(|(o, _)| chosen.get(*o) == Some(&true));
+    let fastest = uses.filter_map(|(_, f)| f.as_ref()).max_by(|a, b| a.share.total_cmp(&b.share));
+    match fastest {
+        Some(f) => Figure {
+            value: f.share,
+            found: None,
+            what: format!("axis {}", f.axis),
+            point: Some(f.tip),
+            at: Some(f.at),
+            operation: Some(f.at.operation as usize),
+        },
+        None => none(0.0, "no axis"),
+    }
+}
+
+/// Largest deviation from the verified motion over the operations of a region, and its cause in words.
+fn departure(certificate: &Certificate, region: &Region, pick: fn(&Run) -> (Departure, String)) -> Figure {
+    let chosen = region.operations();
+    let runs = certificate.machine.runs.iter().enumerate().filter(|(o, _)| chosen.get(*o) == Some(&true));
+    let most = runs.map(|(o, run)| (o, pick(run))).reduce(|a, b| if b.1.0.value > a.1.0.value { b } else { a });
+    match most {
+        Some((o, (found, what))) => Figure {
+            value: found.value,
+            found: None,
+            what,
+            point: found.at.map(|_| found.tip),
+            at: found.at,
+            operation: Some(o),
+        },
+        None => none(0.0, "no operation"),
+    }
+}
+
+fn contour(run: &Run) -> (Departure, String) {
+    let d = run.contour;
+    let what = format!("rounding a corner {}, control cycle {}", length(d.corner), length(d.value - d.corner));
+    (d, what)
+}
+
+fn orientation(run: &Run) -> (Departure, String) {
+    (run.orientation, "rounding a corner".to_owned())
+}
+
+/// Rest on the surfaces of the region; islands in the channels count as well where the region includes all surfaces.
+fn rest(certificate: &Certificate, region: &Region, after: Option<usize>) -> Result<Figure, Unmeasured> {
+    let report = match after {
+        Some(o) => certificate.rest.iter().find(|r| r.operation as usize == o),
+        None => certificate.rest.last(),
+    };
+    let report = report.ok_or(Unmeasured::NoRoughing)?;
+    let has =
+        |s: SurfaceClass| SurfaceClass::ALL.into_iter().zip(&region.rows).any(|(c, row)| c == s && row.contains(&true));
+    let surfaces = report.surfaces.iter().filter(|s| has(s.id.kind.class()));
+    let surfaces = surfaces.map(|s| (s.most, format!("on {}", s.surface), s.point));
+    let island = report.island.iter().filter(|_| has(SurfaceClass::Edge));
+    let island = island.map(|i| (i.most, "an island in a channel".to_owned(), i.point));
+    let most = surfaces.chain(island).max_by(|a, b| a.0.total_cmp(&b.0));
+    let (value, what, point) = most.unwrap_or((0.0, "nothing".to_owned(), [0.0; 3]));
+    let operation = report.operation as usize;
+    Ok(Figure {
+        value,
+        found: None,
+        what,
+        point: Some(point),
+        at: Some(super::rest::place(report)),
+        operation: Some(operation),
+    })
+}

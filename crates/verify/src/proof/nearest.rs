@@ -1,0 +1,255 @@
+//! Queries to the hierarchy of a sweep: the pieces nearest to a point, and the pieces that may be below a cutoff.
+
+use super::cutoff::Cutoff;
+use super::hierarchy::Node;
+use super::sweep::{Nearest, Sweep, TURN_SLACK};
+use nalgebra::{Point3, Vector3};
+use tool_stock::collide::Slope;
+
+/// Least distance from the tool axis that is divided by, mm.
+const ON_AXIS: f64 = 1e-12;
+
+/// Largest error of the distance that [`Sweep::near`] finds, mm.
+const ENOUGH: f64 = 5e-3;
+
+/// Size of the stack of nodes: a binary tree over at most 2^32 pieces.
+const DEPTH: usize = 64;
+
+/// Lower bound of the distance to all poses of a node near a point: `value` at the point, with the gradient `slope`.
+struct NodeBound {
+    value: f64,
+    slope: Vector3<f64>,
+}
+
+impl Sweep<'_> {
+    /// Least distance below `cutoff` of a point to the swept cutter.
+    pub fn nearest(&self, p: &Point3<f64>, cutoff: f64) -> Option<Nearest> {
+        let mut best = None;
+        self.descend(p, cutoff, |index, least| match self.least(index, p, least, TURN_SLACK) {
+            Some(touch) => {
+                best = Some(Nearest { distance: touch.value, at: self.at(index) });
+                touch.value
+            }
+            None => least,
+        });
+        best
+    }
+
+    /// A piece nearest to a point up to [`ENOUGH`], by one evaluation per piece, with the share and the distance there;
+    /// `None` where no piece is nearer than `cutoff`.
+    pub(crate) fn near(&self, p: &Point3<f64>, cutoff: f64) -> Option<(u32, f64, f64)> {
+        let mut best = None;
+        self.descend(p, cutoff - ENOUGH, |index, least| {
+            let (t, value) = self.quick_distance(index, p);
+            if value - ENOUGH < least {
+                best = Some((index, t, value));
+            }
+            value - ENOUGH
+        });
+        best
+    }
+
+    /// Approximate least distance of a point to the cutter over a piece, never less than the true one, with its share.
+    pub(crate) fn quick_distance(&self, index: u32, p: &Point3<f64>) -> (f64, f64) {
+        if let Some((ball, _, foot)) = self.bearing_ball(index, p) {
+            return (foot.t, foot.length - ball.radius);
+        }
+        let piece = self.piece(index);
+        let touch = self.minimum(piece, self.touch(piece, 0.5, p), p, (0.0, 1.0));
+        (touch.t, touch.value)
+    }
+
+    /// Visits the pieces that may be nearer to a point than `least`, the nearest first by the bounds of the hierarchy.
+    /// `visit` receives the least distance so far and returns a new one.
+    fn descend(&self, p: &Point3<f64>, mut least: f64, mut visit: impl FnMut(u32, f64) -> f64) {
+        let nodes = &self.hierarchy.nodes;
+        let mut stack = [(0, 0.0); DEPTH];
+        stack[0] = (0, self.floor(&nodes[0], p, 0.0, least).value);
+        let mut top = 1;
+        while top > 0 {
+            top -= 1;
+            let (index, bound) = stack[top];
+            if bound >= least {
+                continue;
+            }
+            let node: &Node = &nodes[index as usize];
+            if node.child == 0 {
+                for index in node.range.0..node.range.1 {
+                    least = least.min(visit(index, least));
+                }
+                continue;
+            }
+            let [a, b] = [node.child, node.child + 1].map(|c| (c, self.floor(&nodes[c as usize], p, 0.0, least).value));
+            // The nearer child goes on top of the stack and is visited first.
+            for child in if a.1 <= b.1 { [b, a] } else { [a, b] } {
+                if child.1 < least && top < stack.len() {
+                    stack[top] = child;
+                    top += 1;
+                }
+            }
+        }
+    }
+
+    /// Visits the pieces that may be below a cutoff anywhere, by the bounds of the hierarchy.
+    pub(crate) fn gather(&self, cutoff: &Cutoff<'_>, visit: &mut impl FnMut(u32)) {
+        let hull = cutoff.hull();
+        let enough = cutoff.highest() + hull.radius;
+        let nodes = &self.hierarchy.nodes;
+        let mut stack = [0; DEPTH];
+        let mut top = 1;
+        while top > 0 {
+            top -= 1;
+            let node: &Node = &nodes[stack[top] as usize];
+            let floor = self.floor(node, &hull.centre, hull.radius, enough);
+            if cutoff.hides(floor.value, &floor.slope, 1.0) {
+                continue;
+            }
+            if node.child == 0 {
+                (node.range.0..node.range.1).for_each(&mut *visit);
+            } else if top + 2 <= stack.len() {
+                (stack[top], stack[top + 1]) = (node.child + 1, node.child);
+                top += 2;
+            }
+        }
+    }
+
+    /// Largest radius of the cutter, mm: no point lies deeper inside of the cutter.
+    pub(crate) fn widest(&self) -> f64 {
+        self.hierarchy.size.width
+    }
+
+    /// Lower bound of the distance to the cutter in all poses of a node, for points within a radius of `p`. The search
+    /// for a better bound ends at `enough`.
+    fn floor(&self, node: &Node, p: &Point3<f64>, radius: f64, enough: f64) -> NodeBound {
+        let out = p - node.centre;
+        let length = out.norm();
+        let stray = |slope: &Vector3<f64>| -> f64 { node.sides.iter().map(|side| side.dot(slope).abs()).sum() };
+        let mut support = NodeBound { value: f64::NEG_INFINITY, slope: Vector3::zeros() };
+        if length > 0.0 {
+            let slope = out / length;
+            let upmost = slope.dot(&node.axis) + node.turn;
+            let least = length - stray(&slope);
+            if let Some(ball) = self.ball().filter(|ball| upmost <= ball.upper) {
+                return NodeBound { value: least - ball.radius, slope };
+            }
+            let size = &self.hierarchy.size;
+            support = NodeBound { value: least - size.width - size.length * upmost.max(0.0), slope };
+            if support.value >= enough {
+                return support;
+            }
+        }
+        let s = out.dot(&node.axis);
+        let radial = out - node.axis * s;
+        let rho = radial.norm();
+        let Slope { value, rho: outward, s: upward } = self.solid().cutter_slope(rho, s + self.hierarchy.size.height);
+        let slope = radial * (outward / rho.max(ON_AXIS)) + node.axis * upward;
+        // The angle of a chord of at most one exceeds the chord by less than a twentieth.
+        let turn = if node.turn <= 1.0 { 1.05 * node.turn } else { std::f64::consts::PI };
+        let lever = (rho * upward - s * outward).abs() + node.reach + radius;
+        let second = 0.5 * turn * turn * (length + node.reach + radius);
+        let value = value - stray(&slope) - turn * lever - second;
+        if value > support.value { NodeBound { value, slope } } else { support }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+    use super::*;
+    use five_axis::{AxisLine, Carries, Chain, RotaryPose};
+    use nalgebra::Unit;
+    use tool_stock::collide::{Cutter, ToolSolid, tool::tool_coordinates};
+
+    fn solids() -> Vec<ToolSolid> {
+        let cutters = [
+            Cutter::Flat { radius: 4.0 },
+            Cutter::Ball { radius: 3.0 },
+            Cutter::Bull { radius: 4.0, corner: 1.0 },
+            Cutter::TaperedBall { ball: 1.5, half_angle: 0.1 },
+            Cutter::Barrel { radius: 5.0, barrel: 40.0, tip: 1.0 },
+            Cutter::Lollipop { radius: 3.0 },
+        ];
+        let solid = |cutter| ToolSolid { cutter, flute_length: 20.0, shank: Vec::new(), holder: Vec::new() };
+        cutters.map(solid).to_vec()
+    }
+
+    /// Two chains: rotary axes at a right angle, and at 45 deg.
+    fn chains() -> [Chain; 2] {
+        let line = |carries, direction: [f64; 3]| AxisLine {
+            carries,
+            direction: Unit::new_normalize(Vector3::from(direction)),
+            point: Point3::origin(),
+        };
+        let nutating = [line(Carries::Tool, [1.0, 0.0, 1.0]), line(Carries::Part, [0.0, 0.0, 1.0])];
+        [Chain::tilting_table(), Chain::new(nutating).unwrap()]
+    }
+
+    /// Lines of a swaying tool, and long paths between them.
+    fn poses() -> Vec<RotaryPose> {
+        (0..240)
+            .map(|k| {
+                let (line, x) = (f64::from(k / 24), f64::from(k % 24));
+                let tip = Point3::new(x, 1.5 * line + (0.3 * x).sin(), (0.4 * x).cos());
+                RotaryPose { tip, rotary: [0.4 + 0.5 * (0.2 * x + line).sin(), 0.3 * line + 0.05 * x] }
+            })
+            .collect()
+    }
+
+    fn points() -> impl Iterator<Item = Point3<f64>> {
+        (0..60).map(f64::from).map(|k: f64| {
+            Point3::new(
+                40.0 * (k * 0.618).fract() - 8.0,
+                30.0 * (k * 0.414).fract() - 7.0,
+                24.0 * (k * 0.732).fract() - 6.0,
+            )
+        })
+    }
+
+    /// No pose of a node is nearer to a point, or to points around it, than the bound of the node.
+    #[test]
+    fn bounds_of_nodes_against_poses() {
+        let mut close = 0;
+        for (solid, chain) in solids().iter().flat_map(|s| chains().map(|c| (s.clone(), c))) {
+            let sweep = Sweep::through(&solid, &chain, &poses()).unwrap();
+            for p in points() {
+                for node in &sweep.hierarchy.nodes {
+                    let floor = sweep.floor(node, &p, 2.0, f64::INFINITY);
+                    assert!(floor.slope.norm() <= 1.0 + 1e-12);
+                    let mut least = f64::INFINITY;
+                    for index in (node.range.0..node.range.1).step_by(1 + (node.range.1 - node.range.0) as usize / 16) {
+                        for t in [0.0, 0.3, 1.0] {
+                            let (tip, axis) = sweep.piece(index).pose(t);
+                            for way in [Vector3::zeros(), Vector3::x(), -Vector3::y(), Vector3::z(), -floor.slope] {
+                                let (rho, s) = tool_coordinates(&(p + way * 2.0), &tip, &axis);
+                                let over = solid.cutter_distance(rho, s) - floor.slope.dot(&way) * 2.0;
+                                assert!(over >= floor.value - 1e-9, "{:?}: {over} under {}", solid.cutter, floor.value);
+                                least = least.min(over);
+                            }
+                        }
+                    }
+                    close += u32::from(least - floor.value < 0.1);
+                }
+            }
+        }
+        // The bounds are not trivial.
+        assert!(close > 1000, "{close}");
+    }
+
+    /// The hierarchy finds the same nearest distance as an evaluation of all pieces.
+    #[test]
+    fn nearest_against_all_pieces() {
+        for (solid, chain) in solids().iter().flat_map(|s| chains().map(|c| (s.clone(), c))) {
+            let sweep = Sweep::through(&solid, &chain, &poses()).unwrap();
+            let count = sweep.hierarchy.nodes[0].range.1;
+            for p in points() {
+                let one_by_one = (0..count).filter_map(|k| sweep.least(k, &p, f64::INFINITY, TURN_SLACK));
+                let least = one_by_one.map(|touch| touch.value).fold(f64::INFINITY, f64::min);
+                let found = sweep.nearest(&p, f64::INFINITY).unwrap().distance;
+                assert!((found - least).abs() <= TURN_SLACK, "{:?}: {found} for {least}", solid.cutter);
+                let (_, _, near) = sweep.near(&p, f64::INFINITY).unwrap();
+                assert!((near - least).abs() < 2.0 * ENOUGH, "{:?}: {near} for {least}", solid.cutter);
+            }
+        }
+    }
+}

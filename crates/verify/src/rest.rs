@@ -1,0 +1,211 @@
+//! Stock that roughing leaves for the finishing operations.
+//!
+//! Two kinds of points are tested. On the design surfaces, the rest is the distance of the point to the swept cutters.
+//! Between part and stock, an island may stand at points of a grid that no cutter has passed; its rest is the distance
+//! of the point to the part. Where the job starts from what is left of the blank, both count its surface like a cut.
+
+use super::left::Left;
+use super::proof::piece::At;
+use super::proof::sweep::Sweep;
+use base::progress::Progress;
+use ir::Program;
+use nalgebra::Point3;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use tool_stock::collide::Cloud;
+use wheel::part::{Sample, SurfaceId};
+
+/// Spacing of the grid, mm: an island that the grid misses is thinner than this.
+const GRID: f64 = 1.0;
+
+/// Most points of the grid; on a larger part they are farther apart.
+const MOST_POINTS: f64 = 4e6;
+
+/// Every n-th sample is tested: with 0.25 mm between samples, rows stay 0.25 mm apart, columns nearly 3 mm.
+const STRIDE: usize = 11;
+
+/// Rest after an operation and all earlier ones.
+#[derive(Clone, Debug, Serialize)]
+pub struct RestReport {
+    /// Index of the operation in the motion.
+    pub operation: u32,
+    /// Least rest on a milled surface, mm; below zero the operation cuts into the design.
+    pub least: f64,
+    /// Median of the rest over the samples, mm.
+    pub median: f64,
+    /// Largest rest, on a surface or at the grid, mm.
+    pub most: f64,
+    /// Place of the largest rest, part frame, mm.
+    pub point: [f64; 3],
+    /// Surface with the largest rest; `None` for an island inside a channel.
+    pub surface: Option<String>,
+    /// Share of the grid points that cutters have passed.
+    pub cleared: f64,
+    /// Largest rest on each milled surface, in the order of the surfaces.
+    pub surfaces: Vec<RestOnSurface>,
+    /// The largest island inside a channel, by the distance of its farthest point from the part.
+    pub island: Option<Island>,
+}
+
+/// Largest rest on a surface.
+#[derive(Clone, Debug, Serialize)]
+pub struct RestOnSurface {
+    /// Name of the surface.
+    pub surface: String,
+    /// Largest rest, mm.
+    pub most: f64,
+    /// Its place, part frame, mm.
+    pub point: [f64; 3],
+    /// Id of the surface.
+    #[serde(skip)]
+    pub id: SurfaceId,
+}
+
+/// Stock that stands inside a channel.
+#[derive(Clone, Debug, Serialize)]
+pub struct Island {
+    /// Distance of its farthest point to the part, mm.
+    pub most: f64,
+    /// This point, part frame, mm.
+    pub point: [f64; 3],
+}
+
+/// Points of the grid inside of the stock and outside of the part, with their distance to the part.
+fn void(program: &Program, design: &Cloud, progress: &Progress) -> Vec<(Point3<f64>, f64)> {
+    let profile = &program.stock.profile;
+    let part = &program.part;
+    let (mut r_max, mut low, mut high) = (0.0_f64, f64::INFINITY, f64::NEG_INFINITY);
+    for p in profile.iter() {
+        (r_max, low, high) = (r_max.max(p[0]), low.min(p[1]), high.max(p[1]));
+    }
+    let grid = GRID.max(libm::cbrt(4.0 * r_max * r_max * (high - low) / MOST_POINTS));
+    let steps = |length: f64| (length / grid).floor() as i64;
+    let n = steps(r_max);
+    let levels = steps(high - low);
+    let rows = usize::try_from((levels + 1) * (2 * n + 1)).unwrap_or(0);
+    let work = progress.begin("room of the channels", rows);
+    // Queries that depend only on radius and height are made once for the up to eight points that mirror each other.
+    let over_hub = |x: f64, y: f64, z: f64| {
+        let r = libm::hypot(x, y);
+        r <= r_max && inside(profile, r, z) && part.hub.distance(&Point3::new(x, y, z)) > 0.0
+    };
+    (0..=levels)
+        .into_par_iter()
+        .flat_map_iter(|k| {
+            let z = low + k as f64 * grid;
+            let eighth: Vec<Vec<bool>> =
+                (0..=n).map(|i| (0..=i).map(|j| over_hub(i as f64 * grid, j as f64 * grid, z)).collect()).collect();
+            let mut level = Vec::new();
+            for i in -n..=n {
+                if work.do_step(|| ()).is_none() {
+                    break;
+                }
+                for j in -n..=n {
+                    let (a, b) = (i.unsigned_abs() as usize, j.unsigned_abs() as usize);
+                    if eighth[a.max(b)][a.min(b)] {
+                        level.push(Point3::new(i as f64 * grid, j as f64 * grid, z));
+                    }
+                }
+            }
+            level
+        })
+        .filter_map(|p| {
+            let (distance, index) = design.least(|q| (q - p).norm(), f64::INFINITY)?;
+            let nearest = &design.points()[index];
+            ((p - nearest.position).dot(&nearest.normal) > 0.0).then_some((p, distance))
+        })
+        .collect()
+}
+
+/// True when (r, z) lies inside the closed profile.
+pub(super) fn inside(profile: &[[f64; 2]], r: f64, z: f64) -> bool {
+    let mut within = false;
+    for (i, a) in profile.iter().enumerate() {
+        let b = &profile[(i + 1) % profile.len()];
+        if (a[1] > z) != (b[1] > z) && r < a[0] + (b[0] - a[0]) * (z - a[1]) / (b[1] - a[1]) {
+            within = !within;
+        }
+    }
+    within
+}
+
+/// Reports after each roughing operation, in order. `sectors` lists the sectors that any operation machines: other
+/// channels remain full and are not tested.
+pub fn reports(
+    program: &Program,
+    (samples, design, start): (&[Sample], &Cloud, Option<&Left>),
+    sweeps: &[Sweep<'_>],
+    roughing: &[usize],
+    progress: &Progress,
+) -> Vec<RestReport> {
+    let Some(last) = roughing.last() else { return Vec::new() };
+    let void = void(program, design, progress);
+    if progress.is_cancelled() {
+        return Vec::new();
+    }
+    let at_surface: Vec<&Sample> = samples.iter().filter(|s| s.surface.milled()).step_by(STRIDE).collect();
+    let far = super::surface::FAR;
+    let thickness = |p: &Point3<f64>| start.map_or(far, |start| start.depth(p).min(far));
+    let mut left: Vec<f64> = at_surface.par_iter().map(|s| thickness(&s.position)).collect();
+    let mut cleared: Vec<bool> = void.par_iter().map(|(p, _)| thickness(p) <= 0.0).collect();
+    let mut reports = Vec::new();
+    let work = progress.begin("stock after roughing", (last + 1) * (at_surface.len() + void.len()));
+    for (index, sweep) in sweeps.iter().enumerate().take(last + 1) {
+        left.par_iter_mut().zip(&at_surface).for_each(|(least, s)| {
+            if let Some(Some(n)) = work.do_step(|| sweep.nearest(&s.position, *least)) {
+                *least = n.distance;
+            }
+        });
+        cleared.par_iter_mut().zip(&void).for_each(|(done, (p, _))| {
+            let step = || *done || sweep.nearest(p, 0.0).is_some();
+            *done = work.do_step(step).unwrap_or(false);
+        });
+        if !roughing.contains(&index) {
+            continue;
+        }
+        let standing = void
+            .iter()
+            .zip(&cleared)
+            .filter(|(_, done)| !**done)
+            .map(|((p, d), _)| (*d, *p))
+            .max_by(|a, b| a.0.total_cmp(&b.0));
+        let surface = left.iter().zip(&at_surface).map(|(d, s)| (*d, *s)).max_by(|a, b| a.0.total_cmp(&b.0));
+        let (Some(surface), island) = (surface, standing.unwrap_or((0.0, Point3::origin()))) else { continue };
+        let is_island = island.0 > surface.0;
+        let worst = if is_island { island } else { (surface.0, surface.1.position) };
+        let mut sorted = left.clone();
+        sorted.sort_by(f64::total_cmp);
+        reports.push(RestReport {
+            operation: u32::try_from(index).unwrap_or(u32::MAX),
+            least: sorted.first().copied().unwrap_or(0.0),
+            median: sorted.get(sorted.len() / 2).copied().unwrap_or(0.0),
+            most: worst.0,
+            point: [worst.1.x, worst.1.y, worst.1.z],
+            surface: (!is_island).then(|| surface.1.surface.to_string()),
+            cleared: cleared.iter().filter(|c| **c).count() as f64 / void.len().max(1) as f64,
+            surfaces: by_surface(&at_surface, &left),
+            island: standing.map(|(most, p)| Island { most, point: [p.x, p.y, p.z] }),
+        });
+    }
+    reports
+}
+
+/// The largest value on each surface; of equal values the first.
+fn by_surface(samples: &[&Sample], left: &[f64]) -> Vec<RestOnSurface> {
+    let mut most: BTreeMap<SurfaceId, (f64, Point3<f64>)> = BTreeMap::new();
+    for (s, d) in samples.iter().zip(left) {
+        let entry = most.entry(s.surface).or_insert((*d, s.position));
+        if *d > entry.0 {
+            *entry = (*d, s.position);
+        }
+    }
+    most.into_iter()
+        .map(|(id, (most, p))| RestOnSurface { surface: id.to_string(), most, point: [p.x, p.y, p.z], id })
+        .collect()
+}
+
+/// Place of a report in the program, for diagnostics: its operation.
+pub fn place(report: &RestReport) -> At {
+    At { operation: report.operation, index: 0 }
+}

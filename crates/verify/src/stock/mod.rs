@@ -1,0 +1,613 @@
+//! V3: the simulated stock, operation by operation: the volume that each operation removes, the time of air cuts, and
+//! the stock that shank, holder and rapids meet.
+
+pub mod arcs;
+mod cells;
+mod load;
+mod ramp;
+mod removal;
+mod report;
+mod steps;
+mod strokes;
+
+pub use arcs::{ArcBound, ArcTimes};
+pub use cells::{default_cell, memory, usual_cell};
+pub use report::report;
+
+use super::proof::piece::At;
+use base::progress::{Progress, Work};
+use base::units::trim;
+use diagnostics::{Diag, Sink, codes::verification};
+use ir::{ContractKind, Motion, MotionOperation, MoveKind, Program};
+use serde::Serialize;
+use std::fmt::Write as _;
+use tool_stock::stock::{self, BlockCut, Field, FieldError, Outcome, Slices, Step, Touched};
+use wheel::contract::clock;
+
+use arcs::{Circle, StepArc};
+use removal::StepRemoval;
+use steps::{StepPlace, steps};
+
+/// Steps that are simulated between two reports of progress.
+const PIECE: usize = 1 << 11;
+
+/// Tip motion over which removal is averaged, in cells: the rays meet the chips of single steps by chance.
+const WINDOW_CELLS: f64 = 4.0;
+
+/// Arc of engagement from which a cutter counts as in full material, degrees. In a slot the arc is 180, but rays at the
+/// distance of a cell seldom meet all of it.
+pub(super) const FULL_ARC: f64 = 150.0;
+
+/// Deepest slot that finishing may cut without being allowed by the job, as a share of the diameter. Makers of carbide end
+/// mills give one diameter as the depth of a full slot; a finishing tool is slimmer, and no one plans a slot for it.
+pub(super) const DEEPEST_SLOT: f64 = 1.0;
+
+/// Depth below the surface of the hub disc from which missing stock is reported, mm: more than any tolerance of
+/// finishing, and more than the errors of ray ends and of chords of the profile.
+const BELOW_SURFACE: f64 = 0.1;
+
+/// The same depth where the job allows gouge.
+const BELOW_ALLOWED: f64 = 0.5;
+
+/// Callback with the index of an operation in the motion and the stock after this operation.
+pub type AfterOperation<'a> = &'a mut dyn FnMut(usize, &Field);
+
+/// Settings of the stock simulation.
+#[derive(Default)]
+pub struct Settings<'a> {
+    /// Edge of the cells, mm; `None` for [`default_cell`].
+    pub cell: Option<f64>,
+    /// Called after each operation.
+    pub after: Option<AfterOperation<'a>>,
+}
+
+/// A largest value with its place.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Peak {
+    /// Value.
+    pub value: f64,
+    /// Move.
+    pub at: At,
+    /// Tool tip at this move, part frame, mm.
+    pub tip: [f64; 3],
+}
+
+/// Depth of cut at full width that loads the cutter as much as a cut of another arc.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct SlotDepth {
+    /// Sum over the heights of the share of the arc in 180 degrees, mm.
+    pub value: f64,
+    /// Extent along the tool axis, mm.
+    pub depth: f64,
+    /// Arc that the rays show at the height with the largest one, degrees.
+    pub arc: f64,
+    /// Move.
+    pub at: At,
+    /// Tool tip at this move, part frame, mm.
+    pub tip: [f64; 3],
+}
+
+/// Feed per tooth at the height over the tip at which it is largest: a tool that turns while it cuts is faster there than at
+/// its tip.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ToothFeed {
+    /// Way of the axis of the tool at this height for each tooth, mm.
+    pub value: f64,
+    /// Height over the tip, mm.
+    pub height: f64,
+    /// Move.
+    pub at: At,
+    /// Tool tip at this move, part frame, mm.
+    pub tip: [f64; 3],
+}
+
+/// Stock inside a part of the tool that must not touch it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StockCollision {
+    /// `cutter at rapid`, `shank`, `holder`.
+    pub part: &'static str,
+    /// Depth of the deepest place below the surface of this part of the tool, mm.
+    pub depth: f64,
+    /// The deepest place, part frame, mm.
+    pub point: [f64; 3],
+    /// Height of this place over the tip, mm.
+    pub height: f64,
+    /// Move.
+    pub at: At,
+}
+
+/// Effect of an operation on the stock.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct OperationStock {
+    /// Index of the operation in the motion.
+    pub operation: u32,
+    /// Name.
+    pub name: String,
+    /// Removed volume, mm3.
+    pub removed: f64,
+    /// Volume removed by link moves, mm3.
+    pub by_links: f64,
+    /// Largest removal rate of links, mm3/s, where they remove as much as a cut.
+    #[serde(skip)]
+    pub link: Option<Peak>,
+    /// Largest removal rate of the moves at process feed alone, mm3/s.
+    #[serde(skip)]
+    pub cut_rate: f64,
+    /// Stock after the operation, mm3.
+    pub rest: f64,
+    /// Time of all moves, s.
+    pub time: f64,
+    /// Time in which nothing is removed, s.
+    pub air: f64,
+    /// Time of the moves at feed, and time of their air cuts, s.
+    pub feed: [f64; 2],
+    /// Time and way of the moves at feed over the arc of engagement.
+    pub arcs: ArcTimes,
+    /// Largest extent of removed material along the tool axis, mm, without strokes along the axis.
+    pub depth: Option<Peak>,
+    /// Largest extent across tip motion and axis, mm; in a stroke along the axis from the rim towards the axis.
+    pub width: Option<Peak>,
+    /// Largest arc of engagement of the circle of the cutter that the rays show, degrees.
+    pub arc: Option<Peak>,
+    /// Largest upper bound of the arc.
+    pub arc_bound: Option<ArcBound>,
+    /// Largest upper bound of the arc outside of slots.
+    pub arc_outside_slots: Option<ArcBound>,
+    /// Largest removal rate, mm3/s, averaged over a tip motion of some cells.
+    pub rate: Option<Peak>,
+    /// Largest power at the cutter, kW, over the same tip motion, where the job states the material.
+    pub power: Option<Peak>,
+    /// Largest depth of cut at full width that loads the cutter as much, mm: the sum over the heights of the share of the
+    /// arc in half a turn.
+    pub slot_depth: Option<SlotDepth>,
+    /// Steepest angle against the plane of the end, degrees, at which the tool goes down with material under its middle.
+    pub ramp: Option<Peak>,
+    /// How far material reaches into the middle of the end, which has no teeth, in strokes along the axis, mm.
+    #[serde(skip)]
+    pub middle: Option<Peak>,
+    /// Deepest slot of an operation of finishing, as a share of the diameter of its cutter: the sum of the heights at which the
+    /// cutter is in full material, over an arc of 150 degrees.
+    #[serde(skip)]
+    pub slot: Option<Peak>,
+    /// Largest feed per tooth where the cutter meets material, mm.
+    #[serde(skip)]
+    pub chip: Option<ToothFeed>,
+    /// Collisions, the deepest of each move and part of the tool.
+    pub collisions: Vec<StockCollision>,
+    /// Engagement in each move, for plots.
+    #[serde(skip)]
+    pub moves: Vec<Engagement>,
+    /// For each move its feed as a share of the feed at which the removal rate reaches `max-rate` of the tool, or the power at
+    /// the cutter that of the spindle. Empty where neither is limited.
+    #[serde(skip)]
+    pub removal: Vec<f64>,
+}
+
+/// Engagement of the cutter during a move.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Engagement {
+    /// Removal rate, mm3/s, averaged over a tip motion of some cells that ends with the move.
+    pub rate: f64,
+    /// Largest arc of the cutter's circle in the stock that the rays show, degrees.
+    pub arc: f64,
+    /// Largest upper bound of this arc, degrees.
+    pub arc_bound: f64,
+}
+
+impl OperationStock {
+    /// Share of the time of all moves in which nothing is removed.
+    pub fn air_share(&self) -> f64 {
+        if self.time > 0.0 { self.air / self.time } else { 0.0 }
+    }
+}
+
+/// Results of the stock simulation.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct StockReport {
+    /// Edge of the cells, mm. Smaller features may be missed; ends of rays are exact to [`stock::END_ERROR`].
+    pub cell: f64,
+    /// Number of rays.
+    pub rays: usize,
+    /// Volume of the blank, or of what is left of it before the first operation, mm3.
+    pub blank: f64,
+    /// Operations in order.
+    pub operations: Vec<OperationStock>,
+    /// Missing stock inside of the hub disc, after the first operation that removes some.
+    pub missing: Option<MissingStock>,
+}
+
+/// Stock that was removed inside of the finished part.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MissingStock {
+    /// Index of the operation in the motion.
+    pub operation: u32,
+    /// Missing volume deeper than 0.1 mm below the surface, 0.5 mm where the job allows gouge, mm3.
+    pub volume: f64,
+    /// A place of missing stock, part frame, mm.
+    pub point: [f64; 3],
+}
+
+impl StockReport {
+    /// All collisions.
+    pub fn collisions(&self) -> impl Iterator<Item = &StockCollision> {
+        self.operations.iter().flat_map(|o| &o.collisions)
+    }
+
+    /// Stock at the end, mm3.
+    pub fn rest(&self) -> f64 {
+        self.operations.last().map_or(self.blank, |o| o.rest)
+    }
+
+    /// Share of the time of all moves in which nothing is removed.
+    pub fn air_share(&self) -> f64 {
+        let (air, time) = self.operations.iter().fold((0.0, 0.0), |(a, t), o| (a + o.air, t + o.time));
+        if time > 0.0 { air / time } else { 0.0 }
+    }
+
+    /// Writes the stock section of the certificate.
+    pub(super) fn write(&self, t: &mut String) -> std::fmt::Result {
+        writeln!(
+            t,
+            "stock: cells of {} mm, {} rays, blank {:.0} mm3; volumes in mm3, largest engagement in mm, deg and mm3/s",
+            trim(self.cell, 4),
+            self.rays,
+            self.blank
+        )?;
+        writeln!(
+            t,
+            "  {:<12} {:>9} {:>9} {:>9} {:>8} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>9}",
+            "operation",
+            "removed",
+            "by links",
+            "rest",
+            "t air",
+            "air",
+            "depth",
+            "as slot",
+            "width",
+            "arc",
+            "rate",
+            "collides"
+        )?;
+        let peak = |p: &Option<Peak>, digits: usize| {
+            p.as_ref().map_or_else(|| "-".to_owned(), |p| format!("{:.digits$}", p.value))
+        };
+        for o in &self.operations {
+            writeln!(
+                t,
+                "  {:<12} {:>9.0} {:>9.0} {:>9.0} {:>8} {:>5.1} % {:>7} {:>7} {:>7} {:>7} {:>7} {:>9}",
+                o.name,
+                o.removed,
+                o.by_links,
+                o.rest,
+                clock(o.air),
+                o.air_share() * 100.0,
+                peak(&o.depth, 2),
+                o.slot_depth.map_or_else(|| "-".to_owned(), |slot| format!("{:.2}", slot.value)),
+                peak(&o.width, 2),
+                peak(&o.arc, 0),
+                peak(&o.rate, 1),
+                o.collisions.len()
+            )?;
+        }
+        writeln!(
+            t,
+            "  depth: extent of the chips along the axis; as slot: depth at full width that loads the tool as much, for `max-depth`"
+        )?;
+        writeln!(t, "  the tools run in air for {:.1} % of the time", self.air_share() * 100.0)?;
+        self.write_arcs(t)
+    }
+
+    /// Time at feed over the arc of engagement.
+    fn write_arcs(&self, t: &mut String) -> std::fmt::Result {
+        writeln!(t)?;
+        writeln!(t, "time at feed by the arc of engagement, h:mm:ss: in air, cutting, and of it up to the arc, deg")?;
+        let to: String = (1..=arcs::CLASSES).map(|k| format!(" {:>7.0}", k as f64 * arcs::CLASS)).collect();
+        writeln!(t, "  {:<12} {:>7} {:>7}{to}", "operation", "air", "cutting")?;
+        for o in &self.operations {
+            let figure = |s: &f64| if *s > 0.0 { clock(*s) } else { "-".to_owned() };
+            let times: String = o.arcs.time.iter().map(|s| format!(" {:>7}", figure(s))).collect();
+            writeln!(t, "  {:<12} {:>7} {:>7}{times}", o.name, clock(o.arcs.air[0]), clock(o.arcs.cutting()))?;
+        }
+        Ok(())
+    }
+}
+
+/// Simulates the stock over the whole program; `None` when the field cannot be made, with the reason in the sink, or when the run
+/// was cancelled.
+pub fn simulate(
+    program: &Program,
+    motion: &Motion,
+    settings: &mut Settings<'_>,
+    progress: &Progress,
+    sink: &mut Sink,
+) -> Option<StockReport> {
+    let cell = settings.cell.unwrap_or_else(|| default_cell(program));
+    let mut field = match program.stock.field(cell) {
+        Ok(field) => field,
+        Err(error) => {
+            sink.push(refusal(error, cell));
+            return None;
+        }
+    };
+    let blank = field.volume();
+    let mut before = blank;
+    let mut operations = Vec::new();
+    let mut missing = None;
+    let below = below_surface(program);
+    let disc = hub_disc(program, below);
+    let start = program.stock.left.is_some().then(|| field.clone());
+    for (o, operation) in motion.operations.iter().enumerate() {
+        if progress.is_cancelled() {
+            return None;
+        }
+        let name = format!("{}, stock", program.operations[operation.operation].name);
+        let work = progress.begin(name, operation.moves.len().saturating_sub(1));
+        let mut report = run(program, operation, o, &mut field, &work);
+        drop(work);
+        report.rest = field.volume();
+        report.removed = before - report.rest;
+        before = report.rest;
+        if missing.is_none() {
+            let uncut = field.uncut_under(&disc, below, start.as_ref());
+            missing = uncut.map(|uncut| MissingStock {
+                operation: report.operation,
+                volume: uncut.volume,
+                point: uncut.point.coords.into(),
+            });
+        }
+        operations.push(report);
+        if let Some(after) = &mut settings.after {
+            after(o, &field);
+        }
+    }
+    Some(StockReport { cell: field.cell(), rays: field.rays(), blank, operations, missing })
+}
+
+/// Depth below the surface of the hub disc from which missing stock is reported, mm.
+fn below_surface(program: &Program) -> f64 {
+    let allowed = program.allowed.iter().any(|a| a.kind == ContractKind::Gouge);
+    if allowed { BELOW_ALLOWED } else { BELOW_SURFACE }
+}
+
+/// Profile of the part below the hub, reduced by `below`: no operation may remove any of it.
+fn hub_disc(program: &Program, below: f64) -> Vec<[f64; 2]> {
+    /// Chords of the hub: within a micrometre of a meridian with radii of curvature of centimetres.
+    const PIECES: usize = 400;
+    let (stock, hub) = (&program.stock, &program.part.hub);
+    let (bore, back) = (stock.bore_radius.get(), stock.back.get() + below);
+    // Without a bore the body extends to the axis.
+    let inner = if bore > 0.0 { bore + below } else { 0.0 };
+    let outer = stock.profile.last().map_or(0.0, |p| p[0]) - below;
+    let front = hub.meridian(0.0).point.y - below;
+    let mut profile = vec![[inner, back], [inner, front]];
+    for i in 0..=PIECES {
+        let u = i as f64 / PIECES as f64;
+        let p = hub.meridian(u).point - hub.meridian_normal(u) * below;
+        if (inner..=outer).contains(&p.x) && (back..=front).contains(&p.y) {
+            profile.push([p.x, p.y]);
+        }
+    }
+    let end = profile.last().map_or(back, |p| p[1]);
+    profile.extend([[outer, end], [outer, back]]);
+    profile
+}
+
+/// Result of the stock simulation for an operation, with its steps.
+struct Milled {
+    /// Index of the operation in the motion.
+    operation: u32,
+    /// Places of the steps. The simulation treats each step as a block of its own, since moves may be long.
+    places: Vec<StepPlace>,
+    outcome: Outcome,
+}
+
+impl Milled {
+    /// Simulates the steps of an operation, batch by batch.
+    fn new(program: &Program, operation: &MotionOperation, o: usize, field: &mut Field, work: &Work) -> Self {
+        let solid = &program.tools[program.operations[operation.operation].tool].solid;
+        let mut places: Vec<StepPlace> = Vec::new();
+        let mut outcome = Outcome::default();
+        let stream = steps(program, &operation.moves, solid.flute_length);
+        let before = |(place, _): &(StepPlace, Step)| (place.index as usize).saturating_sub(1);
+        work.in_pieces(stream, PIECE, before, |piece| {
+            let first = places.len();
+            let mut steps = Vec::with_capacity(piece.len());
+            for (n, (place, step)) in piece.into_iter().enumerate() {
+                steps.push(Step { block: u32::try_from(first + n).unwrap_or(u32::MAX), ..step });
+                places.push(place);
+            }
+            let made = stock::simulate(field, solid, steps);
+            outcome.cuts.extend(made.cuts);
+            outcome.collisions.extend(made.collisions);
+        });
+        Self { operation: u32::try_from(o).unwrap_or(u32::MAX), places, outcome }
+    }
+
+    /// The move of a step.
+    fn at(&self, step: u32) -> At {
+        At { operation: self.operation, index: self.places.get(step as usize).map_or(0, |p| p.index) }
+    }
+
+    /// A value with the place of its step.
+    fn peak_at(&self, value: f64, step: u32) -> Option<Peak> {
+        let tip = self.places.get(step as usize)?.tip;
+        Some(Peak { value, at: self.at(step), tip: [tip.x, tip.y, tip.z] })
+    }
+
+    /// The largest value over all steps that remove material.
+    fn peak(&self, value: &dyn Fn(&BlockCut) -> f64) -> Option<Peak> {
+        let cuts = self.outcome.cuts.iter().filter(|c| c.height[0] <= c.height[1]);
+        let c = cuts.max_by(|a, b| value(a).total_cmp(&value(b)))?;
+        self.peak_at(value(c), c.block)
+    }
+
+    /// The largest depth at full width that loads the cutter as much as a step.
+    fn slot_depth(&self, arcs: &[StepArc]) -> Option<SlotDepth> {
+        let cuts = self.outcome.cuts.iter().filter(|c| c.height[0] <= c.height[1] && c.lune.is_none());
+        let loads = cuts.filter_map(|c| {
+            let arc = arcs.get(c.block as usize)?;
+            Some((arc.load, arc.depth, arc.found, c.block))
+        });
+        let (value, depth, arc, step) = loads.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let Peak { at, tip, .. } = self.peak_at(value, step)?;
+        Some(SlotDepth { value, depth, arc, at, tip })
+    }
+
+    /// The largest feed per tooth of the cuts that remove material, where they do, at `teeth` each minute.
+    fn chip(&self, removal: &StepRemoval, teeth: f64) -> Option<ToothFeed> {
+        let cuts = self.outcome.cuts.iter().filter(|c| c.height[0] <= c.height[1]);
+        let feeds = cuts.flat_map(|c| {
+            let place = self.places.get(c.block as usize);
+            let cuts = removal.cuts.get(c.block as usize).is_some_and(|cuts| *cuts);
+            let place = place.filter(|p| cuts && p.kind == MoveKind::Cut && p.time > 0.0);
+            place.map(|p| c.height.map(|h| (p.way_at(h) / p.time * 60.0 / teeth, h, c.block)))
+        });
+        let (value, height, step) = feeds.flatten().max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let Peak { at, tip, .. } = self.peak_at(value, step)?;
+        Some(ToothFeed { value, height, at, tip })
+    }
+
+    /// The largest upper bound of the arc over the chosen steps.
+    fn arc_bound(&self, arcs: &[StepArc], choose: impl Fn(&StepArc) -> bool) -> Option<ArcBound> {
+        let steps = (0_u32..).zip(arcs).filter(|(_, a)| a.bound > 0.0 && choose(a));
+        let (step, most) = steps.max_by(|a, b| a.1.bound.total_cmp(&b.1.bound))?;
+        let Peak { value, at, tip } = self.peak_at(most.bound, step)?;
+        Some(ArcBound { value, found: most.found, at, tip })
+    }
+
+    /// Time of the chosen steps, s; `choose` gets index and place of a step.
+    fn time(&self, choose: &dyn Fn(usize, &StepPlace) -> bool) -> f64 {
+        self.places.iter().enumerate().filter(|(i, p)| choose(*i, p)).map(|(_, p)| p.time).sum()
+    }
+
+    /// Volume removed by link moves, mm3.
+    fn by_links(&self) -> f64 {
+        let place = |c: &BlockCut| self.places.get(c.block as usize);
+        let links = self.outcome.cuts.iter().filter(|c| place(c).is_some_and(|p| p.kind == MoveKind::Link));
+        // Without this start, the sum of an empty list is -0.
+        links.map(|c| c.volume).fold(0.0, |sum, v| sum + v)
+    }
+
+    /// Collisions, the deepest of each move and part of the tool.
+    fn collisions(&self) -> Vec<StockCollision> {
+        let mut collisions: Vec<StockCollision> = Vec::new();
+        for c in &self.outcome.collisions {
+            let part = match c.what {
+                Touched::Cutter => "cutter at rapid",
+                Touched::Shank => "shank",
+                Touched::Holder => "holder",
+            };
+            let (point, at) = (c.point.coords.into(), self.at(c.block));
+            let found = StockCollision { part, depth: c.depth, point, height: c.height, at };
+            let same = collisions.iter_mut().rev().take_while(|x| x.at == found.at).find(|x| x.part == part);
+            match same {
+                Some(x) if x.depth < found.depth => *x = found,
+                Some(_) => {}
+                None => collisions.push(found),
+            }
+        }
+        collisions
+    }
+}
+
+/// Simulates an operation; the caller adds the volumes of the whole stock.
+fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Field, work: &Work) -> OperationStock {
+    let milled = Milled::new(program, operation, o, field, work);
+    let Milled { places, outcome, .. } = &milled;
+    let window = WINDOW_CELLS * field.cell();
+    let removal = StepRemoval::new(places, &outcome.cuts, window);
+    let declared = &program.operations[operation.operation];
+    let solid = &program.tools[declared.tool].solid;
+    let radius = solid.cutter.widest_below(solid.flute_length);
+    let slices = Slices::new(solid.flute_length, field.cell());
+    let circle = Circle { radius, cell: field.cell(), window, slices };
+    let arcs = arcs::of_steps(places, &removal, &outcome.cuts, &circle);
+    let arc = |c: &BlockCut| arcs.get(c.block as usize).map_or(0.0, |a| a.found);
+    // A stroke along the axis has no depth: its chips are as long as its way.
+    let depth = |c: &BlockCut| if c.lune.is_none() { c.height[1] - c.height[0] } else { 0.0 };
+    let width = |c: &BlockCut| {
+        let [from, to] = c.sides.over(0..=stock::SLICES - 1);
+        c.lune.as_ref().map_or(to - from, |lune| (radius - lune.inner()).max(0.0))
+    };
+    let diameter = 2.0 * solid.cutter.nominal_radius();
+    let slot = |c: &BlockCut| match c.lune {
+        None => arcs.get(c.block as usize).map_or(0.0, |a| a.full_depth / diameter),
+        Some(_) => 0.0,
+    };
+    let link = removal::fastest_link(places, &outcome.cuts, window);
+    let at_feed = |p: &StepPlace| p.kind != MoveKind::Rapid;
+    OperationStock {
+        operation: milled.operation,
+        name: declared.name.clone(),
+        removed: 0.0,
+        by_links: milled.by_links(),
+        link: link.and_then(|(value, step)| milled.peak_at(value, step)),
+        cut_rate: removal::cut_rate(places, &outcome.cuts, window),
+        rest: 0.0,
+        time: milled.time(&|_, _| true),
+        air: milled.time(&|i, _| !removal.cuts[i]),
+        feed: [milled.time(&|_, p| at_feed(p)), milled.time(&|i, p| at_feed(p) && !removal.cuts[i])],
+        arcs: ArcTimes::new(places, &removal, &arcs),
+        depth: milled.peak(&depth).filter(|p| p.value > 0.0),
+        width: milled.peak(&|c| width(c)),
+        arc: milled.peak(&arc),
+        arc_bound: milled.arc_bound(&arcs, |_| true),
+        arc_outside_slots: milled.arc_bound(&arcs, |a| !a.slot),
+        slot_depth: milled.slot_depth(&arcs),
+        ramp: ramp::steepest(&program.tools[declared.tool], places, &outcome.cuts)
+            .and_then(|(value, step)| milled.peak_at(value, step)),
+        middle: strokes::deepest(&program.tools[declared.tool], places, &outcome.cuts)
+            .and_then(|(value, step)| milled.peak_at(value, step)),
+        slot: milled.peak(&slot).filter(|p| p.value > 0.0 && declared.kind.finishes()),
+        rate: removal.rate.and_then(|(value, step)| milled.peak_at(value, u32::try_from(step).unwrap_or(u32::MAX))),
+        power: removal::power(program, declared, &removal).and_then(|(value, step)| milled.peak_at(value, step)),
+        chip: milled.chip(&removal, declared.speed.get() * f64::from(program.tools[declared.tool].flutes)),
+        collisions: milled.collisions(),
+        moves: engagement(operation.moves.len(), places, &removal, &arcs),
+        removal: removal.shares(program, declared, places, (window, operation.moves.len())),
+    }
+}
+
+/// Engagement of the moves, from the engagement of their steps.
+fn engagement(count: usize, places: &[StepPlace], removal: &StepRemoval, arcs: &[StepArc]) -> Vec<Engagement> {
+    let mut moves = vec![Engagement::default(); count];
+    let mut times = vec![0.0; count];
+    for (p, rate) in places.iter().zip(&removal.rates) {
+        for (m, time) in moves[p.moves()].iter_mut().zip(&mut times[p.moves()]) {
+            m.rate += rate * p.time;
+            *time += p.time;
+        }
+    }
+    for (m, time) in moves.iter_mut().zip(times) {
+        m.rate = if time > 0.0 { m.rate / time } else { 0.0 };
+    }
+    for (p, arc) in places.iter().zip(arcs) {
+        for m in &mut moves[p.moves()] {
+            (m.arc, m.arc_bound) = (m.arc.max(arc.found), m.arc_bound.max(arc.bound));
+        }
+    }
+    moves
+}
+
+fn refusal(error: FieldError, cell: f64) -> Diag {
+    let (text, help) = match error {
+        FieldError::BadCell => (
+            format!("the stock cannot have cells of {cell} mm"),
+            format!("give `--stock-cell` a length above zero, such as {}", cells::USUAL),
+        ),
+        FieldError::BadProfile => (
+            "the stock has no inside".to_owned(),
+            "check the declaration of the stock: its surface must enclose a volume".to_owned(),
+        ),
+        FieldError::Crowded => (
+            "the file of the stock has too many surfaces behind one another".to_owned(),
+            "give the closed surface of one workpiece, without inner shells".to_owned(),
+        ),
+        FieldError::TooFine { rays, least_cell } => (
+            format!("cells of {cell} mm need {rays:.1e} rays through the stock, more than fit into memory"),
+            format!("use `--stock-cell {:.3}` or more", (least_cell * 1e3).ceil() / 1e3),
+        ),
+    };
+    Diag::error(verification::STOCK_CELL, text).help(help)
+}

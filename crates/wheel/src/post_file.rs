@@ -1,0 +1,563 @@
+//! Content of a post file: the dialect of a control, its number formats, and the frames of a program as templates.
+//!
+//! A *frame* is what a program holds beside its moves: head, start and end of an operation, end of the program. A shop
+//! edits frames in a file of its own; the reader of the dialect judges what they make, like any other text.
+
+use base::source::Span;
+
+/// What a post file says, with the properties of the `post` item of a job over it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PostFile {
+    /// Name of the file, without its folder and ending.
+    pub name: String,
+    /// Where the job names it; `None` when the command line names it.
+    pub span: Option<Span>,
+    /// Name of the dialect.
+    pub dialect: String,
+    /// Its place in the post file.
+    pub dialect_span: Span,
+    /// Ends of lines.
+    pub line_end: LineEnd,
+    /// Step of the block numbers; 0 for blocks without numbers.
+    pub block_numbers: u32,
+    /// Number of the program, for controls that call programs by number.
+    pub program_number: u32,
+    /// How blocks state the tool direction.
+    pub orientation: Orientation,
+    /// Largest error of the tool direction through smoothing, radians. `None`: the angle that moves the upper end of the
+    /// flutes by the chord tolerance of the operation.
+    pub orientation_tolerance: Option<f64>,
+    /// How the text says what several sectors repeat.
+    pub sectors: Sectors,
+    /// The work offset that holds the part origin, as the control names it, with its place; `None` for the usual one of the
+    /// dialect.
+    pub offset: Option<(String, Span)>,
+    /// Digits of words.
+    pub decimals: Decimals,
+    /// Whether finishing passes are written as lines or as splines.
+    pub path: PathForm,
+    /// Spline blocks of the control, where it has them for five axes, with their place in the file.
+    pub splines: Option<(SplineForm, Span)>,
+    /// Words that smooth within a tolerance in finishing and in roughing, and words that end smoothing.
+    pub smoothing: [Template; 3],
+    /// Words that switch tool centre point control on, for rotary words and for vectors.
+    pub transformation: [Template; 2],
+    /// The frames, in the order of [`Frame::ALL`].
+    pub frames: [Vec<Template>; 5],
+    /// Place of the frame `end` in the file, for what it lacks.
+    pub end_span: Span,
+}
+
+/// Ends of lines in NC text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LineEnd {
+    /// Line feed.
+    Lf,
+    /// Carriage return and line feed.
+    CrLf,
+}
+
+impl LineEnd {
+    /// All.
+    pub const ALL: [Self; 2] = [Self::Lf, Self::CrLf];
+
+    /// The name in jobs and post files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Lf => "lf",
+            Self::CrLf => "crlf",
+        }
+    }
+
+    /// The characters.
+    pub fn text(self) -> &'static str {
+        match self {
+            Self::Lf => "\n",
+            Self::CrLf => "\r\n",
+        }
+    }
+}
+
+/// How blocks state the tool direction.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Orientation {
+    /// By the positions of the rotary axes.
+    Angles,
+    /// By the vector from the tip to the holder in the part frame.
+    Vectors,
+}
+
+impl Orientation {
+    /// All.
+    pub const ALL: [Self; 2] = [Self::Angles, Self::Vectors];
+
+    /// The name in jobs and post files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Angles => "angles",
+            Self::Vectors => "vectors",
+        }
+    }
+}
+
+/// How the paths of finishing passes are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PathForm {
+    /// As straight blocks.
+    Lines,
+    /// As polynomials, on a control that has them.
+    Splines,
+}
+
+impl PathForm {
+    /// All.
+    pub const ALL: [Self; 2] = [Self::Lines, Self::Splines];
+
+    /// The name in jobs.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Lines => "lines",
+            Self::Splines => "splines",
+        }
+    }
+}
+
+/// Spline blocks of a control for five axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SplineForm {
+    /// Polynomials of tip and second point: POLY with ORICURVE, up to degree five (Siemens).
+    Poly,
+    /// Cubics of tip and rotary axes: SPL (HEIDENHAIN iTNC 530).
+    Spl,
+    /// Curves of tip and second point: MOVNRB, up to degree five (CL data).
+    Movnrb,
+}
+
+impl SplineForm {
+    /// All.
+    pub const ALL: [Self; 3] = [Self::Poly, Self::Spl, Self::Movnrb];
+
+    /// The name in post files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Poly => "poly",
+            Self::Spl => "spl",
+            Self::Movnrb => "movnrb",
+        }
+    }
+
+    /// Degree of its polynomials.
+    pub fn degree(self) -> usize {
+        match self {
+            Self::Poly | Self::Movnrb => 5,
+            Self::Spl => 3,
+        }
+    }
+}
+
+/// Whether the words of a dialect count in the part frame. Those of controls count in the work frame, whose axes are those of
+/// the machine with all axes at zero; CL data know no machine.
+pub fn counts_in_part_frame(dialect: &str) -> bool {
+    dialect == "apt-cl"
+}
+
+impl PostFile {
+    /// Name of the work offset that holds the part origin, where file or job state it.
+    pub fn work_offset(&self) -> Option<&str> {
+        self.offset.as_ref().map(|(name, _)| name.as_str())
+    }
+
+    /// The spline blocks of finishing passes, where the job asks for them and the control has them.
+    pub fn spline_form(&self) -> Option<SplineForm> {
+        self.splines.filter(|_| self.path == PathForm::Splines).map(|(form, _)| form)
+    }
+}
+
+/// How the text says what several sectors repeat.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sectors {
+    /// Move by move in every sector.
+    Inline,
+    /// Once, and called for each sector with the work frame turned to it.
+    Subprogram,
+}
+
+impl Sectors {
+    /// All.
+    pub const ALL: [Self; 2] = [Self::Inline, Self::Subprogram];
+
+    /// The name in jobs.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Inline => "inline",
+            Self::Subprogram => "subprogram",
+        }
+    }
+}
+
+/// A value on the step of a word with some digits behind the point.
+pub fn on_step(value: f64, decimals: usize) -> f64 {
+    let scale = 10f64.powi(i32::try_from(decimals).unwrap_or(0));
+    (value * scale).round() / scale
+}
+
+/// Digits behind the point, by kind of word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Decimals {
+    /// X Y Z, mm.
+    pub length: usize,
+    /// Rotary axes, degrees.
+    pub angle: usize,
+    /// Components of vectors.
+    pub vector: usize,
+    /// Feeds, mm/min.
+    pub feed: usize,
+}
+
+impl Decimals {
+    /// A step of 0.1 um for lengths, a fiftieth of the least error that a vane is made with. A step of an angle moves a
+    /// point 100 mm from the axis by 0.02 um, that of a vector by 1 nm.
+    pub const FINE: Self = Self { length: 4, angle: 5, vector: 8, feed: 3 };
+
+    /// Digits from which on the words count as exact. Half a step of three lengths moves the tip by less than 0.09 um; half a
+    /// step of an angle or a component moves a point 100 mm from the tip by as much. Independent checks agree with the
+    /// certificate to 0.1 um.
+    pub const EXACT: Self = Self { length: 4, angle: 4, vector: 6, feed: 3 };
+
+    /// Whether words of an orientation have fewer digits than [`Self::EXACT`].
+    pub fn is_coarse(&self, orientation: Orientation) -> bool {
+        let fine = Self::EXACT;
+        // Rapids carry rotary words in every orientation.
+        self.length < fine.length
+            || self.angle < fine.angle
+            || (self.vector < fine.vector && orientation == Orientation::Vectors)
+    }
+}
+
+/// A part of the program that templates make.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Frame {
+    /// Before the comments of the head.
+    Start,
+    /// Behind these comments.
+    Head,
+    /// Before the moves of an operation: retract, tool, spindle, positions of the axes, transformation.
+    OperationStart,
+    /// Behind the moves of an operation.
+    OperationEnd,
+    /// End of the program.
+    End,
+}
+
+impl Frame {
+    /// All, in the order of the program.
+    pub const ALL: [Self; 5] = [Self::Start, Self::Head, Self::OperationStart, Self::OperationEnd, Self::End];
+
+    /// Its key in post files.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::Start => "start",
+            Self::Head => "head",
+            Self::OperationStart => "operation-start",
+            Self::OperationEnd => "operation-end",
+            Self::End => "end",
+        }
+    }
+
+    /// The fields that a template of this frame may name.
+    pub fn fields(self) -> impl Iterator<Item = Field> {
+        Field::ALL.into_iter().filter(move |field| field.scope().contains(&self))
+    }
+}
+
+/// One line of a frame.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Template {
+    /// Texts and fields.
+    pub pieces: Vec<Piece>,
+    /// The line in the post file.
+    pub span: Span,
+}
+
+/// A piece of a template.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Piece {
+    /// Text as it stands.
+    Text(String),
+    /// A value that the program fills in.
+    Field(Field),
+}
+
+/// Why a text is no template.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum TemplateFault {
+    /// A bracket that is not closed.
+    Open,
+    /// A field with this name does not exist.
+    Unknown(String),
+    /// A character that NC text cannot carry.
+    Character(char),
+}
+
+impl Template {
+    /// A template from its text, with fields in curly brackets, such as `S{spindle} M3`.
+    ///
+    /// # Errors
+    /// The first fault.
+    pub fn new(text: &str, span: Span) -> Result<Self, TemplateFault> {
+        if let Some(c) = text.chars().find(|c| !c.is_ascii() || c.is_ascii_control()) {
+            return Err(TemplateFault::Character(c));
+        }
+        let mut pieces = Vec::new();
+        let mut rest = text;
+        while let Some(open) = rest.find('{') {
+            let (before, inside) = rest.split_at(open);
+            let (name, behind) = inside[1..].split_once('}').ok_or(TemplateFault::Open)?;
+            let field = Field::ALL.into_iter().find(|f| f.name() == name);
+            if !before.is_empty() {
+                pieces.push(Piece::Text(before.to_owned()));
+            }
+            pieces.push(Piece::Field(field.ok_or_else(|| TemplateFault::Unknown(name.to_owned()))?));
+            rest = behind;
+        }
+        if !rest.is_empty() {
+            pieces.push(Piece::Text(rest.to_owned()));
+        }
+        Ok(Self { pieces, span })
+    }
+
+    /// The fields in their order.
+    pub fn fields(&self) -> impl Iterator<Item = Field> {
+        self.pieces.iter().filter_map(|piece| if let Piece::Field(field) = piece { Some(*field) } else { None })
+    }
+
+    /// The text with every field replaced.
+    pub fn filled(&self, mut value: impl FnMut(Field) -> String) -> String {
+        self.pieces
+            .iter()
+            .map(|piece| match piece {
+                Piece::Text(text) => text.clone(),
+                Piece::Field(field) => value(*field),
+            })
+            .collect()
+    }
+
+    /// The text as the post file has it.
+    pub fn text(&self) -> String {
+        self.filled(|field| format!("{{{}}}", field.name()))
+    }
+}
+
+/// A value that a template can name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Field {
+    /// Name of the part.
+    ProgramName,
+    /// The same in capitals, with `_` in the place of `-`: a file name of the control.
+    ProgramFile,
+    /// Number of the program, four digits.
+    ProgramNumber,
+    /// The work offset of the part.
+    WorkOffset,
+    /// Its number in G10 L2 of LinuxCNC.
+    WorkOffsetNumber,
+    /// Machine Z of the gauge line at the retract height.
+    Retract,
+    /// Words that end smoothing.
+    SmoothingOff,
+    /// Name of the operation.
+    OperationName,
+    /// Name of the tool.
+    ToolName,
+    /// Number of the tool.
+    ToolNumber,
+    /// Length of the tool from the tip to the gauge line.
+    ToolLength,
+    /// Spindle speed, rpm.
+    Spindle,
+    /// Words that smooth within the tolerances of the operation.
+    Smoothing,
+    /// Path tolerance of the operation.
+    Tolerance,
+    /// Path tolerance in finishing, the finest of all operations.
+    FinishTolerance,
+    /// Orientation tolerance of the operation, degrees.
+    OrientationTolerance,
+    /// Words of both rotary axes where tool centre point control is switched on: at the first target, or on controls that
+    /// fix the work frame to the table there, with the tables at zero.
+    Rotary,
+    /// Words of both rotary axes at zero.
+    RotaryZero,
+    /// Machine X over the first target.
+    X,
+    /// Machine Y over the first target.
+    Y,
+    /// Machine Z of the gauge line after the operation.
+    Z,
+    /// Words that switch tool centre point control on.
+    Transformation,
+    /// Tip of the tool at the first station, part frame: three numbers with commas.
+    StartTip,
+    /// Vector from the tip to the holder there.
+    StartAxis,
+    /// Tip of the tool at the last station.
+    EndTip,
+    /// Vector from the tip to the holder there.
+    EndAxis,
+    /// The APT statement of the cutter; no text for a cutter that its seven numbers cannot describe.
+    Cutter,
+    /// Word that unclamps rotary axis 1; no text for an axis without a clamp.
+    Unclamp1,
+    /// The same for rotary axis 2.
+    Unclamp2,
+    /// Word that clamps rotary axis 1.
+    Clamp1,
+    /// The same for rotary axis 2.
+    Clamp2,
+    /// Machine X where the machine parks; a line is left out where the machine file does not say it.
+    HomeX,
+    /// Machine Y where the machine parks.
+    HomeY,
+    /// Machine Z of the gauge line where the machine parks: the retract height where the machine file does not say it.
+    HomeZ,
+}
+
+impl Field {
+    /// All.
+    pub const ALL: [Self; 34] = [
+        Self::ProgramName,
+        Self::ProgramFile,
+        Self::ProgramNumber,
+        Self::WorkOffset,
+        Self::WorkOffsetNumber,
+        Self::Retract,
+        Self::SmoothingOff,
+        Self::OperationName,
+        Self::ToolName,
+        Self::ToolNumber,
+        Self::ToolLength,
+        Self::Spindle,
+        Self::Smoothing,
+        Self::Tolerance,
+        Self::FinishTolerance,
+        Self::OrientationTolerance,
+        Self::Rotary,
+        Self::RotaryZero,
+        Self::X,
+        Self::Y,
+        Self::Z,
+        Self::Transformation,
+        Self::StartTip,
+        Self::StartAxis,
+        Self::EndTip,
+        Self::EndAxis,
+        Self::Cutter,
+        Self::Unclamp1,
+        Self::Unclamp2,
+        Self::Clamp1,
+        Self::Clamp2,
+        Self::HomeX,
+        Self::HomeY,
+        Self::HomeZ,
+    ];
+
+    /// Its name in templates.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::ProgramName => "program.name",
+            Self::ProgramFile => "program.file",
+            Self::ProgramNumber => "program.number",
+            Self::WorkOffset => "work-offset",
+            Self::WorkOffsetNumber => "work-offset.number",
+            Self::Retract => "retract",
+            Self::SmoothingOff => "smoothing-off",
+            Self::OperationName => "operation.name",
+            Self::ToolName => "tool.name",
+            Self::ToolNumber => "tool.number",
+            Self::ToolLength => "tool.length",
+            Self::Spindle => "spindle",
+            Self::Smoothing => "smoothing",
+            Self::Tolerance => "tolerance",
+            Self::FinishTolerance => "finish-tolerance",
+            Self::OrientationTolerance => "orientation-tolerance",
+            Self::Rotary => "rotary",
+            Self::RotaryZero => "rotary-zero",
+            Self::X => "x",
+            Self::Y => "y",
+            Self::Z => "z",
+            Self::Transformation => "transformation",
+            Self::StartTip => "start-tip",
+            Self::StartAxis => "start-axis",
+            Self::EndTip => "end-tip",
+            Self::EndAxis => "end-axis",
+            Self::Cutter => "cutter",
+            Self::Unclamp1 => "unclamp.1",
+            Self::Unclamp2 => "unclamp.2",
+            Self::Clamp1 => "clamp.1",
+            Self::Clamp2 => "clamp.2",
+            Self::HomeX => "home.x",
+            Self::HomeY => "home.y",
+            Self::HomeZ => "home.z",
+        }
+    }
+
+    /// The frames in which the value exists.
+    fn scope(self) -> &'static [Frame] {
+        use Frame::{End, Head, OperationEnd, OperationStart, Start};
+        match self {
+            Self::ProgramName
+            | Self::ProgramFile
+            | Self::ProgramNumber
+            | Self::WorkOffset
+            | Self::WorkOffsetNumber
+            | Self::Retract
+            | Self::RotaryZero
+            | Self::Unclamp1
+            | Self::Unclamp2
+            | Self::Clamp1
+            | Self::Clamp2
+            | Self::SmoothingOff => &[Start, Head, OperationStart, OperationEnd, End],
+            // In a head: the finest of all operations.
+            Self::Smoothing => &[Head, OperationStart],
+            Self::OperationName | Self::ToolName | Self::ToolNumber | Self::ToolLength => {
+                &[OperationStart, OperationEnd]
+            }
+            Self::FinishTolerance => &[Head, OperationStart],
+            Self::Spindle | Self::Tolerance | Self::OrientationTolerance => &[OperationStart],
+            Self::Rotary
+            | Self::X
+            | Self::Y
+            | Self::Transformation
+            | Self::StartTip
+            | Self::StartAxis
+            | Self::Cutter => &[OperationStart],
+            Self::Z | Self::EndTip | Self::EndAxis => &[OperationEnd],
+            Self::HomeX | Self::HomeY | Self::HomeZ => &[End],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_template_keeps_its_text() {
+        let text = "T=\"{tool.name}\" M6 ; {operation.name}";
+        let template = Template::new(text, Span::default()).unwrap();
+        assert_eq!(template.text(), text);
+        assert_eq!(template.fields().collect::<Vec<_>>(), [Field::ToolName, Field::OperationName]);
+        assert_eq!(template.filled(|f| f.name().len().to_string()), "T=\"9\" M6 ; 14");
+        assert_eq!(Template::new("{tool.nme}", Span::default()), Err(TemplateFault::Unknown("tool.nme".to_owned())));
+        assert_eq!(Template::new("S{spindle", Span::default()), Err(TemplateFault::Open));
+        assert_eq!(Template::new("M8 \u{e4}", Span::default()), Err(TemplateFault::Character('\u{e4}')));
+    }
+
+    #[test]
+    fn every_field_has_a_name_of_its_own_and_a_place() {
+        for (i, field) in Field::ALL.into_iter().enumerate() {
+            assert_eq!(Field::ALL.iter().position(|f| f.name() == field.name()), Some(i));
+            assert!(Frame::ALL.iter().any(|frame| frame.fields().any(|f| f == field)));
+        }
+    }
+}
