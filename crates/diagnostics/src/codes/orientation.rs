@@ -19,7 +19,7 @@ line names a reach, a holder diameter or a cutter diameter. Each of these change
 axes now have them, and with `method corridor` a smooth motion through them. The change is the smallest of those that were \
 tried.";
     NOT_SMOOTH = "IMP0503", "no smooth run of the rotary axes is proved clear",
-        "Every contact has collision-free tool axes. But the search found no smooth motion of A and C among them, or \
+        "Every contact has collision-free tool axes. But the search found no smooth motion of the rotary axes among them, or \
 could not prove the clearance between two stations. The number of rounds of the search is limited; the message gives \
 the violation that was left after the last round.\n\nRemedy: the help line names changes of the tool with \
 which all these passes have such a motion; they were tried. Or use `method blend`, which requires less distance at the side of \

@@ -8,10 +8,10 @@ crate::codes! {
         "The dialect selects tools by number. This number is outside the range of its tool table.\n\nRemedy: write \
 `number 1` or another small number in the declaration of the tool.";
     AMBIGUOUS_VECTOR = "IMP0803", "a direction vector that two rotary positions fit",
-        "The dialect writes the tool direction as a vector. Two positions of A and C give the same vector. Within a \
-pass the control takes the nearer position. When a block turns C by 90 deg or more, or runs through the pole (A = 0), \
-the nearer position is no longer certain. A wrong choice turns the table by half a turn with the tool in the \
-channel.\n\nRemedy: use a finer chord tolerance, or tool axes farther from the pole.";
+        "The dialect writes the tool direction as a vector. Two positions of the rotary axes give the same vector. \
+Within a pass the control takes the nearer position. When a block turns the rotary axis next to the part by 90 deg or \
+more, or runs through the pole, where the tool is parallel to this axis, the nearer position is no longer certain. A \
+wrong choice turns this axis by half a turn with the tool in the channel.\n\nRemedy: use a finer chord tolerance, or tool axes farther from the pole.";
     STANDSTILL = "IMP0804", "a block at feed in which only rotary axes move",
         "If the tip stands still in a block, the block has no path feed. Controls interpret its F word as degrees per \
 minute, or refuse the block. The compiler plans no such blocks.\n\nRemedy: report the job file.";
@@ -86,10 +86,10 @@ in the text.";
         "A block is faster than the process feed and the link feed of its operation. In material this feed would \
 break the tool.\n\nRemedy: reduce the feed in the text, or increase `feed` or `link-feed` in the job.";
     NC_POSITIONING = "IMP0824", "an operation that begins unsafely",
-        "An operation must begin with a rapid to a place outside the stock, with A and C already in position. \
-Otherwise the table turns, or the tool cuts, while the tool approaches from the tool change, and this motion cannot \
-be verified.\n\nRemedy: position A and C before TRAORI or M428 as in the first move, and make the first move a \
-rapid.";
+        "An operation must begin with a rapid to a place outside the stock, with both rotary axes already in \
+position. Otherwise a rotary axis turns, or the tool cuts, while the tool approaches from the tool change, and this motion cannot \
+be verified.\n\nRemedy: turn the rotary axes to their positions of the first move before the program moves the tool \
+there, as the texts of the compiler do, and make the first move a rapid.";
     NC_SMOOTHING = "IMP0825", "smoothing wider than the job allows",
         "CYCLE832 or G64 allows the control to deviate from the path by more than the chord tolerance of the job. In \
 G64 both words count: P for corners, and Q for moves that the control joins first (without Q, the value of P). The \

@@ -49,8 +49,8 @@ message names the operation that takes the most time.\n\nRemedy: use a larger st
 or a larger tool.";
     AXIS_SHARE = "IMP0713", "an axis is faster than the job allows",
         "An axis is faster than `require axis-speed` allows, as a share of its limit in the machine file. Near the \
-pole of the machine, where the tool axis is nearly parallel to the C axis, a small tilt of the tool needs a large \
-turn of C.\n\nRemedy: use a lower `feed` or `link-feed`, or tool axes farther from the pole.";
+pole of the machine, where the tool axis is nearly parallel to the rotary axis next to the part, a small tilt of the \
+tool needs a large turn of this axis.\n\nRemedy: use a lower `feed` or `link-feed`, or tool axes farther from the pole.";
     AIR = "IMP0714", "too much air cut",
         "The share of the time at feed in which no material is removed is larger than `require air` \
 allows.\n\nRemedy: use shorter leads, a higher `link-feed`, or passes that begin at the stock.";
@@ -65,16 +65,17 @@ volumes.\n\nRemedy: use operations for all faces and sectors, smaller steps, or 
     ENGAGEMENT = "IMP0719", "engagement is larger than the job allows",
         "The engagement is the largest arc of the circle of the cutter that is in the simulated stock. In some move it is larger than `require engagement` allows. A slot has 180 deg. A cut of width b with a cutter of radius R has the angle whose cosine is 1 - b / R.\n\nThe contract judges an upper bound, which includes material between the rays of the stock: cells of a twentieth of the radius of the cutter add some 6 deg. With `outside of slots` it does not judge cuts with material on both sides of the cutter at full width, nor one diameter of tip motion before and behind them.\n\nRemedy: use a smaller `stepover`; a smaller `--stock-cell` or more `--memory` where the figure of the rays is small enough; or `require engagement <= 60 deg outside of slots`.";
     CONTOUR_ERROR = "IMP0717", "the control deviates from the verified motion by more than the job allows",
-        "The verified motion moves the tip along straight lines and turns A and C in proportion to its path. A real \
-control rounds the corners between blocks within its tolerance, and its drives move straight between two cycles. The \
+        "The verified motion moves the tip along straight lines and turns both rotary axes in proportion to its path. \
+A real control rounds the corners between blocks within its tolerance, and its drives move straight between two cycles. The \
 sum of both deviations in one block, at points of the tool from the tip to the end of the flutes, is larger than \
 `require contour-error` allows. Add this deviation to the gouge and excess of the certificate. Rapids are not \
 included.\n\nExample: roughing with `tolerance rough 50 um` under `require contour-error <= 5 um`.\n\nRemedy: use a \
 smaller `tolerance chord` (or `rough`), a lower `feed` if the cycle causes the deviation, or a wider contract.";
     ORIENTATION_ERROR = "IMP0718", "the control tilts the tool by more than the job allows",
         "Where the control rounds the corner between two blocks, the rotary axes deviate from their programmed path \
-too, and the tool axis tilts by more than `require orientation-error` allows. The angle includes the turns of A and \
-C.\n\nExample: a fast turn of C near the pole between two blocks that do not turn.\n\nRemedy: use a smaller \
+too, and the tool axis tilts by more than `require orientation-error` allows. The angle includes the turns of both \
+rotary axes.\n\nExample: a fast turn of the second rotary axis, the one next to the part, near the pole between two \
+blocks that do not turn.\n\nRemedy: use a smaller \
 `tolerance chord` (or `rough`), a lower `feed`, or a wider contract.";
     RAPID_THROUGH_STOCK = "IMP0730", "a rapid move runs through remaining stock",
         "The simulation removes stock block by block. In this block the cutter moves at rapid through stock that no \
@@ -109,12 +110,14 @@ file. A proof cannot rest on this figure, so nothing is written.\n\nExample: a f
 dominate the motion of the machine.\n\nRemedy: use feeds that the machine can run. If the feeds are usual, report the \
 job file.";
     RETRACT_TOO_LOW = "IMP0740", "a tool is too low while the machine positions",
-        "Before the first move and after the last move of an operation, the tool is changed, and X, Y, A and C move \
-with tool centre point control off. Their start positions are unknown, because the program may begin after an abort \
-or after another program. The tip must therefore be higher than stock, table and fixture can reach at any A and C \
-within the travel. On a machine with a head the lowest point counts that the tool reaches at any angle of the head.\n\nExample: a machine whose Z ends 120 mm above its rotation point, an impeller that reaches 104 \
-mm when A turns, and a tool whose length with its holder is 40 mm.\n\nRemedy: set `[retract] z` of the machine file \
-to the upper end of Z, use a shorter tool or holder, or mount the part lower or nearer to the A axis.";
+        "Before the first move and after the last move of an operation, the tool is changed, and X, Y and both \
+rotary axes move with tool centre point control off. Their start positions are unknown, because the program may begin after an abort \
+or after another program. The tip must therefore be higher than stock, table and fixture can reach at any position \
+of the rotary axes within their travel. On a machine with a head the lowest point counts that the tool reaches at any \
+angle of the head.\n\nExample: a machine whose Z ends 120 mm above its rotation point, an impeller that reaches 104 \
+mm when the table tilts, and a tool whose length with its holder is 40 mm.\n\nRemedy: set `[retract] z` of the machine file \
+to the upper end of Z, use a shorter tool or holder, or mount the part lower or, on a tilting table, nearer \
+to the axis of the tilt.";
     CLAMPING = "IMP0737", "the tool runs into the clamping",
         "Chuck and table stand below the stock. The clamping is a cylinder about Z without a lower end; `clamping { \
 below -42 mm diameter 60 mm }` of the stock states it. Without `clamping`, all space below the back face counts. No \
