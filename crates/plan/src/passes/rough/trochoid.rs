@@ -25,8 +25,7 @@ use wheel::method::Milling;
 const FLATNESS: f64 = 2.0 / 3.0;
 
 /// Half width that the loops open, and the least one for which there are loops, in radii of the tool. A narrower opening
-/// needs more and shorter loops, which takes longer; a wider one takes longer than the lines beside it would
-/// (`docs/benchmarks.md`).
+/// needs more and shorter loops, which takes longer; a wider one takes longer than the lines beside it would.
 const OPENED: f64 = 0.75;
 const LEAST: f64 = 0.2;
 
