@@ -1,5 +1,6 @@
 //! Physical quantities as types. Inside the compiler a length is in millimetres, an angle in radians, a time in
-//! seconds, a feed in millimetres per minute; other units exist only in job text and NC text.
+//! seconds, a feed in millimetres per minute. Other units exist in texts: jobs, files of the library, NC text, messages.
+//! Figures that are made for texts, such as those of a certificate, have angles in degrees, and say so.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;

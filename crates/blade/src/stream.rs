@@ -37,7 +37,7 @@ pub(super) fn stations(points: &[Point3<f64>]) -> Vec<[f64; 3]> {
         .collect()
 }
 
-/// The angle with whole turns added so that it is nearest to another.
+/// The angle with whole turns added so that it is nearest to another, rad.
 pub(super) fn near(angle: f64, other: Option<f64>) -> f64 {
     let turn = std::f64::consts::TAU;
     other.map_or(angle, |other| angle + turn * libm::round((other - angle) / turn))

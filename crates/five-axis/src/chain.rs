@@ -127,7 +127,7 @@ pub enum ChainFault {
     Order,
 }
 
-/// A vector rotated about a unit vector by an angle.
+/// A vector rotated about a unit vector by an angle in radians.
 fn turned(about: &Vector3<f64>, v: &Vector3<f64>, angle: f64) -> Vector3<f64> {
     let (sine, cosine) = libm::sincos(angle);
     let along = about * about.dot(v);
@@ -427,7 +427,7 @@ impl Chain {
 }
 
 impl AxisLine {
-    /// Rotation about the line by an angle.
+    /// Rotation about the line by an angle in radians.
     fn turned(&self, angle: f64) -> Isometry3<f64> {
         let rotation = Rotation3::from_axis_angle(&self.direction, angle);
         let rotation = UnitQuaternion::from_rotation_matrix(&rotation);

@@ -94,6 +94,7 @@ pub struct Symmetry<'a> {
     machine: &'a Machine,
     /// Turn about Z of 0, 1, 2 ... pitches.
     turns: Vec<Rotation3<f64>>,
+    /// Angle between neighbouring sectors, radians.
     pitch: f64,
 }
 

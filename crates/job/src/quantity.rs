@@ -66,7 +66,7 @@ impl Dimension {
         powers.map(|(n, p)| if p == 1 { (*n).to_owned() } else { format!("{n}^{p}") }).collect::<Vec<_>>().join(" ")
     }
 
-    /// A bound in base units as messages write it, in degrees for angles.
+    /// How messages write a bound that is given in base units: that of an angle, given in radians, in degrees.
     pub fn bound(self, value: f64) -> String {
         // Bounds of angles are round in degrees, not in radians.
         if self == Self::ANGLE { trim(value.to_degrees(), 2) } else { value.to_string() }

@@ -51,7 +51,7 @@ pub(super) fn assumptions(form: &TextForm, machine: &Machine) -> Vec<String> {
     axes.map(|axis| format!("{} is an axis modulo 360 deg: {assumed}", axis.name)).collect()
 }
 
-/// Degrees of a word, for an axis modulo 360 deg from 0 to below a turn.
+/// The word, degrees, of an angle in radians; for an axis modulo 360 deg from 0 to below a turn.
 pub(super) fn degrees(axis: &RotaryAxis, angle: f64, decimals: usize) -> f64 {
     let word = angle.to_degrees() * axis.word_sign;
     if axis.modulo.is_none() {

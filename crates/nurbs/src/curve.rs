@@ -77,7 +77,7 @@ impl NurbsCurve {
         self.rational
     }
 
-    /// The curve turned about Z (Wei 18).
+    /// The curve turned about Z by an angle in radians (Wei 18).
     #[must_use]
     pub fn rotated(&self, angle: f64) -> Self {
         let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), angle);

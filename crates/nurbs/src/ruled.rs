@@ -60,7 +60,7 @@ impl RuledSurface {
         }
     }
 
-    /// The surface turned about Z (Wei 18).
+    /// The surface turned about Z by an angle in radians (Wei 18).
     #[must_use]
     pub fn rotated(&self, angle: f64) -> Self {
         Self { root: self.root.rotated(angle), tip: self.tip.rotated(angle) }

@@ -274,7 +274,8 @@ pub enum Bound {
 }
 
 impl Bound {
-    /// The number, in mm, deg, s, mm3, mm3/min or as a share of one.
+    /// The number for texts and certificates, in the unit that [`Self::unit`] names: mm, deg, s, mm3, mm3/min or a share of
+    /// one.
     pub fn value(self) -> f64 {
         match self {
             Self::Length(Mm(x)) | Self::Share(x) | Self::Time(Sec(x)) | Self::Volume(Mm3(x)) => x,

@@ -24,11 +24,11 @@ pub enum CamberAngles {
     Theta(Distribution),
     /// Beta, rad, and theta at one end.
     Beta {
-        /// Beta.
+        /// Beta, rad.
         beta: Distribution,
         /// The end with a stated theta: 0 for the leading, 1 for the trailing edge.
         end: usize,
-        /// Theta there.
+        /// Theta there, rad.
         theta: f64,
     },
 }

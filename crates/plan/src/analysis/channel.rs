@@ -21,7 +21,7 @@ pub(crate) fn turn_between(from: f64, to: f64) -> f64 {
 pub(crate) struct Channel<'a> {
     part: &'a Part,
     walls: [Face; 2],
-    /// Angle from the sector of the first wall to that of the second.
+    /// Angle from the sector of the first wall to that of the second, radians.
     turn: f64,
 }
 

@@ -76,7 +76,7 @@ struct PieceLeg {
     /// Tip and axis in the middle.
     middle: Vector3<f64>,
     axis: Vector3<f64>,
-    /// Half of the turn.
+    /// Half of the turn, radians.
     turn: f64,
     /// Centres at both ends, and the largest distance of the others from this segment.
     ends: [Vector3<f64>; 2],

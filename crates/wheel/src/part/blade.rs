@@ -195,7 +195,7 @@ impl Blade {
         Self { edges, ..self }
     }
 
-    /// The blade turned about Z.
+    /// The blade turned about Z by an angle in radians.
     #[must_use]
     pub fn rotated(&self, angle: f64) -> Self {
         let turned = |f: &Face| Face { surface: f.surface.rotated(angle), ..*f };

@@ -9,7 +9,7 @@ use std::f64::consts::TAU;
 /// The hub between the walls of a passage, sector 0.
 pub(super) struct Opening {
     walls: [Wall; 2],
-    /// Angle from the sector of the first wall to that of the second.
+    /// Angle from the sector of the first wall to that of the second, radians.
     turn: f64,
     /// The opening between a main blade and the next, in a part with splitters.
     whole: Option<Box<Opening>>,

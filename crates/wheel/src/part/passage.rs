@@ -21,7 +21,7 @@ pub struct Passage {
 #[derive(Clone, Copy)]
 pub struct Across([Cylindrical; 2]);
 
-/// Cylindrical coordinates.
+/// Cylindrical coordinates; the azimuth in radians.
 #[derive(Clone, Copy)]
 struct Cylindrical {
     r: f64,
@@ -31,7 +31,7 @@ struct Cylindrical {
 
 impl Across {
     /// From a point of the first wall to a point of the second; both as they are in sector 0. `turn` is the angle between the
-    /// sectors of both walls.
+    /// sectors of both walls, radians.
     pub fn between(points: [Point3<f64>; 2], turn: f64) -> Self {
         let [first, mut second] =
             points.map(|p| Cylindrical { r: libm::hypot(p.x, p.y), azimuth: libm::atan2(p.y, p.x), z: p.z });

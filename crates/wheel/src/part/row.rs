@@ -122,7 +122,7 @@ impl Part {
         if under_shroud > 0.0 { over_hub / (over_hub + under_shroud) } else { 1.0 }
     }
 
-    /// Angle between neighbouring main blades.
+    /// Angle between neighbouring main blades, radians.
     pub fn pitch(&self) -> f64 {
         std::f64::consts::TAU / f64::from(self.vane_count)
     }
@@ -241,7 +241,7 @@ impl Part {
         }
     }
 
-    /// The angle from the sector of the first wall of a passage to that of the second.
+    /// The angle from the sector of the first wall of a passage to that of the second, radians.
     pub fn turn(&self, passage: &Passage) -> f64 {
         self.pitch() * f64::from(passage.sectors)
     }

@@ -15,7 +15,7 @@ pub trait Surface {
     /// Closest point of a patch.
     fn closest(&self, p: &Point3<f64>, patch: Patch) -> Projection;
 
-    /// The surface turned about Z (Wei 18).
+    /// The surface turned about Z by an angle in radians (Wei 18).
     #[must_use]
     fn rotated(&self, angle: f64) -> Self
     where

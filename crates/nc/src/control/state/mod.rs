@@ -249,7 +249,7 @@ impl<'a> ControlState<'a> {
         }
     }
 
-    /// Turns the work frame.
+    /// Turns the work frame to an angle about Z, radians.
     fn turn_frame(&mut self, turn: f64) {
         if turn != 0.0 && self.transformation != Transformation::On {
             let [on, _] = self.control.transformation;

@@ -239,7 +239,7 @@ impl ControlState<'_> {
         }
     }
 
-    /// Tolerance of the direction through smoothing, where a word states it.
+    /// Tolerance of the direction through smoothing, radians, where a word states it.
     pub(super) fn turn_tolerance(&self) -> Option<f64> {
         if let Some(Smoothing::Within(deviation)) = self.smoothing { deviation.turn } else { None }
     }

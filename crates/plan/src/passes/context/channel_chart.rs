@@ -25,7 +25,7 @@ pub(crate) struct ChannelChart<'a> {
     part: &'a Part,
     first: &'a FaceSurface,
     second: &'a FaceSurface,
-    /// Angle from the sector of the first wall to that of the second.
+    /// Angle from the sector of the first wall to that of the second, radians.
     turn: f64,
 }
 
