@@ -370,7 +370,7 @@ impl Interpreter<'_> {
         self.tell(diag);
     }
 
-    /// Reports smoothing that may turn the tool further than the job allows.
+    /// Reports smoothing that may turn the tool further, radians, than the job allows.
     fn check_turn_tolerance(&mut self, m: &NcMove, turn: f64, operation: &Operation) {
         let [turn, allowed] = [turn, self.program.orientation_tolerance(operation)].map(f64::to_degrees);
         // Half a step of the word.

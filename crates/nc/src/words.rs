@@ -10,7 +10,7 @@ use wheel::post_file::Orientation;
 /// Share of a step of F within which a feed counts as on the step, whatever rounding does.
 const ON_STEP: f64 = 1e-6;
 
-/// Turn of rotary axis 2 between blocks from which on the nearest rotary position is not certain to be the right one.
+/// Turn of rotary axis 2 between blocks, radians, from which on the nearest rotary position is not certain to be the right one.
 const CERTAIN_TURN: f64 = std::f64::consts::FRAC_PI_2;
 
 /// Decimals of F in inverse time, in moves a minute.

@@ -12,7 +12,7 @@ pub struct Twist {
     pub largest: f64,
     /// Place of the largest angle, from inlet (0) to outlet (1).
     pub at: f64,
-    /// Mean angle over the rulings.
+    /// Mean angle over the rulings, radians.
     pub mean: f64,
     /// Length of the shortest and of the longest ruling, mm.
     pub ruling: [f64; 2],

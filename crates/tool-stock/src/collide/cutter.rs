@@ -91,7 +91,7 @@ impl Cutter {
         }
     }
 
-    /// Angle of the normal, from the radial direction towards the tip, at which the arc of a barrel meets its ball tip;
+    /// Angle of the normal, radians, from the radial direction towards the tip, at which the arc of a barrel meets its ball tip;
     /// `None` for other cutters.
     pub fn barrel_angle(&self) -> Option<f64> {
         match *self {

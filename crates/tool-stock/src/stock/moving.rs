@@ -31,7 +31,7 @@ pub(super) struct Moving {
     /// Speed at which the true motion may deviate from `sweep` from both of its ends on, mm per unit of time; 0 for a
     /// step.
     pub(super) drift: f64,
-    /// Largest turning speed.
+    /// Largest turning speed, radians per unit of time.
     pub(super) turn: f64,
     /// Largest speed of a point of the body.
     pub(super) speed: f64,

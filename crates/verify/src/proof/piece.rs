@@ -5,7 +5,7 @@ use five_axis::{Angles, Chain, Joints, Machine, RotaryPose, between};
 use ir::{Motion, MoveKind};
 use nalgebra::{Point3, Vector3};
 
-/// Largest turn of a piece when the rotary axes are at a right angle.
+/// Largest turn of a piece when the rotary axes are at a right angle, radians: 1 deg.
 const PIECE_TURN: f64 = std::f64::consts::PI / 180.0;
 
 /// Longest tip motion in a piece, mm: a long link would lie in one node with everything that it passes.

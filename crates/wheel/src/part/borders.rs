@@ -111,7 +111,7 @@ impl Opening {
         Self { walls, turn: part.turn(passage), whole }
     }
 
-    /// Azimuth of the first wall and the angle from it to the second wall, at a parameter of the hub.
+    /// Azimuth of the first wall and the angle from it to the second wall, radians, at a parameter of the hub.
     pub(super) fn at(&self, u: f64) -> Option<[f64; 2]> {
         let [from, to] = self.walls.each_ref().map(|wall| self.azimuth(wall, u));
         let (from, to) = (from?, to?);

@@ -194,7 +194,7 @@ impl<'a> ClearAxes<'a> {
         self.clamping.clears_body(self.solid, &(centre - axis * self.radius()), axis)
     }
 
-    /// True when every axis within the angle `cap` of this axis is within the travel of the rotary axes.
+    /// True when every axis within the angle `cap`, radians, of this axis is within the travel of the rotary axes.
     fn leans_within_travel(&self, axis: &Vector3<f64>, cap: f64) -> bool {
         libm::atan2(libm::hypot(axis.x, axis.y), axis.z) + cap <= self.most_lean
     }
@@ -398,7 +398,7 @@ impl<'a> ClearAxes<'a> {
     }
 }
 
-/// An axis that leans by an angle more than another one, at most at a right angle to Z.
+/// An axis that leans by an angle in radians more than another one, at most at a right angle to Z.
 fn leaning_by(axis: &Vector3<f64>, angle: f64) -> Vector3<f64> {
     let level = libm::hypot(axis.x, axis.y);
     if angle == 0.0 || level < NO_NORMAL {

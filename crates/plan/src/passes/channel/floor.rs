@@ -25,7 +25,7 @@ pub(super) struct ChannelFloor<'a> {
 }
 
 impl ChannelFloor<'_> {
-    /// Azimuth of the first wall, and the angle from it to the second.
+    /// Azimuth of the first wall, and the angle from it to the second, radians.
     pub(super) fn walls(&self, u: f64) -> (f64, f64) {
         let a = azimuth(&self.walls[0], u);
         let ahead = azimuth(&self.walls[1], u) - a;

@@ -99,7 +99,7 @@ pub(super) fn axis(chart: &ChannelChart<'_>, (u, w, azimuth): (f64, f64, f64), l
     hub.normal(u, azimuth) * libm::cos(lead) + forward * libm::sin(lead)
 }
 
-/// The least lead angle with which no part of the end of a bull nose cuts into the hub; `None` where there is none.
+/// The least lead angle, radians, with which no part of the end of a bull nose cuts into the hub; `None` where there is none.
 fn least(chart: &ChannelChart<'_>, cutter: &Cutter) -> Option<f64> {
     // With less, the axis would come near the pole of the table where the floor lies flat.
     let from = libm::asin(LEAST_OUTWARD);

@@ -383,7 +383,8 @@ impl Reduction<'_> {
     }
 }
 
-/// Angle at which a tool goes down from one place to another, against the plane of its end; the larger one of both ends.
+/// Angle at which a tool goes down from one place to another, against the plane of its end, radians; the larger one of both
+/// ends.
 fn descent(from: &ClPoint, to: &ClPoint) -> f64 {
     let way = to.tip - from.tip;
     let angle = |axis: &Vector3<f64>| {

@@ -10,7 +10,7 @@ pub(super) struct WallTilt {
 }
 
 impl WallTilt {
-    /// The same tilt everywhere.
+    /// The same tilt everywhere, radians.
     pub(super) fn even(tilt: f64) -> Self {
         Self { places: vec![[tilt; 2]] }
     }
