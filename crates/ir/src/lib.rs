@@ -19,7 +19,7 @@
 //! # Units and frames
 //!
 //! Lengths are in mm, angles in radians, times in seconds, feeds in mm/min, spindle speeds in rev/min; the text form
-//! ([`print`]) has angles in degrees. Points are in
+//! ([`mod@print`]) has angles in degrees. Points are in
 //! the *part frame*: right handed, Z is the axis of rotation, the origin is the zero of the program. The job gives
 //! sector 0; sector k is turned about Z by k pitches. Sectors and passes count from 0 here, from 1 in texts.
 //!
