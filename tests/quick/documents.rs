@@ -1,5 +1,6 @@
 //! The documents: links lead to files, commands are those of the command line, texts of the language have no fault.
 
+use crate::support::sources::files;
 use impellerc::base::source::SourceId;
 use impellerc::diagnostics::Sink;
 use impellerc::syntax;
@@ -50,6 +51,24 @@ fn links_lead_to_files_and_every_page_is_linked() {
     listed.sort();
     of_docs.sort();
     assert_eq!(listed, of_docs);
+}
+
+/// A file that was removed or has another name is no longer named by a page.
+#[test]
+fn source_files_of_the_pages_exist() {
+    let folders = ["src", "crates", "tests", "benches", "fuzz"].map(Path::new);
+    let all = folders.into_iter().filter(|folder| folder.is_dir()).flat_map(files);
+    let known: BTreeSet<String> = all.map(|path| path.file_name().unwrap().to_str().unwrap().to_owned()).collect();
+    let mut seen = 0;
+    for (path, text) in pages() {
+        let quoted = text.split('`').skip(1).step_by(2).filter(|name| name.ends_with(".rs") && !name.contains(' '));
+        for name in quoted {
+            let file = name.rsplit('/').next().unwrap();
+            assert!(known.contains(file), "{} names {name}", path.display());
+            seen += 1;
+        }
+    }
+    assert!(seen > 60, "{seen}");
 }
 
 #[test]

@@ -98,6 +98,24 @@ fn each_code_has_a_page_and_a_number_of_its_own() {
     }
 }
 
+/// Machines have rotary axes of any two letters, in the table or in the head. So a page names an axis by its place. An example may
+/// have letters; IMP0218 is on the letters themselves, and IMP0809 on the two kinematics of LinuxCNC.
+#[test]
+fn pages_of_codes_name_no_axis_by_its_letter() {
+    for code in Code::all().filter(|code| !["IMP0218", "IMP0809"].contains(&code.id())) {
+        let own = code.0.page.split("\n\n").filter(|text| !text.starts_with("Example") && !text.starts_with("    "));
+        for text in own {
+            let mut words = text.split_whitespace().map(|w| w.trim_matches(&['(', ')', ',', '.', ':'][..])).peekable();
+            while let Some(word) = words.next() {
+                // `A` may be the article.
+                let before_axis = words.peek().is_some_and(|next| ["and", "or", "axis", "="].contains(next));
+                let letter = word == "B" || word == "C" || word == "A" && before_axis;
+                assert!(!letter, "the page of {code} names an axis by its letter: {text}");
+            }
+        }
+    }
+}
+
 #[test]
 fn each_error_of_the_examples_has_a_help_line() {
     for path in examples() {

@@ -72,8 +72,8 @@ words given twice, comments that the control executes, and letters of other alph
 nothing is known. Units, plane, distance and feed mode, radius compensation, offsets, tool and tool length, \
 transformation, smoothing, spindle, coolant and the positions of all axes may remain from another program. The reader \
 refuses a move that depends on one of them unless the text has set it as required; the message says what to write. \
-With the transformation off, the tool first moves straight up to the retract height of the machine file. X, Y, A and \
-C may move only at this height. At its end, a program switches off the transformation, the spindle and the coolant, \
+With the transformation off, the tool first moves straight up to the retract height of the machine file. X, Y and both \
+rotary axes may move only at this height. At its end, a program switches off the transformation, the spindle and the coolant, \
 with the tool at this height.\n\nExample: `G53 G0 Z0` where the machine file says `[retract] z = \"650 mm\"`, `G43 \
 H1` with tool 2 in the spindle, or a move between TRAFOOF and TRAORI.\n\nRemedy: write what the message says, or name \
 the dialect of the text with `--post`.";
