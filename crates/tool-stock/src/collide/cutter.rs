@@ -71,6 +71,7 @@ pub struct ProfilePoint {
 impl Cutter {
     /// The point of the rounded profile whose outward normal is inclined from the radial direction towards the tip by
     /// an angle, radians in (0, pi/2]; `None` for a flat end, which has no such point.
+    #[inline]
     pub fn profile_at(&self, angle: f64) -> Option<ProfilePoint> {
         let (sin, cos) = libm::sincos(angle);
         let on_arc = |rho: f64, s: f64, arc_radius: f64| {
@@ -93,6 +94,7 @@ impl Cutter {
 
     /// Angle of the normal, radians, from the radial direction towards the tip, at which the arc of a barrel meets its ball tip;
     /// `None` for other cutters.
+    #[inline]
     pub fn barrel_angle(&self) -> Option<f64> {
         match *self {
             Self::Barrel { radius, barrel, tip } => {
@@ -103,11 +105,13 @@ impl Cutter {
     }
 
     /// True when the rounded part is a ball on the axis: the tool may turn about its centre at a contact.
+    #[inline]
     pub fn ends_in_ball(&self) -> bool {
         matches!(self, Self::Ball { .. } | Self::Lollipop { .. } | Self::TaperedBall { .. })
     }
 
     /// Signed distance to the cutter with its side continued upward without end. Exact inside and outside.
+    #[inline]
     pub fn distance(&self, rho: f64, s: f64) -> f64 {
         match *self {
             Self::Flat { radius } => rounded_box(rho, s, radius, 0.0),
@@ -189,6 +193,7 @@ impl Cutter {
     }
 
     /// Largest radius below a height.
+    #[inline]
     pub fn widest_below(&self, s: f64) -> f64 {
         match *self {
             Self::Lollipop { radius } => self.radius_at(s.min(radius)),
@@ -197,6 +202,7 @@ impl Cutter {
     }
 
     /// Nominal radius of the tool: its largest radius, or that of the ball of a tapered tool.
+    #[inline]
     pub fn nominal_radius(&self) -> f64 {
         match *self {
             Self::Flat { radius }
@@ -209,6 +215,7 @@ impl Cutter {
     }
 
     /// Radius of the rounding that touches the floor: the ball radius, or the corner radius; zero for a flat end.
+    #[inline]
     pub fn tip_radius(&self) -> f64 {
         match *self {
             Self::Flat { .. } => 0.0,
@@ -220,12 +227,14 @@ impl Cutter {
     }
 
     /// Least radius of curvature of the cutter below the end of the flutes; zero with a sharp edge.
+    #[inline]
     pub fn least_curvature_radius(&self) -> f64 {
         self.tip_radius()
     }
 
     /// Height at which a neck of a given radius meets the ball of a lollipop; `None` for other cutters or for a neck
     /// that is too thick.
+    #[inline]
     pub fn neck_height(&self, neck: f64) -> Option<f64> {
         match *self {
             Self::Lollipop { radius } if neck > 0.0 && neck < radius => {
@@ -236,6 +245,7 @@ impl Cutter {
     }
 
     /// Height over the tip at which a barrel has its largest radius; `None` for other cutters.
+    #[inline]
     pub fn barrel_height(&self) -> Option<f64> {
         match *self {
             Self::Barrel { radius, barrel, tip } => Some(barrel_height(radius, barrel, tip)),
@@ -245,6 +255,7 @@ impl Cutter {
 
     /// The cutter in another size: all lengths times `by`, the same angles.
     #[must_use]
+    #[inline]
     pub fn scaled(&self, by: f64) -> Self {
         match *self {
             Self::Flat { radius } => Self::Flat { radius: radius * by },
@@ -260,6 +271,7 @@ impl Cutter {
 
     /// The cutter enlarged by a distance on all sides; heights count from its new tip. A flat cutter keeps its corner.
     #[must_use]
+    #[inline]
     pub fn enlarged(&self, by: f64) -> Self {
         match *self {
             Self::Flat { radius } => Self::Flat { radius: radius + by },
@@ -276,6 +288,7 @@ impl Cutter {
     /// The cutter as an end across the axis, a corner arc and a straight side: diameter where the lines of end and side
     /// meet, radius of the arc, distance of its centre from the axis and from the end, and angle between side and axis
     /// (radians). Lengths in mm. `None` for cutters with more arcs or a neck.
+    #[inline]
     pub fn corner_arc(&self) -> Option<[f64; 5]> {
         match *self {
             Self::Flat { radius } => Some([2.0 * radius, 0.0, radius, 0.0, 0.0]),
@@ -290,6 +303,7 @@ impl Cutter {
     }
 
     /// Name in the job language.
+    #[inline]
     pub fn keyword(&self) -> &'static str {
         match self {
             Self::Flat { .. } => "flat",
@@ -303,22 +317,26 @@ impl Cutter {
 }
 
 /// Length of a vector of moderate size: several times as fast as `hypot`, which avoids overflow.
+#[inline]
 pub(super) fn norm(x: f64, y: f64) -> f64 {
     (x * x + y * y).sqrt()
 }
 
 /// Radius of a ball at the height s over its lowest point; above its centre the radius of the ball.
+#[inline]
 fn cap(radius: f64, s: f64) -> f64 {
     if s < radius { (s * (2.0 * radius - s)).max(0.0).sqrt() } else { radius }
 }
 
 /// Height of the centre of the arc of a barrel: the arc touches the ball from inside.
+#[inline]
 fn barrel_height(radius: f64, barrel: f64, tip: f64) -> f64 {
     let (between, inward) = (barrel - tip, barrel - radius);
     tip + ((between - inward) * (between + inward)).max(0.0).sqrt()
 }
 
 /// Distance to a circle, by the position relative to its centre.
+#[inline]
 fn from_centre(rho: f64, height: f64, radius: f64) -> Slope {
     let length = norm(rho, height);
     // At the centre any direction is valid.
@@ -327,12 +345,14 @@ fn from_centre(rho: f64, height: f64, radius: f64) -> Slope {
 }
 
 /// Cylinder over s >= 0, open upward, with a rounded lower corner.
+#[inline]
 fn rounded_box(rho: f64, s: f64, radius: f64, corner: f64) -> f64 {
     let out = rho - (radius - corner);
     let below = corner - s;
     norm(out.max(0.0), below.max(0.0)) + out.max(below).min(0.0) - corner
 }
 
+#[inline]
 fn rounded_box_slope(rho: f64, s: f64, radius: f64, corner: f64) -> Slope {
     let out = rho - (radius - corner);
     let below = corner - s;

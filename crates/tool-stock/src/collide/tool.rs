@@ -24,6 +24,7 @@ pub struct Section {
 
 impl Section {
     /// Least of the signed distances to closed frustums; infinite without any.
+    #[inline]
     pub fn least_distance<'a>(sections: impl IntoIterator<Item = &'a Self>, rho: f64, s: f64) -> f64 {
         let (mut outside, mut inside) = (f64::INFINITY, None::<f64>);
         // One root for all: planner and verifier call this function most often.
@@ -45,11 +46,13 @@ impl Section {
     }
 
     /// Signed distance to the closed frustum.
+    #[inline]
     pub fn distance(&self, rho: f64, s: f64) -> f64 {
         Self::least_distance([self], rho, s)
     }
 
     /// [`Self::distance`] with its gradient; at a kink the gradient of one side.
+    #[inline]
     pub fn slope(&self, rho: f64, s: f64) -> Slope {
         let mut nearest = Slope { value: f64::INFINITY, rho: 1.0, s: 0.0 };
         for (r, h) in self.offsets(rho, s) {
@@ -65,6 +68,7 @@ impl Section {
     }
 
     /// Vectors to a point from the three edges of the half section: bottom, top, side.
+    #[inline]
     fn offsets(&self, rho: f64, s: f64) -> [(f64, f64); 3] {
         let (dr, ds) = (self.radius_to - self.radius_from, self.to - self.from);
         let (out, up) = (rho - self.radius_from, s - self.from);
@@ -74,6 +78,7 @@ impl Section {
     }
 
     /// True inside of the frustum.
+    #[inline]
     fn holds(&self, rho: f64, s: f64) -> bool {
         let (dr, ds) = (self.radius_to - self.radius_from, self.to - self.from);
         let (out, up) = (rho - self.radius_from, s - self.from);
@@ -96,12 +101,14 @@ pub struct ToolSolid {
 
 impl ToolSolid {
     /// Half of the cutting diameter; for a tapered tool at the end of the flutes.
+    #[inline]
     pub fn radius(&self) -> f64 {
         self.cutter.radius_at(self.flute_length)
     }
 
     /// Signed distance to the cutting part, closed by a plane at the end of the flutes. Exact inside and outside,
     /// therefore convex, and changing no faster than the point moves.
+    #[inline]
     pub fn cutter_distance(&self, rho: f64, s: f64) -> f64 {
         // Far below the end of the flutes only the side matters; this is nearly always the case.
         let side = self.cutter.distance(rho, s);
@@ -109,11 +116,13 @@ impl ToolSolid {
     }
 
     /// [`Self::cutter_distance`] with its gradient.
+    #[inline]
     pub fn cutter_slope(&self, rho: f64, s: f64) -> Slope {
         let side = self.cutter.slope(rho, s);
         if s + side.value.abs() < self.flute_length { side } else { self.capped(side, rho, s) }
     }
 
+    #[inline]
     fn capped(&self, side: Slope, rho: f64, s: f64) -> Slope {
         let over = s - self.flute_length;
         let foot = s - side.value * side.s;
@@ -129,17 +138,20 @@ impl ToolSolid {
     }
 
     /// Signed distance to shank and holder.
+    #[inline]
     pub fn body_distance(&self, rho: f64, s: f64) -> f64 {
         Section::least_distance(self.shank.iter().chain(&self.holder), rho, s)
     }
 
     /// Signed distance to the whole tool.
+    #[inline]
     pub fn distance(&self, rho: f64, s: f64) -> f64 {
         self.cutter_distance(rho, s).min(self.body_distance(rho, s))
     }
 
     /// The cutter without shank and holder, enlarged by a distance on all sides; heights count from its new tip.
     #[must_use]
+    #[inline]
     pub fn cutter_alone(&self, by: f64) -> Self {
         Self {
             cutter: self.cutter.enlarged(by),
@@ -152,6 +164,7 @@ impl ToolSolid {
     /// A tool that holds all places of this one while it leaves along its axis by up to a distance, mm: its flutes are
     /// longer by this distance, and no section of shank and holder is thinner than one below it.
     #[must_use]
+    #[inline]
     pub fn swept_along_axis(&self, distance: f64) -> Self {
         let mut widest = 0.0_f64;
         let mut swept = |x: &Section| {
@@ -168,12 +181,14 @@ impl ToolSolid {
     }
 
     /// Upper end of the holder.
+    #[inline]
     pub fn length(&self) -> f64 {
         self.shank.iter().chain(&self.holder).map(|x| x.to).fold(self.flute_length, f64::max)
     }
 }
 
 /// Distance from the tool axis and height over the tip of a point, for a tool with a given tip and unit axis.
+#[inline]
 pub fn tool_coordinates(p: &Point3<f64>, tip: &Point3<f64>, axis: &Vector3<f64>) -> (f64, f64) {
     let d = p - tip;
     let s = d.dot(axis);
