@@ -1,17 +1,27 @@
-//! What people write by mistake, in the table `mistakes.toml`: each mistake gives at most two errors or warnings, at its place,
-//! and a job that follows the help has none of them. `docs/mistakes.md` shows the table with the messages.
+//! What people write by mistake, in the tables `*.toml`: each mistake gives at most two errors or warnings, at its place,
+//! and a job that follows the help has none of them. `docs/mistakes.md` shows the tables with the messages.
+//!
+//! Each row is a test with the name `code::what happened`:
+//!
+//!     cargo test --test mistakes -- IMP0112
+//!     INSTA_UPDATE=always cargo test --test mistakes    # writes the page again
+
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 use impellerc::diagnostics::{Diag, Severity};
 use impellerc::driver::{self, Options, RunOptions, Stages};
-use rayon::prelude::*;
+use libtest_mimic::{Arguments, Failed, Trial};
 use serde::Deserialize;
-use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::Path;
-use std::sync::LazyLock;
+use std::sync::{LazyLock, OnceLock};
+
+/// The least number of mistakes.
+const LEAST: usize = 277;
 
 /// A mistake.
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct Mistake {
     /// What happened.
     name: String,
@@ -32,6 +42,7 @@ struct Mistake {
 }
 
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct Table {
     mistake: Vec<Mistake>,
 }
@@ -81,14 +92,21 @@ fn new(said: Vec<Said>, before: &[Said]) -> Vec<Said> {
     said.into_iter().filter(|s| !known(s)).collect()
 }
 
-/// Messages of the jobs without a mistake.
-static UNCHANGED: LazyLock<BTreeMap<&'static str, Vec<Said>>> = LazyLock::new(|| {
-    let messages = |job: &'static str| {
-        let text = std::fs::read_to_string(format!("jobs/{job}/{job}.imp")).unwrap();
-        (job, check(job, &format!("{job}.imp"), &text))
-    };
-    ["small", "splitter"].into_iter().map(messages).collect()
-});
+/// Messages of a job without a mistake.
+fn unchanged(job: &str) -> &'static [Said] {
+    static SMALL: LazyLock<Vec<Said>> = LazyLock::new(|| of_job("small"));
+    static SPLITTER: LazyLock<Vec<Said>> = LazyLock::new(|| of_job("splitter"));
+    match job {
+        "small" => &SMALL,
+        "splitter" => &SPLITTER,
+        other => panic!("no mistakes are made in {other}"),
+    }
+}
+
+fn of_job(job: &str) -> Vec<Said> {
+    let text = std::fs::read_to_string(format!("jobs/{job}/{job}.imp")).unwrap();
+    check(job, &format!("{job}.imp"), &text)
+}
 
 /// The row of a mistake for people; or what is wrong with its messages.
 fn row(mistake: &Mistake) -> Result<String, String> {
@@ -97,7 +115,7 @@ fn row(mistake: &Mistake) -> Result<String, String> {
     let file = file.clone().unwrap_or_else(|| format!("{job}.imp"));
     let folder = if file.ends_with(".toml") { "_lib" } else { job };
     let text = std::fs::read_to_string(Path::new("jobs").join(folder).join(&file)).unwrap();
-    let before = &UNCHANGED[job];
+    let before = unchanged(job);
     let wrong = changed(&text, change, name);
     let found = new(check(job, &file, &wrong), before);
     let listed =
@@ -116,27 +134,84 @@ fn row(mistake: &Mistake) -> Result<String, String> {
     Ok(format!("| {name} | `{}` | {code}: {} | {} |\n", short(label), short(&first.diag.message), short(help)))
 }
 
-#[test]
-fn mistakes_are_told_once_at_their_place_with_a_remedy_that_works() {
-    let tables = [include_str!("mistakes.toml"), include_str!("mistakes_2.toml")];
-    let mistakes: Vec<Mistake> = tables.into_iter().flat_map(|t| toml::from_str::<Table>(t).unwrap().mistake).collect();
-    assert!(mistakes.len() >= 278, "{}", mistakes.len());
-    let rows: Vec<Result<String, String>> = mistakes.par_iter().map(row).collect();
-    let faults: Vec<&String> = rows.iter().filter_map(|r| r.as_ref().err()).collect();
-    assert!(faults.is_empty(), "{faults:#?}");
+/// A mistake, and its row of the page once it was made.
+struct Case {
+    mistake: Mistake,
+    row: OnceLock<Result<String, String>>,
+}
+
+impl Case {
+    fn row(&self) -> Result<&str, &str> {
+        self.row.get_or_init(|| row(&self.mistake)).as_deref().map_err(String::as_str)
+    }
+}
+
+/// All rows, or what is wrong with a table.
+fn cases() -> Result<Vec<Case>, String> {
+    let mut paths: Vec<_> = std::fs::read_dir("tests/mistakes").unwrap().map(|entry| entry.unwrap().path()).collect();
+    paths.retain(|path| path.extension().is_some_and(|e| e == "toml"));
+    paths.sort();
+    let mut cases = Vec::new();
+    for path in paths {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let table: Table = toml::from_str(&text).map_err(|fault| format!("{}: {fault}", path.display()))?;
+        cases.extend(table.mistake.into_iter().map(|mistake| Case { mistake, row: OnceLock::new() }));
+    }
+    Ok(cases)
+}
+
+/// No row is missing, and none stands twice.
+fn whole(cases: &[Case]) -> Result<(), Failed> {
+    if cases.len() < LEAST {
+        return Err(format!("{} mistakes, at least {LEAST} are due", cases.len()).into());
+    }
+    let twice = |key: &dyn Fn(&Mistake) -> String| {
+        let mut keys: Vec<String> = cases.iter().map(|case| key(&case.mistake)).collect();
+        keys.sort();
+        keys.windows(2).find(|w| w[0] == w[1]).map(|w| format!("{} stands twice", w[0]))
+    };
+    let same = twice(&|m| m.name.clone()).or_else(|| twice(&|m| format!("{:?} {:?} {:?}", m.job, m.file, m.change)));
+    same.map_or(Ok(()), |fault| Err(fault.into()))
+}
+
+/// The page shows all of them.
+fn page(cases: &[Case]) -> Result<(), Failed> {
     let mut page = String::from(
         "# What people write, and what the compiler says\n\nA test makes each of these mistakes in a job, and then follows the help. \
          `impellerc explain CODE` tells more of a message.\n\n| mistake | marked | message | help |\n|---|---|---|---|\n",
     );
-    for row in rows.iter().flatten() {
-        let _ = write!(page, "{row}");
+    for case in cases {
+        let _ = write!(page, "{}", case.row()?);
     }
     let path = "docs/mistakes.md";
     if std::env::var_os("INSTA_UPDATE").is_some_and(|how| how == "always") {
         std::fs::write(path, &page).unwrap();
     }
-    assert!(
-        std::fs::read_to_string(path).unwrap_or_default() == page,
-        "write it again: INSTA_UPDATE=always, this test"
-    );
+    if std::fs::read_to_string(path).unwrap_or_default() == page {
+        Ok(())
+    } else {
+        Err("write it again: INSTA_UPDATE=always, this test".into())
+    }
+}
+
+fn trials() -> Vec<Trial> {
+    let cases: &'static [Case] = match cases() {
+        Ok(cases) => cases.leak(),
+        Err(fault) => return vec![Trial::test("tables::are read", || Err(fault.into()))],
+    };
+    let mut trials = vec![Trial::test("tables::no row is missing, and none stands twice", || whole(cases))];
+    trials.extend(cases.iter().map(|case| {
+        let name = format!("{}::{}", case.mistake.code, case.mistake.name);
+        Trial::test(name, || Ok(case.row().map(drop)?))
+    }));
+    // Last: the rows are there then.
+    trials.push(Trial::test("tables::docs/mistakes.md shows them all", || page(cases)));
+    trials
+}
+
+fn main() {
+    let mut arguments = Arguments::from_args();
+    // All of them are more lines than anybody reads.
+    arguments.quiet |= arguments.filter.is_none() && arguments.format.is_none() && !arguments.list;
+    libtest_mimic::run(&arguments, trials()).exit();
 }
