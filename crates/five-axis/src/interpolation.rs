@@ -8,7 +8,7 @@ use nurbs::angle::great_arc;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interpolation {
     /// Tool centre point control: the tip straight on the part, the rotary axes linear with the path of the tip
-    /// (Siemens ORIAXES, LinuxCNC under its kinematics). A motion of the compiler has this meaning.
+    /// (Siemens ORIAXES, LinuxCNC under its kinematics). This crate plans motions with this meaning.
     RotaryLinear,
     /// Tool centre point control with the tool axis on a great circle (Siemens ORIVECT, Heidenhain vectors).
     GreatCircle,

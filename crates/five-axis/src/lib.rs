@@ -1,9 +1,5 @@
-//! Kinematics of five-axis machines: three linear and two rotary axes, each of which carries tool or part.
-//!
-//! Rotary angles are in radians and in the ISO sense: the angle describes the tool relative to the part, and a table
-//! turns the other way. Only machine files and texts know the letters of the axes; here they are rotary axis 1, next to
-//! the tool, and rotary axis 2, next to the part.
-
+//! Kinematics of five-axis machines: the front page is the README.
+#![doc = include_str!("../README.md")]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking"))]
 

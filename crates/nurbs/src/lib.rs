@@ -1,6 +1,5 @@
-//! NURBS curves and surfaces, and constructions of the compiler with them. Pure geometry in mm and radians, independent
-//! of jobs, tools and diagnostics.
-
+//! NURBS curves and surfaces: the front page is the README.
+#![doc = include_str!("../README.md")]
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking"))]
 

@@ -47,7 +47,7 @@ pub struct ClosestPair {
     pub distance: f64,
 }
 
-/// Seeds along u. A face turns by about a right angle from inlet to outlet, by 1 or 2 deg between seeds. This is far
+/// Seeds along u. A surface that turns by about a right angle turns by 1 or 2 deg between seeds. This is far
 /// less than a second minimum between two seeds would need.
 const SEEDS: usize = 48;
 

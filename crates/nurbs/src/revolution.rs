@@ -57,7 +57,7 @@ impl Meridian {
     }
 }
 
-/// Seeds of the closest point search. The meridian of a blade turns by about a right angle. Each of 64 pieces turns by
+/// Seeds of the closest point search. A meridian turns by about a right angle. Each of 64 pieces turns by
 /// 1 or 2 deg, and contains no second minimum.
 const SEEDS: usize = 64;
 

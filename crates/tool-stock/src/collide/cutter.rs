@@ -302,7 +302,7 @@ impl Cutter {
         }
     }
 
-    /// Name in the job language.
+    /// Name of its kind.
     #[inline]
     pub fn keyword(&self) -> &'static str {
         match self {

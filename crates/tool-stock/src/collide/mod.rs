@@ -1,4 +1,4 @@
-//! Distances between tool solids and part surfaces. Independent of jobs, IR and diagnostics.
+//! Distances between tool solids and part surfaces.
 
 pub mod cloud;
 mod contact;
