@@ -187,7 +187,10 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     let inputs = inputs(sources);
     let shown = report::Shown {
         program: &program,
-        motion: judged.as_ref().map_or_else(|refused| refused, |verified| verified),
+        motion: match &judged {
+            Ok(verified) => verified,
+            Err(refused) => refused,
+        },
         certificate: &certificate,
         notes,
         stock: &stock,

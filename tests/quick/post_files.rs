@@ -109,7 +109,7 @@ fn compiled(program: &Program, motion: &impellerc::verify::Verified<Motion>) -> 
     let post = nc::find(&program.post.dialect).unwrap();
     let mut sink = Sink::default();
     nc::trial::check(post, program, &mut sink);
-    post.check(program, &motion, &mut sink);
+    post.check(program, motion, &mut sink);
     if let Some(diag) = sink.diags().iter().find(|diag| diag.severity == Severity::Error) {
         return Err(diag.message.clone());
     }

@@ -30,7 +30,7 @@ fn program(post: &dyn Post) -> (Program, &'static Verified<Motion>) {
 fn written(post: &dyn Post) -> NcProgram {
     let (program, motion) = program(post);
     let mut sink = Sink::default();
-    post.check(&program, &motion, &mut sink);
+    post.check(&program, motion, &mut sink);
     assert!(!sink.has_errors(), "{:?}", sink.diags());
     nc::emit(post, &program, motion, &["a test (with brackets); and more".to_owned()])
 }
@@ -67,7 +67,7 @@ fn both_orientations_read_back() {
                 continue;
             }
             let mut sink = Sink::default();
-            post.check(&program, &motion, &mut sink);
+            post.check(&program, motion, &mut sink);
             if sink.has_errors() {
                 // G43.5 leaves the choice of the rotary positions to the control, which is not certain with two tables.
                 assert_eq!((post.family(), orientation), ("fanuc", Orientation::Vectors));
