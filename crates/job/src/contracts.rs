@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::eval::{suggest, unknown};
 use super::model::{AllowedSpec, ContractKind, ContractSpec, OperationSpec};
-use super::quantity::Dimension;
+use super::quantity::{Dimension, Quantity};
 use base::source::Span;
 use diagnostics::Diag;
 use diagnostics::codes::job as codes;
@@ -11,21 +11,6 @@ use std::collections::BTreeSet;
 use syntax::ast::{Expr, File, Item, ItemKind, Name, ScopeTarget};
 use wheel::contract::{Cuts, Guarded, OfOperations, Region, Scope};
 use wheel::part::SurfaceClass;
-
-/// Largest length of a bound, mm; every gap of a part is smaller.
-const LONGEST: f64 = 100.0;
-
-/// Longest time of a bound, min: more than a year.
-const LONGEST_TIME: f64 = 6e5;
-
-/// Largest arc of a bound on the engagement, rad.
-const LARGEST_ARC: f64 = std::f64::consts::TAU;
-
-/// Largest angle of another bound, rad.
-const LARGEST_ANGLE: f64 = std::f64::consts::FRAC_PI_2;
-
-/// Largest volume in mm3 and largest removal rate in mm3/min: a cubic metre.
-const LARGEST_VOLUME: f64 = 1e9;
 
 /// Contracts, and the items that `allow` takes out of them.
 pub(super) fn resolve(
@@ -179,46 +164,22 @@ impl ContractReader<'_, '_> {
     /// The bound in the units of the contract.
     fn bound(&mut self, kind: ContractKind, expr: &Expr) -> Option<wheel::contract::Bound> {
         let name = kind.name();
-        let (dimension, scale, largest, range, example) = match kind {
-            ContractKind::Air => (Dimension::NONE, 1.0, 1.0, "from 0 to 100 %", "air <= 30 %"),
-            ContractKind::Slot => (Dimension::NONE, 1.0, 1.0, "from 0 to 100 %", "slot <= 50 %"),
-            ContractKind::AxisSpeed => (Dimension::NONE, 1.0, 1.0, "from 0 to 100 %", "axis-speed <= 80 %"),
-            ContractKind::Time => (Dimension::TIME, 60.0, LONGEST_TIME, "from 0 to 10000 h", "time <= 10 h"),
-            ContractKind::RemovalRate => (
-                Dimension::REMOVAL_RATE,
-                1.0,
-                LARGEST_VOLUME,
-                "from 0 to 1000000 cm3/min",
-                "removal-rate <= 2000 mm3/min",
-            ),
-            ContractKind::Engagement(_) => {
-                (Dimension::ANGLE, 1f64.to_degrees(), LARGEST_ARC, "from 0 to 360 deg", "engagement <= 60 deg")
-            }
-            ContractKind::RestVolume => {
-                (Dimension::VOLUME, 1.0, LARGEST_VOLUME, "from 0 to 1000000 cm3", "rest-volume <= 500 mm3")
-            }
-            ContractKind::ContourError => {
-                (Dimension::LENGTH, 1.0, LONGEST, "from 0 to 100 mm", "contour-error <= 5 um")
-            }
-            ContractKind::OrientationError => (
-                Dimension::ANGLE,
-                1f64.to_degrees(),
-                LARGEST_ANGLE,
-                "from 0 to 90 deg",
-                "orientation-error <= 0.01 deg",
-            ),
-            ContractKind::Gouge | ContractKind::Excess | ContractKind::Clearance(_) | ContractKind::Rest => {
-                (Dimension::LENGTH, 1.0, LONGEST, "from 0 to 100 mm", "gouge <= 7 um")
-            }
-        };
+        let Quantity { value: largest, dimension } = Quantity::read(kind.largest())?;
         let value = self.cx.scope.expect(expr, dimension, &format!("the bound of `{name}`"), self.cx.sink)?;
         if (0.0..=largest).contains(&value) {
+            // Contracts count in seconds and degrees.
+            let scale = match dimension {
+                Dimension::TIME => 60.0,
+                Dimension::ANGLE => 1f64.to_degrees(),
+                _ => 1.0,
+            };
             return Some(kind.bound(value * scale));
         }
+        let message = format!("the bound of `{name}` must be from 0 to {}", kind.largest());
         self.cx.sink.push(
-            Diag::error(codes::OUT_OF_RANGE, format!("the bound of `{name}` must be {range}"))
+            Diag::error(codes::OUT_OF_RANGE, message)
                 .label(expr.span, "out of range")
-                .help(format!("write the bound without a sign and with its unit: `require {example}`")),
+                .help(format!("write the bound without a sign and with its unit: `require {}`", kind.usual())),
         );
         None
     }
@@ -376,6 +337,27 @@ impl ContractReader<'_, '_> {
                 }
                 self.cx.sink.push(diag.help("remove the contract or the `allow`, or require a larger bound there"));
             }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_of_the_table_are_read_as_a_job_writes_them() {
+        for kind in ContractKind::ALL {
+            let usual = kind.usual();
+            let written = usual.strip_prefix(kind.quantity()).unwrap().trim_start().split(' ').skip(1);
+            let written = Quantity::read(&written.take(2).collect::<Vec<_>>().join(" ")).unwrap();
+            let largest = Quantity::read(kind.largest()).unwrap();
+            assert_eq!(written.dimension, largest.dimension, "{usual}");
+            assert!(0.0 < written.value && written.value <= largest.value, "{usual}");
+            // The quantity of the table has the unit that the bound has.
+            let unit = kind.bound(1.0).unit();
+            let one = if unit == "1" { Quantity::read("1") } else { Quantity::new(1.0, unit) };
+            assert_eq!(one.map(|q| q.dimension), Some(largest.dimension), "{usual}");
         }
     }
 }

@@ -93,6 +93,60 @@ pub enum OfOperations {
     After,
 }
 
+/// What the language and the program know of a quantity: a row of the table of contracts.
+#[derive(Clone, Copy)]
+struct Terms {
+    /// Word in the job language.
+    word: &'static str,
+    /// The word, with the cuts to which the quantity is limited.
+    name: &'static str,
+    /// The bound with its unit, from a number in mm, deg, s, mm3, mm3/min or a share.
+    bound: fn(f64) -> Bound,
+    /// Side of the bound on which a value satisfies the contract.
+    relation: Relation,
+    /// Largest bound, as a job writes it.
+    largest: &'static str,
+    /// A bound that jobs often have, as a job writes it.
+    usual: &'static str,
+    /// Surfaces for which it can be required.
+    surfaces: &'static [SurfaceClass],
+    /// Meaning of operations in its scope.
+    of_operations: OfOperations,
+    /// Bound without a contract, in the unit of `bound`.
+    default: Option<f64>,
+    /// Meaning, for the reference of the language.
+    meaning: &'static str,
+}
+
+/// Surfaces that operations mill.
+const MILLED: &[SurfaceClass] = SurfaceClass::ALL.split_at(4).0;
+
+const LENGTH: fn(f64) -> Bound = |x| Bound::Length(Mm(x));
+const ANGLE: fn(f64) -> Bound = |x| Bound::Angle(Rad::from_deg(x));
+const SHARE: fn(f64) -> Bound = Bound::Share;
+
+/// A quantity of all cuts, during operations, without surfaces and without a default.
+fn at_most(
+    word: &'static str,
+    bound: fn(f64) -> Bound,
+    [largest, usual]: [&'static str; 2],
+    meaning: &'static str,
+) -> Terms {
+    let (relation, of_operations) = (Relation::AtMost, OfOperations::Done);
+    Terms { word, name: word, bound, relation, largest, usual, surfaces: &[], of_operations, default: None, meaning }
+}
+
+/// A distance of a part of the tool.
+fn clearance(
+    word: &'static str,
+    surfaces: &'static [SurfaceClass],
+    default: Option<f64>,
+    meaning: &'static str,
+) -> Terms {
+    let base = at_most(word, LENGTH, ["100 mm", "0.5 mm"], meaning);
+    Terms { relation: Relation::AtLeast, surfaces, default, ..base }
+}
+
 impl ContractKind {
     /// All quantities, in the order in which messages list them.
     pub const ALL: [Self; 17] = [
@@ -115,55 +169,137 @@ impl ContractKind {
         Self::RestVolume,
     ];
 
-    /// Name of the quantity with the cuts to which it is limited.
-    pub fn name(self) -> &'static str {
+    /// The table of contracts.
+    fn terms(self) -> Terms {
+        let all = &SurfaceClass::ALL;
         match self {
-            Self::Engagement(Cuts::OutsideSlots) => "engagement outside of slots",
-            _ => self.quantity(),
+            Self::Gouge => Terms {
+                surfaces: MILLED,
+                default: Some(0.02),
+                ..at_most(
+                    "gouge",
+                    LENGTH,
+                    ["100 mm", "7 um"],
+                    "the deepest cut of the swept tool into a design surface",
+                )
+            },
+            Self::Excess => Terms {
+                surfaces: MILLED,
+                of_operations: OfOperations::After,
+                ..at_most("excess", LENGTH, ["100 mm", "20 um"], "the most stock that is left on a design surface")
+            },
+            Self::Clearance(Guarded::Body) => {
+                clearance("clearance", all, Some(0.5), "the least distance of shank and holder to the part")
+            }
+            Self::Clearance(Guarded::Tool) => clearance(
+                "clearance tool",
+                &[],
+                None,
+                "the least distance of the whole tool at rapid to the turned stock",
+            ),
+            Self::Clearance(Guarded::Shank) => {
+                clearance("clearance shank", all, Some(0.5), "the least distance of the shank to the part")
+            }
+            Self::Clearance(Guarded::Holder) => {
+                clearance("clearance holder", all, Some(0.5), "the least distance of the holder to the part")
+            }
+            Self::Air => {
+                at_most("air", SHARE, ["100 %", "30 %"], "the share of the time at feed in which the tool cuts air")
+            }
+            Self::Time => {
+                at_most("time", |x| Bound::Time(Sec(x)), ["10000 h", "10 h"], "the time that the machine takes")
+            }
+            Self::AxisSpeed => {
+                at_most("axis-speed", SHARE, ["100 %", "80 %"], "the largest speed of an axis as a share of its limit")
+            }
+            Self::ContourError => at_most(
+                "contour-error",
+                LENGTH,
+                ["100 mm", "5 um"],
+                "how far the control leaves the programmed motion of tip and flutes",
+            ),
+            Self::OrientationError => at_most(
+                "orientation-error",
+                ANGLE,
+                ["90 deg", "0.01 deg"],
+                "how far the control leaves the programmed tool axis",
+            ),
+            Self::RemovalRate => at_most(
+                "removal-rate",
+                |x| Bound::Rate(Mm3PerMin(x)),
+                ["1000000 cm3/min", "2000 mm3/min"],
+                "the largest removal rate",
+            ),
+            Self::Engagement(Cuts::All) => {
+                at_most("engagement", ANGLE, ["360 deg", "60 deg"], "the largest arc of the cutter in the stock")
+            }
+            Self::Engagement(Cuts::OutsideSlots) => Terms {
+                name: "engagement outside of slots",
+                meaning: "the largest arc of the cutter in the stock, slots left out",
+                ..Self::Engagement(Cuts::All).terms()
+            },
+            Self::Slot => at_most(
+                "slot",
+                SHARE,
+                ["100 %", "50 %"],
+                "the deepest slot that finishing cuts, as a share of the diameter of the cutter",
+            ),
+            Self::Rest => Terms {
+                surfaces: MILLED,
+                of_operations: OfOperations::After,
+                ..at_most(
+                    "rest",
+                    LENGTH,
+                    ["100 mm", "1 mm"],
+                    "the most stock that roughing leaves for the finishing operations",
+                )
+            },
+            Self::RestVolume => Terms {
+                of_operations: OfOperations::After,
+                ..at_most(
+                    "rest-volume",
+                    |x| Bound::Volume(Mm3(x)),
+                    ["1000000 cm3", "500 mm3"],
+                    "the volume of stock outside of the part",
+                )
+            },
         }
     }
 
+    /// Name of the quantity with the cuts to which it is limited.
+    pub fn name(self) -> &'static str {
+        self.terms().name
+    }
+
     /// The contract with a bound in the job language, without its scope.
-    pub fn statement(self, bound: Bound) -> String {
-        let (quantity, sign) = (self.quantity(), self.relation().sign());
-        let rest = self.name().strip_prefix(quantity).unwrap_or_default();
-        format!("{quantity} {sign} {bound}{rest}")
+    pub fn statement(self, bound: impl fmt::Display) -> String {
+        let Terms { word, name, relation, .. } = self.terms();
+        format!("{word} {} {bound}{}", relation.sign(), name.strip_prefix(word).unwrap_or_default())
+    }
+
+    /// A contract that jobs often have, for examples.
+    pub fn usual(self) -> String {
+        self.statement(self.terms().usual)
+    }
+
+    /// Largest bound, as a job writes it, with its unit.
+    pub fn largest(self) -> &'static str {
+        self.terms().largest
     }
 
     /// Name of the quantity in the job language.
     pub fn quantity(self) -> &'static str {
-        match self {
-            Self::Gouge => "gouge",
-            Self::Excess => "excess",
-            Self::Clearance(Guarded::Body) => "clearance",
-            Self::Clearance(Guarded::Tool) => "clearance tool",
-            Self::Clearance(Guarded::Shank) => "clearance shank",
-            Self::Clearance(Guarded::Holder) => "clearance holder",
-            Self::Air => "air",
-            Self::Time => "time",
-            Self::AxisSpeed => "axis-speed",
-            Self::ContourError => "contour-error",
-            Self::OrientationError => "orientation-error",
-            Self::RemovalRate => "removal-rate",
-            Self::Engagement(_) => "engagement",
-            Self::Slot => "slot",
-            Self::Rest => "rest",
-            Self::RestVolume => "rest-volume",
-        }
+        self.terms().word
     }
 
     /// Side of the bound on which a value satisfies the contract.
     pub fn relation(self) -> Relation {
-        if matches!(self, Self::Clearance(_)) { Relation::AtLeast } else { Relation::AtMost }
+        self.terms().relation
     }
 
     /// Surfaces for which the quantity can be required; empty where the quantity belongs to no surface.
     pub fn surfaces(self) -> &'static [SurfaceClass] {
-        match self {
-            Self::Gouge | Self::Excess | Self::Rest => &SurfaceClass::ALL[..4],
-            Self::Clearance(Guarded::Body | Guarded::Shank | Guarded::Holder) => &SurfaceClass::ALL,
-            _ => &[],
-        }
+        self.terms().surfaces
     }
 
     /// Surfaces that distinguish its regions: all where the quantity belongs to no surface.
@@ -174,51 +310,12 @@ impl ContractKind {
     /// Bound that holds where a job neither requires nor allows the quantity; `None` where the job alone decides. No
     /// program is verified without these contracts.
     pub fn default_bound(self) -> Option<Bound> {
-        match self {
-            Self::Gouge => Some(self.bound(0.02)),
-            Self::Clearance(Guarded::Body | Guarded::Shank | Guarded::Holder) => Some(self.bound(0.5)),
-            _ => None,
-        }
+        self.terms().default.map(|value| self.bound(value))
     }
 
     /// Meaning, for the reference of the language.
     pub fn meaning(self) -> &'static str {
-        match self {
-            Self::Gouge => "the deepest cut of the swept tool into a design surface",
-            Self::Excess => "the most stock that is left on a design surface",
-            Self::Clearance(Guarded::Body) => "the least distance of shank and holder to the part",
-            Self::Clearance(Guarded::Tool) => "the least distance of the whole tool at rapid to the turned stock",
-            Self::Clearance(Guarded::Shank) => "the least distance of the shank to the part",
-            Self::Clearance(Guarded::Holder) => "the least distance of the holder to the part",
-            Self::Air => "the share of the time at feed in which the tool cuts air",
-            Self::Time => "the time that the machine takes",
-            Self::AxisSpeed => "the largest speed of an axis as a share of its limit",
-            Self::ContourError => "how far the control leaves the programmed motion of tip and flutes",
-            Self::OrientationError => "how far the control leaves the programmed tool axis",
-            Self::RemovalRate => "the largest removal rate",
-            Self::Engagement(Cuts::All) => "the largest arc of the cutter in the stock",
-            Self::Engagement(Cuts::OutsideSlots) => "the largest arc of the cutter in the stock, slots left out",
-            Self::Slot => "the deepest slot that finishing cuts, as a share of the diameter of the cutter",
-            Self::Rest => "the most stock that roughing leaves for the finishing operations",
-            Self::RestVolume => "the volume of stock outside of the part",
-        }
-    }
-
-    /// A bound that jobs often have, for examples.
-    pub fn usual_bound(self) -> Bound {
-        self.bound(match self {
-            Self::Gouge | Self::ContourError => 0.005,
-            Self::Excess => 0.02,
-            Self::Clearance(_) => 0.5,
-            Self::Air | Self::AxisSpeed => 0.8,
-            Self::Time => 3600.0,
-            Self::OrientationError => 0.1,
-            Self::RemovalRate => 20_000.0,
-            Self::Engagement(_) => 90.0,
-            Self::Slot => 0.5,
-            Self::Rest => 1.0,
-            Self::RestVolume => 500.0,
-        })
+        self.terms().meaning
     }
 
     /// Whether a contract on this quantity includes another quantity: a contract on shank and holder together includes
@@ -235,24 +332,12 @@ impl ContractKind {
 
     /// Meaning of operations in the scope of the quantity.
     pub fn of_operations(self) -> OfOperations {
-        match self {
-            Self::Excess | Self::Rest | Self::RestVolume => OfOperations::After,
-            _ => OfOperations::Done,
-        }
+        self.terms().of_operations
     }
 
     /// The bound as a quantity with its unit, from a number in mm, deg, s, mm3, mm3/min or a share.
     pub fn bound(self, value: f64) -> Bound {
-        match self {
-            Self::Gouge | Self::Excess | Self::Clearance(_) | Self::Rest | Self::ContourError => {
-                Bound::Length(Mm(value))
-            }
-            Self::OrientationError | Self::Engagement(_) => Bound::Angle(Rad::from_deg(value)),
-            Self::Air | Self::AxisSpeed | Self::Slot => Bound::Share(value),
-            Self::Time => Bound::Time(Sec(value)),
-            Self::RemovalRate => Bound::Rate(Mm3PerMin(value)),
-            Self::RestVolume => Bound::Volume(Mm3(value)),
-        }
+        (self.terms().bound)(value)
     }
 }
 

@@ -202,7 +202,7 @@ fn quantity(kind: ContractKind) -> String {
         "`{}`, a quantity of `require` and `allow`: {}{bound}\n\nExample:\n\n  require {}\n",
         kind.quantity(),
         kind.meaning(),
-        kind.statement(kind.usual_bound())
+        kind.usual()
     )
 }
 
