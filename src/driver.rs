@@ -47,7 +47,7 @@ use nc::{NcProgram, Post};
 pub use nc_check::{NcCheck, verify};
 pub use nc_diff::{NcDiff, diff};
 pub use new_job::{BEGINNINGS, Beginning, new_job};
-use plan::analysis;
+use plan::facts;
 use plan::passes::pipeline::{self, Plan};
 pub use stages::{Emit, PartForm, RunState, Stages};
 use std::path::{Path, PathBuf};
@@ -169,7 +169,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         return Ok(());
     }
 
-    let (post, mut outputs) = check_before_planning(options, &program, analysis::check_with, sources, stages, sink)?;
+    let (post, mut outputs) = check_before_planning(options, &program, facts::check_with, sources, stages, sink)?;
     let plan = stages.watched("plan", |progress| pipeline::run_with(&program, progress, sink))?;
     if let Some(text) = print_plan(options.emit, &program, &plan) {
         *emitted = Some(text);
@@ -262,8 +262,8 @@ fn check_before_planning(
     stages: &mut Stages,
     sink: &mut Sink,
 ) -> Result<(&'static dyn Post, Outputs), Aborted> {
-    analysis::machine_kind::check(program, sink)?;
-    analysis::flat_edges::check(program, sink)?;
+    facts::machine_kind::check(program, sink)?;
+    facts::flat_edges::check(program, sink)?;
     let post = if options.emit.is_none_or(|stage| stage == Emit::Nc) {
         check_frames(program, sink)?
     } else {
@@ -273,7 +273,7 @@ fn check_before_planning(
     let own = named.map(|(flag, path, _)| (flag, path));
     let outputs = or_reported(before_work(Outputs::default(), &options.run, &own, sources, program), sink)?;
     or_reported(output_names::check_all(&named), sink)?;
-    analysis::cost::check(program, sink)?;
+    plan::memory::check(program, sink)?;
     // Tools that cannot do their work are reported here, where the reason is known; planning would only report that it
     // finds no collision-free path.
     stages.watched("facts", |progress| facts(program, progress, sink));

@@ -4,7 +4,7 @@
 use super::{Options, Outcome, Stages, check_before_planning, front};
 use diagnostics::{Aborted, Severity};
 use ir::Program;
-use plan::analysis;
+use plan::facts;
 
 /// Checks a job. Options that name outputs and a stage are of no effect. Faults go to the sink of the outcome.
 pub fn check(options: &Options, stages: &mut Stages) -> Outcome {
@@ -26,7 +26,7 @@ pub fn check(options: &Options, stages: &mut Stages) -> Outcome {
 fn judge(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<(), Aborted> {
     let Some(program) = front(options, stages, outcome)? else { return Ok(()) };
     let Outcome { sources, sink, emitted, .. } = outcome;
-    check_before_planning(options, &program, analysis::check_without_fits, sources, stages, sink)?;
+    check_before_planning(options, &program, facts::check_without_fits, sources, stages, sink)?;
     let warnings = sink.diags().iter().filter(|diag| diag.severity == Severity::Warning).count();
     *emitted = Some(verdict(&program, warnings));
     Ok(())

@@ -15,7 +15,7 @@ use diagnostics::{Aborted, Diag, Sink, printable};
 use ir::Program;
 use nc::Post;
 use nc::motion_of::{NcMotion, READ_PASS};
-use plan::analysis;
+use plan::facts;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use verify::Certificate;
@@ -115,8 +115,8 @@ pub(super) fn program(
 ) -> Result<Program, Aborted> {
     let options = Options { job: job.to_path_buf(), run: run.clone(), ..Options::default() };
     let program = front(&options, stages, outcome)?.ok_or(Aborted)?;
-    analysis::machine_kind::check(&program, &mut outcome.sink)?;
-    analysis::flat_edges::check(&program, &mut outcome.sink)?;
+    facts::machine_kind::check(&program, &mut outcome.sink)?;
+    facts::flat_edges::check(&program, &mut outcome.sink)?;
     Ok(program)
 }
 

@@ -7,7 +7,7 @@ use impellerc::ir::Program;
 use impellerc::job::{self, InMemory};
 use impellerc::lower;
 use impellerc::nurbs::proximity::Patch;
-use impellerc::plan::analysis::flank;
+use impellerc::plan::passes::flank::strip;
 use impellerc::syntax;
 use impellerc::tool_stock::collide::Cutter;
 use impellerc::wheel::part::{BladeId, Face, FaceId, Part, Surface};
@@ -174,9 +174,9 @@ fn the_wheel_is_closed() {
 /// the job allows.
 #[test]
 fn no_cylinder_fits_the_faces() {
-    let around = flank::Surroundings::new(&WHEEL);
+    let around = strip::Surroundings::new(&WHEEL);
     for face in BladeId::MAIN.faces() {
-        let found = flank::least_error(&around, face, 3, Cutter::Ball { radius: 1.5 }, 1).expect("an error");
+        let found = strip::least_error(&around, face, 3, Cutter::Ball { radius: 1.5 }, 1).expect("an error");
         println!("{}: {:.4} mm", face.name(), found.error);
         assert!(found.error > 0.02, "{}", found.error);
     }

@@ -2,7 +2,7 @@
 
 use impellerc::diagnostics::{Code, Severity, codes, render};
 use impellerc::driver::{self, Options, Outcome, Stages};
-use impellerc::plan::analysis;
+use impellerc::plan::{self, facts};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -27,15 +27,15 @@ fn report(job: &Path) -> Outcome {
     let options = Options { job: job.to_path_buf(), ..Options::default() };
     let program = driver::front(&options, &mut Stages::default(), &mut outcome);
     if let Ok(Some(program)) = program {
-        let _ = analysis::flat_edges::check(&program, &mut outcome.sink);
+        let _ = facts::flat_edges::check(&program, &mut outcome.sink);
         if stem(job).ends_with("-facts") {
-            analysis::check(&program, &mut outcome.sink);
+            facts::check(&program, &mut outcome.sink);
         }
         if stem(job).ends_with("-frame") {
             let _ = driver::check_frames(&program, &mut outcome.sink);
         }
         if stem(job).ends_with("-cost") {
-            let _ = analysis::cost::check(&program, &mut outcome.sink);
+            let _ = plan::memory::check(&program, &mut outcome.sink);
         }
     }
     outcome

@@ -8,9 +8,9 @@ use impellerc::diagnostics::{Diag, Severity, Sink};
 use impellerc::driver::{Options, Stages, compile};
 use impellerc::ir::{Contract, ContractKind, OperationKind, Program};
 use impellerc::nurbs::NurbsCurve;
-use impellerc::plan::analysis::beside::{self, Beside};
-use impellerc::plan::analysis::reach::{self, Reach};
-use impellerc::plan::analysis::{self, outliers, throat, twist};
+use impellerc::plan::facts::beside::{self, Beside};
+use impellerc::plan::facts::reach::{self, Reach};
+use impellerc::plan::facts::{self, outliers, throat, twist};
 use impellerc::tool_stock::collide::Cutter;
 use impellerc::wheel::method::{AxisMethod, Lines};
 use impellerc::wheel::operation::VaneAllowance;
@@ -20,7 +20,7 @@ use support::{operation, tool, wei_data, wei_part, wei_program};
 
 fn check(program: &Program) -> Vec<Diag> {
     let mut sink = Sink::default();
-    analysis::check(program, &mut sink);
+    facts::check(program, &mut sink);
     sink.diags().to_vec()
 }
 

@@ -178,11 +178,7 @@ fn naming(folder: &Path) -> Vec<(String, usize)> {
     let name = folder.file_name().unwrap().to_str().unwrap().to_owned();
     let all = all_files();
     let forms = [format!("{name}::"), format!("mod {name};")];
-    let other = format!("analysis::{name}::");
-    let names = |line: &&str| {
-        let named = !line.trim_start().starts_with("//") && forms.iter().any(|form| line.contains(form));
-        named && !line.contains(&other)
-    };
+    let names = |line: &&str| !line.trim_start().starts_with("//") && forms.iter().any(|form| line.contains(form));
     let inside = folder.parent().unwrap();
     all.iter()
         .filter(|path| path.starts_with(inside) && !path.starts_with(folder))

@@ -5,7 +5,7 @@ use impellerc::base::entity::PrimaryMap;
 use impellerc::diagnostics::{Sink, codes::verification};
 use impellerc::five_axis::Carried;
 use impellerc::ir::{MoveKind, Program};
-use impellerc::plan::analysis;
+use impellerc::plan::facts;
 use impellerc::verify::{certify, machine, perimeter};
 
 /// Every operation begins over its first target and ends over its last one, at the retract height less the tool.
@@ -52,7 +52,7 @@ fn a_tool_that_does_not_stand_over_a_fixture_is_refused() {
         program.machine.retract = reached + length + gap;
         let has = |sink: &Sink| sink.diags().iter().any(|d| d.code == verification::RETRACT_TOO_LOW);
         let mut facts = Sink::default();
-        analysis::check(&program, &mut facts);
+        facts::check(&program, &mut facts);
         assert_eq!(has(&facts), !fits, "facts at {gap}");
         let found = perimeter::check(&program, &shifted(program.machine.retract));
         assert!((found.clearance - gap).abs() < 1e-6, "{found:?}");

@@ -5,7 +5,7 @@ use super::{imported, with_fillet};
 use impellerc::axes::envelope::{Target, best_least_squares, minimax};
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::nurbs::DualCurve;
-use impellerc::plan::analysis::flank::{Strip, Surroundings};
+use impellerc::plan::passes::flank::strip::{Strip, Surroundings};
 use impellerc::tool_stock::collide::Cutter;
 use impellerc::wheel::part::{FaceId, Part, Surface};
 use nalgebra::Point3;

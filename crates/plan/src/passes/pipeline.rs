@@ -8,7 +8,7 @@ use super::feed::{equal_sectors, exact_stops, removal_feeds, time_feeds};
 use super::link::{fast_leads, first_travel, link_moves, rest_machining};
 use super::rough::{Roughings, channel_levels, expand, groove, plunge, roughings, short_reach};
 use super::{channel, copy_sectors, fit_splines, flank, point, round_to_words, sample_to_tolerance};
-use crate::analysis::cost::{self, Stations};
+use crate::memory::{self, Stations};
 use base::progress::Progress;
 use diagnostics::{Aborted, Sink};
 use ir::validate::{self, ClStage};
@@ -79,7 +79,7 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
     // What follows counts with the moves that the text says.
     round_to_words::run(program, progress, &mut motion);
     cx.holds("round-to-words", |program| validate::motion(program, &motion))?;
-    let needed = cost::of_moves(program, &motion, cx.stations.planned);
+    let needed = memory::of_moves(program, &motion, cx.stations.planned);
     check_memory(&mut cx, None, needed)?;
     // Times follow from feeds that tool and spindle can take.
     removal_feeds::run(program, &mut motion, cx.progress, cx.sink)?;

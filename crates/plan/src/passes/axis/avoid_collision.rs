@@ -14,7 +14,7 @@ use super::sequence::{self, Blocked, Gap};
 use super::sideways::{TurnSide, turned};
 use super::smooth_axis::has_smooth_axes;
 use super::varied_tilt::ClearTilts;
-use crate::analysis::flank::SIDE_CLEARANCE;
+use crate::passes::context::SIDE_CLEARANCE;
 use crate::passes::context::{AxisTilt, Obstacles, PassContext, remedy};
 use base::progress::Progress;
 use base::units::{length, trim};

@@ -8,7 +8,7 @@ use super::avoid_collision::TILTS;
 use super::clear_axes::{ClearAxes, StandingBall};
 use super::orient_tool::{Middle, Middles};
 use super::sequence::MARGIN;
-use crate::analysis::flank::SIDE_CLEARANCE;
+use crate::passes::context::SIDE_CLEARANCE;
 use crate::passes::context::{AxisTilt, Keep, PassContext};
 use base::units::Mm;
 use diagnostics::{Aborted, Diag, codes::planning};

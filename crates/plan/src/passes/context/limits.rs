@@ -1,7 +1,7 @@
 //! Limits of planning: samples, points, memory, and the size of a ball against the fillet.
 
 use super::PassContext;
-use crate::analysis::cost;
+use crate::memory;
 use base::units;
 use diagnostics::{Aborted, Diag, Sink, codes::planning};
 use ir::program::DEFAULT_MEMORY;
@@ -36,7 +36,7 @@ const FINEST_SPACING: f64 = 0.25;
 /// Refuses an operation whose points in a sector, together with those of earlier operations, exceed the memory. The
 /// estimate before planning knows only the sizes of the part; this check knows the lines.
 pub(crate) fn check_points(cx: &mut PassContext<'_>, operation: &Operation, points: f64) -> Result<(), Aborted> {
-    let needed = cost::of_stations(cx.program, cx.stations.and(points, operation));
+    let needed = memory::of_stations(cx.program, cx.stations.and(points, operation));
     check_memory(cx, Some(operation), needed)
 }
 

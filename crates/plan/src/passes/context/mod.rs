@@ -17,13 +17,16 @@ pub(crate) use obstacles::{Ends, Keep};
 pub(crate) use remedy::remedy;
 pub(crate) use tilt::AxisTilt;
 
-use crate::analysis::cost::Stations;
+use crate::memory::Stations;
 use base::progress::Progress;
 use diagnostics::{Aborted, Diag, Sink, codes::files};
 use ir::validate::Malformed;
 use ir::{Operation, Program};
 use nalgebra::Point3;
 use wheel::part::{BladeId, Part, PassageId};
+
+/// Clearance of the side of a cutter to faces that it does not finish, mm.
+pub(crate) const SIDE_CLEARANCE: f64 = 0.1;
 
 /// Number of stations along a face: a dense set that `sample-to-tolerance` thins. With 400 stations, neighbours lie
 /// about 0.15 mm apart, so that the chord between them is below 0.1 um for the radii of a vane.

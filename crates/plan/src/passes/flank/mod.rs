@@ -4,6 +4,7 @@ mod axes;
 mod clearance;
 pub mod plan;
 mod refusals;
+pub mod strip;
 mod sweep;
 
 pub(crate) use axes::{flank_points, path_points};

@@ -7,8 +7,8 @@
 //! `two-point` and `one-point` place each ruling by itself, and leave the axis to `orient-tool`.
 
 use super::refusals::{MOST_STRIPS, NEARLY, fitting, never, no_ball, out_of_tolerance};
+use super::strip::{self, LEAVE, Strip, Surroundings, WorstError};
 use super::sweep::{self, NO_VIOLATION, StripPath, StripTask};
-use crate::analysis::flank::{self, LEAVE, Strip, Surroundings, WorstError};
 use crate::passes::context::{Obstacles, PassContext, STATIONS, from_outlet, leads_at_ends, limits::check_fillet};
 use base::progress::Progress;
 use base::units::length;
@@ -127,7 +127,7 @@ fn strip_paths(task: &StripTask<'_>, around: &Surroundings<'_>, side: FaceId, cu
         // A single strip has no heights to even out.
         Some(1) => return Some(StripPaths::Found(vec![task.sweep(&Strip::new(around, side, [0.0, 1.0], cutter))?])),
         Some(strips) => {
-            return sweeps(&flank::strips_of(around, side, strips, cutter, EVENINGS)?).map(StripPaths::Found);
+            return sweeps(&strip::strips_of(around, side, strips, cutter, EVENINGS)?).map(StripPaths::Found);
         }
         None => {}
     }
@@ -145,12 +145,12 @@ fn strip_paths(task: &StripTask<'_>, around: &Surroundings<'_>, side: FaceId, cu
         if last.is_some_and(|last| !may(last, strips)) {
             continue;
         }
-        let mut divided = flank::strips_of(around, side, strips, cutter, usize::from(strips > 1))?;
-        let mut error = flank::worst(&divided)?.error;
+        let mut divided = strip::strips_of(around, side, strips, cutter, usize::from(strips > 1))?;
+        let mut error = strip::worst(&divided)?.error;
         last = Some((strips, error));
         if strips > 1 && error > needed && error < HOPEFUL * needed {
-            divided = flank::strips_of(around, side, strips, cutter, EVENINGS)?;
-            error = flank::worst(&divided)?.error;
+            divided = strip::strips_of(around, side, strips, cutter, EVENINGS)?;
+            error = strip::worst(&divided)?.error;
         }
         if error > NEARLY * needed {
             continue;
@@ -175,7 +175,7 @@ fn strip_paths(task: &StripTask<'_>, around: &Surroundings<'_>, side: FaceId, cu
     if let Some((found, _)) = crowded {
         return Some(StripPaths::Found(found));
     }
-    let worst = flank::least_error(around, side, MOST_STRIPS, cutter, 1)?;
+    let worst = strip::least_error(around, side, MOST_STRIPS, cutter, 1)?;
     Some(StripPaths::Never { worst, needed, fitting: fitting(around, side, cutter, &[1, MOST_STRIPS], needed) })
 }
 
@@ -288,7 +288,7 @@ fn by_ruling(
             (-part.root_step(*side, 0.0, LEAVE * radius), 1.0 + part.root_step(*side, 1.0, LEAVE * radius));
         let lowest: Option<Vec<(f64, f64)>> = (0..=STATIONS)
             .map(|i| from + (to - from) * i as f64 / STATIONS as f64)
-            .map(|u| Some((u, flank::foot(part, *side, cutter, u)?)))
+            .map(|u| Some((u, strip::foot(part, *side, cutter, u)?)))
             .collect();
         let Some(lowest) = lowest else {
             let rolling = part.fillet(*side).map_or(radius, |f| f.most().get());

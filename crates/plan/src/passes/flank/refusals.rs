@@ -1,9 +1,9 @@
 //! What flank milling refuses, with what would do.
 
+use super::strip::{self, Surroundings, WorstError};
 use super::sweep::StripTask;
-use crate::analysis::flank::{self, Surroundings, WorstError};
-use crate::analysis::tolerance_budget::{SLACK, kept};
 use crate::passes::context::PassContext;
+use crate::tolerance_budget::{SLACK, kept};
 use base::units::length;
 use diagnostics::{Aborted, Diag, codes::planning};
 use ir::Operation;
@@ -128,6 +128,6 @@ pub(crate) fn fitting(
     error: f64,
 ) -> Vec<(u32, Option<f64>)> {
     // The factor leaves a reserve for easing and for the full search.
-    let found = strips.par_iter().map(|k| (*k, flank::fitting(around, side, *k, cutter, error / NEARLY)));
+    let found = strips.par_iter().map(|k| (*k, strip::fitting(around, side, *k, cutter, error / NEARLY)));
     if error > SLACK { found.collect() } else { Vec::new() }
 }

@@ -2,9 +2,9 @@
 //! with the least motion of the rotary axes.
 
 use super::clearance::Clearances;
-use crate::analysis::flank::{Placed, Strip};
-use crate::analysis::tolerance_budget::{SLACK, budget};
+use super::strip::{Placed, Strip};
 use crate::passes::context::{Obstacles, leads_at_ends};
+use crate::tolerance_budget::{SLACK, budget};
 use axes::envelope::target::Of;
 use axes::envelope::{Deviation, Measured, Mounted, Target, ease, finest, minimax};
 use base::progress::Progress;

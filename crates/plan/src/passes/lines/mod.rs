@@ -9,8 +9,8 @@ mod ridges;
 pub mod scallop;
 mod stations;
 
-use crate::analysis::tolerance_budget::interpolation;
 use crate::passes::context::{PassContext, STATIONS, limits::check_points};
+use crate::tolerance_budget::interpolation;
 use constant_scallop::{Track, tracks};
 use diagnostics::{Aborted, Diag, codes::planning};
 use ir::{CcPoint, Operation};

@@ -17,8 +17,8 @@ use super::cleared::Cleared;
 use super::direct_link::DirectLinks;
 use super::stock_steps::{PathPoint, error_between_rays, rounding, stations, steps, way};
 use super::{stock_links, stock_order, strokes};
-use crate::analysis::cost;
 use crate::passes::context::Obstacles;
+use crate::spacing;
 use base::progress::{Progress, Work};
 use base::units::trim;
 use diagnostics::{Aborted, Diag, Sink, codes::planning};
@@ -134,7 +134,7 @@ fn field(program: &Program, sink: &mut Sink) -> Result<Field, Aborted> {
             _ => MOST_CELL,
         };
         // The error between the rays is an eighth of what a loop takes: a loop that were not seen would be left out.
-        let thinnest = [o.rest.map(|t| t.get()), cost::loop_distance(program, o).map(|d| 0.25 * d)];
+        let thinnest = [o.rest.map(|t| t.get()), spacing::loop_distance(program, o).map(|d| 0.25 * d)];
         let seen = |t: f64| (2.0 * rounding(cutter) * t).sqrt();
         let cell = thinnest.into_iter().flatten().map(seen).fold(most, f64::min);
         follows_stock(o).then_some((cell, o))

@@ -1,8 +1,8 @@
 //! Layers of channel roughing: how deep a tool reaches, and how near to both walls at each place.
 
 use super::wall_tilt::WallTilt;
-use crate::analysis::cost;
 use crate::passes::context::{ChannelChart, Crossing, Keep, Obstacles};
+use crate::spacing;
 use base::progress::Progress;
 use ir::{CcPoint, Operation, Program};
 use nalgebra::{Point3, Vector3};
@@ -251,7 +251,7 @@ impl<'a> Roughing<'a> {
             between: Keep { vane, hub: hub.get(), clearance: program.clearance.get() },
             straight_leads: follows_levels,
             lifts: follows_levels || program.tools[operation.tool].solid.cutter.tip_radius() > 0.0,
-            spacing: if follows_levels { cost::rough_spacing(program) } else { STATION_SPACING },
+            spacing: if follows_levels { spacing::rough_spacing(program) } else { STATION_SPACING },
             depth,
             tolerance: program.tolerances.chord_rough.get(),
             lead_in: operation.lead_in.get(),

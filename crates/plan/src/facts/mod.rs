@@ -4,7 +4,6 @@
 pub mod beside;
 pub mod channel;
 pub mod concave;
-pub mod cost;
 pub mod flank;
 pub mod flat_edges;
 pub mod machine_kind;
@@ -14,7 +13,6 @@ mod requirements;
 mod retract;
 mod stock_height;
 pub mod throat;
-pub mod tolerance_budget;
 pub mod twist;
 
 use base::progress::Progress;
