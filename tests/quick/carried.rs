@@ -4,7 +4,7 @@ use crate::support;
 use crate::support::jobs;
 use impellerc::base::progress::Progress;
 use impellerc::diagnostics::Sink;
-use impellerc::five_axis::Carried;
+use impellerc::five_axis::{Carried, CarriedKind};
 use impellerc::ir::{Motion, MoveKind, Program};
 use impellerc::verify::carried::{CarriedReport, check, report};
 use nalgebra::Point3;
@@ -12,11 +12,11 @@ use std::f64::consts::FRAC_PI_2;
 
 /// A table of 400 mm with its top at -60 mm, and on it a round fixture of 50 mm up to -40 mm.
 fn solids() -> Vec<Carried> {
-    let solid = |name, r: f64, top: f64, bottom: f64| Carried {
-        name,
+    let solid = |kind, r: f64, top: f64, bottom: f64| Carried {
+        kind,
         profile: vec![[0.0, top], [r, top], [r, bottom], [0.0, bottom]],
     };
-    vec![solid("table", 200.0, -60.0, -70.0), solid("fixture", 25.0, -40.0, -60.0)]
+    vec![solid(CarriedKind::Table, 200.0, -60.0, -70.0), solid(CarriedKind::Fixture, 25.0, -40.0, -60.0)]
 }
 
 /// One move of a ball of 6 mm, from above to a place, with the A axis at an angle.

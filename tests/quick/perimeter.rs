@@ -3,7 +3,7 @@
 use crate::support::jobs;
 use impellerc::base::entity::PrimaryMap;
 use impellerc::diagnostics::{Sink, codes::verification};
-use impellerc::five_axis::Carried;
+use impellerc::five_axis::{Carried, CarriedKind};
 use impellerc::ir::{MoveKind, Program};
 use impellerc::plan::facts;
 use impellerc::verify::{certify, machine, perimeter};
@@ -33,7 +33,7 @@ fn a_tool_that_does_not_stand_over_a_fixture_is_refused() {
     let mut program = program.clone();
     // The part origin lies 80 mm over the A axis, the lower rim of a disc of 300 mm therefore 70 mm below it. A turns by 100 deg.
     program.machine.carried = vec![Carried {
-        name: "fixture",
+        kind: CarriedKind::Fixture,
         profile: vec![[0.0, -140.0], [150.0, -140.0], [150.0, -150.0], [0.0, -150.0]],
     }];
     let (sin, cos) = 100f64.to_radians().sin_cos();

@@ -11,7 +11,7 @@ use impellerc::base::progress::Progress;
 use impellerc::base::units::{Mm, MmPerMin, Rpm};
 use impellerc::diagnostics::{Severity, Sink};
 use impellerc::driver::{self, Options, Outcome, Stages};
-use impellerc::five_axis::Carried;
+use impellerc::five_axis::{Carried, CarriedKind};
 use impellerc::ir::{Contract, Motion, MoveKind, OperationKind, Program};
 use impellerc::plan::passes::pipeline;
 use impellerc::tool_stock::collide::{Cloud, ToolSolid};
@@ -375,7 +375,7 @@ fn axes_keep_clear_of_a_fixture() {
     let mut clamped = COARSE.program.clone();
     // A plate that the part stands in, up to the height of its outlet.
     let profile = [[0.0, -41.0], [72.0, -41.0], [72.0, TOP], [170.0, TOP], [170.0, -60.0], [0.0, -60.0]];
-    clamped.machine.carried = vec![Carried { name: "fixture", profile: profile.to_vec() }];
+    clamped.machine.carried = vec![Carried { kind: CarriedKind::Fixture, profile: profile.to_vec() }];
     let least = |motion: &Motion| {
         let found = carried::check(&clamped, motion, &Progress::default());
         println!("{:?}", found[0]);

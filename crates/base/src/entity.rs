@@ -1,6 +1,7 @@
 //! Typed ids, and the map that owns the entities of the ids. A value refers to another by id, never by reference, so
 //! that stage values stay plain data.
 
+use serde::{Deserialize, Serialize};
 use std::marker::PhantomData;
 
 /// An index into a [`PrimaryMap`].
@@ -16,7 +17,8 @@ pub trait EntityId: Copy {
 macro_rules! entity_id {
     ($(#[$doc:meta])* $name:ident, $prefix:literal) => {
         $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
+        #[serde(transparent)]
         pub struct $name(u32);
 
         impl $crate::entity::EntityId for $name {
@@ -36,10 +38,12 @@ macro_rules! entity_id {
     };
 }
 
-/// Owns the entities of one kind, in the order in which they were made.
-#[derive(Clone, Debug)]
+/// Owns the entities of one kind, in the order in which they were made; as data, a list of them.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(transparent)]
 pub struct PrimaryMap<K, V> {
     values: Vec<V>,
+    #[serde(skip)]
     key: PhantomData<K>,
 }
 
@@ -82,7 +86,7 @@ impl<K: EntityId, V> Default for PrimaryMap<K, V> {
     }
 }
 
-/// Ids come only from the map that they index, so an index is always in range.
+/// Ids come only from the map that they index, or were checked when they were read, so an index is always in range.
 impl<K: EntityId, V> std::ops::Index<K> for PrimaryMap<K, V> {
     type Output = V;
     fn index(&self, id: K) -> &V {

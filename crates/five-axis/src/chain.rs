@@ -15,6 +15,8 @@
 //! any two directions that are not parallel (Paden and Kahan; Murray, Li and Sastry, A Mathematical Introduction to
 //! Robotic Manipulation, 1994, 3.3).
 
+#[cfg(feature = "serde")]
+use nalgebra::Matrix3;
 use nalgebra::{Isometry3, Point3, Rotation3, Translation3, Unit, UnitQuaternion, Vector3};
 use nurbs::angle::nearest_turn;
 use std::f64::consts::{PI, TAU};
@@ -24,6 +26,7 @@ pub type Angles = [f64; 2];
 
 /// What a rotary axis carries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Carries {
     /// The tool: the axis is part of the head.
     Tool,
@@ -33,6 +36,7 @@ pub enum Carries {
 
 /// Position of a rotary axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct AxisLine {
     /// Tool or part.
     pub carries: Carries,
@@ -53,6 +57,11 @@ const ROUNDING: f64 = 1e-12;
 
 /// Two rotary axes with values derived from their directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "StoredChain", into = "StoredChain")
+)]
 pub struct Chain {
     axes: [AxisLine; 2],
     /// The axes of the part with all axes at zero, machine frame: its columns.
@@ -73,6 +82,55 @@ pub struct Chain {
     /// Two directions across axis 2, from which azimuths about it count.
     basis: [Vector3<f64>; 2],
     turning: Turning,
+}
+
+/// What defines a chain: all other values of it follow.
+#[cfg(feature = "serde")]
+#[derive(serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StoredChain {
+    axes: [AxisLine; 2],
+    part_axes: Rotation3<f64>,
+}
+
+#[cfg(feature = "serde")]
+impl From<Chain> for StoredChain {
+    fn from(chain: Chain) -> Self {
+        Self { axes: chain.axes, part_axes: chain.part_axes }
+    }
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<StoredChain> for Chain {
+    type Error = String;
+
+    fn try_from(StoredChain { axes, part_axes }: StoredChain) -> Result<Self, String> {
+        /// Largest difference of a product of unit vectors from its value that is rounding.
+        const UNIT: f64 = 1e-9;
+        for axis in &axes {
+            if axis.direction.iter().chain(axis.point.iter()).any(|x| !x.is_finite()) {
+                return Err("a rotary axis has a number that is not finite".to_owned());
+            }
+            // Written so that what is no number is refused too.
+            if !((axis.direction.norm() - 1.0).abs() < UNIT) {
+                return Err("the direction of a rotary axis has not the length 1".to_owned());
+            }
+        }
+        let matrix = part_axes.matrix();
+        let off = (matrix.transpose() * matrix - Matrix3::identity()).amax();
+        if !(off < UNIT && matrix.determinant() > 0.0) {
+            return Err("the axes of the part are no right-handed frame".to_owned());
+        }
+        let chain = Self::new(axes).map_err(|fault| {
+            let reason = match fault {
+                ChainFault::Parallel => "the rotary axes are parallel",
+                ChainFault::AlongTool => "rotary axis 1 is parallel to the tool",
+                ChainFault::Order => "rotary axis 1 carries the part and rotary axis 2 carries the tool",
+            };
+            reason.to_owned()
+        })?;
+        Ok(chain.with_part(part_axes))
+    }
 }
 
 /// Upper bounds of the motion of the tool axis while both rotary axes turn evenly, as factors of powers of

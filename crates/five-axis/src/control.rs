@@ -2,6 +2,7 @@
 
 /// How the control of a machine plans the speed over the blocks of a program.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum Planning {
     /// With look-ahead over blocks, within speed, acceleration and jerk of every joint; corners stay within the
     /// tolerance of the control.
@@ -13,6 +14,7 @@ pub enum Planning {
 
 /// Way that a control takes to an angle of an axis whose words it reduces modulo 360 deg.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum ModuloWay {
     /// The shorter one.
     Shortest,
@@ -38,6 +40,7 @@ impl ModuloWay {
 
 /// Point of the tool that the lengths in the tool table of the control refer to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum LengthTo {
     /// The tip.
     Tip,

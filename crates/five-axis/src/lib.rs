@@ -13,9 +13,11 @@ pub mod machine;
 pub mod pose_curve;
 mod rates;
 pub mod transform;
+#[cfg(feature = "serde")]
+mod unlimited;
 
 pub use chain::{Angles, AxisLine, Carries, Chain};
 pub use interpolation::Interpolation;
-pub use machine::{Carried, LinearAxis, Machine, RotaryAxis};
+pub use machine::{Carried, CarriedKind, LinearAxis, Machine, RotaryAxis};
 pub use pose_curve::{CurveDirection, PoseCurve, TurnCurve};
 pub use transform::{Joints, Pose, RotaryPose, between, most_turn};

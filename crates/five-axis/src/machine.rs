@@ -8,6 +8,7 @@ use std::f64::consts::{PI, TAU};
 
 /// A linear axis. Lengths in mm, speed in mm/s, acceleration in mm/s2, jerk in mm/s3.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct LinearAxis {
     /// Least position.
     pub min: f64,
@@ -18,36 +19,44 @@ pub struct LinearAxis {
     /// Largest acceleration.
     pub acceleration: f64,
     /// Largest jerk; infinite where the control has no limit.
+    #[cfg_attr(feature = "serde", serde(with = "crate::unlimited::above"))]
     pub jerk: f64,
 }
 
 /// A rotary axis. Angles in radians in the ISO sense, speed in rad/s, acceleration in rad/s2, jerk in rad/s3.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct RotaryAxis {
     /// Its address in NC texts, from the machine file.
     pub name: String,
     /// Least position.
+    #[cfg_attr(feature = "serde", serde(with = "crate::unlimited::below"))]
     pub min: f64,
     /// Largest position.
+    #[cfg_attr(feature = "serde", serde(with = "crate::unlimited::above"))]
     pub max: f64,
     /// Largest speed.
     pub speed: f64,
     /// Largest acceleration.
     pub acceleration: f64,
     /// Largest jerk; infinite where the control has no limit.
+    #[cfg_attr(feature = "serde", serde(with = "crate::unlimited::above"))]
     pub jerk: f64,
     /// +1 when the address of the machine has the ISO sense, -1 when it has the opposite sense.
     pub word_sign: f64,
     /// For an axis whose words the control reduces modulo 360 deg: the way that it takes. The travel of such an axis is
     /// infinite. A post writes its words from 0 to 360 deg, with what makes the control go the way of the motion.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "serde::Deserialize::deserialize"))]
     pub modulo: Option<ModuloWay>,
     /// Words that clamp and unclamp the axis, for posts. A clamped axis must not move.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "serde::Deserialize::deserialize"))]
     pub clamp: Option<[String; 2]>,
 }
 
 /// A machine with three linear and two rotary axes. Travel and heights of Z refer to the gauge line: the face of the
 /// spindle that tool lengths are measured from.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Machine {
     /// Name of its file.
     pub name: String,
@@ -65,6 +74,7 @@ pub struct Machine {
     /// Least and largest spindle speed, rpm.
     pub spindle: [f64; 2],
     /// Power of the spindle at the cutter, kW, where the machine file states it.
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "serde::Deserialize::deserialize"))]
     pub power: Option<f64>,
     /// Speed of rapid moves of the tip that the planner assumes for times, mm/s.
     pub rapid: f64,
@@ -107,11 +117,32 @@ fn leaning(lean: f64, azimuth: usize) -> Vector3<f64> {
 /// Share of the speed limits that plans for LinuxCNC use.
 const BLENDED: f64 = 0.97;
 
+/// A solid of the machine file that turns with the part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+pub enum CarriedKind {
+    /// The table.
+    Table,
+    /// What holds the part on it.
+    Fixture,
+}
+
+impl CarriedKind {
+    /// Name in machine files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Table => "table",
+            Self::Fixture => "fixture",
+        }
+    }
+}
+
 /// A solid of revolution about the axis of the table that turns with the part.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Carried {
-    /// `table` or `fixture`.
-    pub name: &'static str,
+    /// Which solid of the machine file it is.
+    pub kind: CarriedKind,
     /// Meridian as (r, z), straight between the points, from the axis at its top to the axis at its bottom; mm, z in
     /// the part frame.
     pub profile: Vec<[f64; 2]>,

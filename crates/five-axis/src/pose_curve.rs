@@ -25,6 +25,7 @@ const SMOOTH: (f64, f64) = (1e-4, 100.0);
 
 /// Direction of the tool along a curve, by Bezier control points.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
 pub enum TurnCurve {
     /// Positions of both rotary axes, radians, ISO sense.
     Rotary(Vec<Vector2<f64>>),
@@ -34,9 +35,28 @@ pub enum TurnCurve {
 
 /// Tip and direction of the tool as polynomials of one parameter in [0, 1].
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "StoredCurve"))]
 pub struct PoseCurve {
     tip: Vec<Vector3<f64>>,
     turn: TurnCurve,
+}
+
+/// Control points of a curve that is read.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StoredCurve {
+    tip: Vec<Vector3<f64>>,
+    turn: TurnCurve,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<StoredCurve> for PoseCurve {
+    type Error = &'static str;
+
+    fn try_from(StoredCurve { tip, turn }: StoredCurve) -> Result<Self, Self::Error> {
+        Self::new(tip, turn).ok_or("the control points make no path of a tool: other numbers of them, or no direction")
+    }
 }
 
 /// Direction at a place of a curve.

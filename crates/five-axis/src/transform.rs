@@ -5,6 +5,7 @@ use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 
 /// Joint positions: mm and radians, ISO sense.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Joints {
     /// X, Y, Z of the tool tip in the machine frame.
     pub xyz: Vector3<f64>,

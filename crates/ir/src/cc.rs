@@ -3,17 +3,20 @@
 use crate::program::OperationId;
 use nalgebra::{Point3, Vector3};
 use nurbs::DualCurve;
+use serde::{Deserialize, Serialize};
 use wheel::part::{BladeId, FaceId, PassageId, SurfaceKind};
 
 /// Passes of all operations, in sector 0; their cutter locations are copied to the other sectors.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CcPlan {
     /// Operations in machining order.
     pub operations: Vec<CcOperation>,
 }
 
 /// Passes of one operation.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CcOperation {
     /// Id of the operation.
     pub operation: OperationId,
@@ -24,7 +27,8 @@ pub struct CcOperation {
 }
 
 /// One pass: a curve on the surface or in the channel that drives the tool.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CcPass {
     /// Name within the operation and a sector, such as `layer 3 line 2`.
     pub label: String,
@@ -34,11 +38,13 @@ pub struct CcPass {
     pub points: Vec<CcPoint>,
     /// Path of the tool axis, where the pass was computed as a whole path: the lower curve is that of the tip. The
     /// stations are at evenly spaced parameters; the first and the last are the ends of the leads.
+    #[serde(deserialize_with = "Deserialize::deserialize")]
     pub path: Option<DualCurve>,
 }
 
 /// Surface or channel that drives the tool of a pass.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Drive {
     /// The channel: the tip runs through its inside.
     Channel,
@@ -60,7 +66,8 @@ pub enum Drive {
 }
 
 /// One station.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CcPoint {
     /// Along the channel from inlet (0) to outlet (1); outside of this range on a lead.
     pub u: f64,

@@ -2,16 +2,19 @@
 
 use crate::program::OperationId;
 use nalgebra::{Point3, Rotation3, Vector3};
+use serde::{Deserialize, Serialize};
 
 /// Cutter locations of all passes, operation by operation.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ClPlan {
     /// Operations in machining order.
     pub operations: Vec<ClOperation>,
 }
 
 /// Cutter locations of one operation; `link-moves` joins them to one sequence of moves.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ClOperation {
     /// Id of the operation.
     pub operation: OperationId,
@@ -22,7 +25,8 @@ pub struct ClOperation {
 }
 
 /// One cutting pass.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ClPass {
     /// Name within the operation; without the sector before `copy-sectors`.
     pub label: String,
@@ -34,17 +38,20 @@ pub struct ClPass {
     pub air: Vec<usize>,
     /// Places between the end of the pass before and the start of this one; the tool goes straight from each to the next.
     /// `None` where the link is not decided yet.
+    #[serde(deserialize_with = "Deserialize::deserialize")]
     pub link: Option<Vec<ClPoint>>,
 }
 
 /// Tip and axis of the tool, and its contact.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ClPoint {
     /// Tool tip.
     pub tip: Point3<f64>,
     /// Unit vector from the tip to the holder.
     pub axis: Vector3<f64>,
     /// Contact point on the design, where there is one.
+    #[serde(deserialize_with = "Deserialize::deserialize")]
     pub contact: Option<Point3<f64>>,
 }
 

@@ -10,17 +10,20 @@
 
 use crate::program::OperationId;
 use five_axis::{Joints, PoseCurve};
+use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 
 /// All moves, operation by operation.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Motion {
     /// Operations in machining order.
     pub operations: Vec<MotionOperation>,
 }
 
 /// Moves of one operation, with one tool.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct MotionOperation {
     /// Id of the operation.
     pub operation: OperationId,
@@ -34,7 +37,8 @@ pub struct MotionOperation {
 
 /// A block that the control interpolates as polynomials. Some moves in a row are its chords: the tool leaves them by no more
 /// than [`five_axis::pose_curve::CHORD`].
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct SplineBlock {
     /// Index of its first chord.
     pub first: usize,
@@ -73,7 +77,8 @@ impl MotionOperation {
 }
 
 /// Kind of a move.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum MoveKind {
     /// At rapid, in air.
     Rapid,
@@ -84,13 +89,15 @@ pub enum MoveKind {
 }
 
 /// A move to a joint position.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct JointMove {
     /// Kind.
     pub kind: MoveKind,
     /// Target, in the ISO sense of the rotary axes.
     pub joints: Joints,
     /// Feed of the tip along the part in mm/min; `None` at rapid. The axes can follow it at every place of the move.
+    #[serde(deserialize_with = "Deserialize::deserialize")]
     pub feed: Option<f64>,
     /// Time of the move in seconds, from the feed and the axis speeds.
     pub time: f64,

@@ -7,6 +7,7 @@ use base::units::{Mm, Mm3PerMin, MmPerMin, Rad, Rpm};
 use five_axis::Machine;
 use nalgebra::Point3;
 use nurbs::Revolution;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use tool_stock::collide::ToolSolid;
 pub use wheel::contract::ContractKind;
@@ -28,7 +29,8 @@ entity_id!(
 );
 
 /// The lowered job.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Program {
     /// Name of the part; also the program name in the NC text.
     pub name: String,
@@ -59,13 +61,15 @@ pub struct Program {
     /// Points that the job states for the surfaces of its vanes, for the certificate.
     pub stated: Vec<StatedPoints>,
     /// Files that the part was imported from.
+    #[serde(deserialize_with = "Deserialize::deserialize")]
     pub imported: Option<ImportedFrom>,
     /// Memory that planning may use, bytes.
     pub memory: f64,
 }
 
 /// The points that the job states for the surfaces of a vane, in the part frame. A vane of angles has none.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct StatedPoints {
     /// The vane or the splitter.
     pub blade: BladeId,
@@ -80,7 +84,8 @@ pub const ORIENTATION_TOLERANCES: [f64; 2] = [1e-4, 0.1];
 pub const DEFAULT_MEMORY: f64 = 2e9;
 
 /// The points of one guide curve as the job gives them, from inlet to outlet.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct DataCurve {
     /// Face that the curve bounds.
     pub side: FaceId,
@@ -91,16 +96,19 @@ pub struct DataCurve {
 }
 
 /// One data point.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct DataPoint {
     /// Position in the part frame.
     pub point: Point3<f64>,
     /// Its place in the text, where it has one.
+    #[serde(deserialize_with = "Deserialize::deserialize")]
     pub span: Option<Span>,
 }
 
 /// Tolerances of the planned paths.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Tolerances {
     /// Largest distance between the planned and the interpolated tool, anywhere on the engaged cutter, in finishing.
     pub chord: Mm,
@@ -109,7 +117,8 @@ pub struct Tolerances {
 }
 
 /// A tool with its holder.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Tool {
     /// Name in the job.
     pub name: String,
@@ -124,9 +133,11 @@ pub struct Tool {
     /// Largest depth of cut at full width: the stated one, or a share of the diameter.
     pub max_depth: Mm,
     /// Largest removal rate that the job or the library states.
+    #[serde(deserialize_with = "Deserialize::deserialize")]
     pub max_rate: Option<Mm3PerMin>,
     /// Width, from the rim towards the axis, that the teeth of its end cut in a stroke along the axis. The radius for a
     /// tool that cuts at its centre; `None` for other shapes than flat, ball and bull.
+    #[serde(deserialize_with = "Deserialize::deserialize")]
     pub plunge_width: Option<Mm>,
     /// Largest angle against the plane of its end at which it goes down while it moves sideways through material.
     pub ramp: Rad,
@@ -161,7 +172,8 @@ impl Tool {
 }
 
 /// One operation.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Operation {
     /// Name, unique in the job; the keyword, with a number where it occurs again.
     pub name: String,
@@ -182,13 +194,15 @@ pub struct Operation {
     /// Length added after the last contact.
     pub lead_out: Mm,
     /// Rest machining: only stock thicker than this is cut; `None` cuts every pass whole.
+    #[serde(deserialize_with = "Deserialize::deserialize")]
     pub rest: Option<Mm>,
     /// Its declaration.
     pub span: Span,
 }
 
 /// A condition that stops the compilation when it does not hold.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Contract {
     /// Quantity.
     pub kind: ContractKind,
@@ -211,7 +225,8 @@ impl Contract {
 }
 
 /// A deviation that the job allows: it is excluded from all contracts of its quantity.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Allowed {
     /// Quantity.
     pub kind: ContractKind,
@@ -257,7 +272,7 @@ impl Program {
     /// The highest obstacle under any angles of the rotary axes within their travel (`stock`, `table` or `fixture`),
     /// and its height in the machine frame, mm.
     pub fn highest(&self) -> (&'static str, f64) {
-        let solids = self.machine.carried.iter().map(|solid| (solid.name, self.machine.highest(&solid.profile)));
+        let solids = self.machine.carried.iter().map(|solid| (solid.kind.name(), self.machine.highest(&solid.profile)));
         let stock = ("stock", self.machine.highest(&self.stock.profile));
         solids.fold(stock, |most, solid| if solid.1 > most.1 { solid } else { most })
     }

@@ -20,7 +20,7 @@ use base::units::{Mm, trim};
 use diagnostics::codes::job::LIBRARY;
 use diagnostics::{Aborted, Diag, Sink};
 use five_axis::chain::ChainFault;
-use five_axis::{AxisLine, Carried, Carries, Chain, LinearAxis, Machine, RotaryAxis};
+use five_axis::{AxisLine, Carried, CarriedKind, Carries, Chain, LinearAxis, Machine, RotaryAxis};
 use ir::program::DEFAULT_MEMORY;
 use ir::{
     Allowed, Contract, DataCurve, DataPoint, Operation, OperationId, OperationKind, Program, StatedPoints, Tolerances,
@@ -373,8 +373,8 @@ fn machine(spec: &MachineSpec, chain: Chain) -> Machine {
 fn carried(spec: &MachineSpec) -> Vec<Carried> {
     let origin = Vector3::from(spec.part_origin.0.map(Mm::get));
     let below = spec.part_axes.map_or(origin.z, |[_, z]| origin.dot(&Vector3::from(z)));
-    let solids = [("table", &spec.table, -below), ("fixture", &spec.fixture, 0.0)];
-    let solids = solids.into_iter().filter_map(|(name, solid, shift)| {
+    let solids = [(CarriedKind::Table, &spec.table, -below), (CarriedKind::Fixture, &spec.fixture, 0.0)];
+    let solids = solids.into_iter().filter_map(|(kind, solid, shift)| {
         let solid = solid.as_ref()?;
         let mut z = solid.top.get() + shift;
         let mut profile = vec![[0.0, z]];
@@ -384,7 +384,7 @@ fn carried(spec: &MachineSpec) -> Vec<Carried> {
             profile.push([lower.get() / 2.0, z]);
         }
         profile.push([0.0, z]);
-        Some(Carried { name, profile })
+        Some(Carried { kind, profile })
     });
     solids.collect()
 }

@@ -10,6 +10,11 @@ const PLACES: usize = MOST_DEGREE + 1;
 
 /// Two B-splines of degree 3 or 5 on common knots: a point of the tool axis near the tip, and a point further up.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "crate::stored::StoredDual")
+)]
 pub struct DualCurve {
     degree: usize,
     knots: Vec<f64>,
@@ -80,6 +85,12 @@ impl DualCurve {
             lower: (0..control).map(|i| row(i, 0)).collect(),
             upper: (0..control).map(|i| row(i, 3)).collect(),
         })
+    }
+
+    /// The curves of valid parts.
+    #[cfg(feature = "serde")]
+    pub(crate) fn of_parts(degree: usize, knots: Vec<f64>, lower: Vec<Point3<f64>>, upper: Vec<Point3<f64>>) -> Self {
+        Self { degree, knots, lower, upper }
     }
 
     /// The same curves in the opposite direction.

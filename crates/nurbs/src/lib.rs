@@ -24,6 +24,8 @@ pub mod revolution;
 pub mod row_fit;
 pub mod ruled;
 pub mod spline_fit;
+#[cfg(feature = "serde")]
+mod stored;
 pub mod surface;
 pub mod triangulation;
 
@@ -63,6 +65,12 @@ pub enum GeomError {
     Singular,
     /// Two guide curves with different weight functions: the ruled surface between them has a higher degree.
     GuideWeights,
+    /// The side of a surface is neither +1 nor -1.
+    Orientation,
+    /// More sections than a lofted surface that is read may have.
+    TooManySections(usize),
+    /// A control point of a lofted surface does not follow from its sections (index).
+    Control(usize),
 }
 
 impl std::fmt::Display for GeomError {
@@ -76,6 +84,9 @@ impl std::fmt::Display for GeomError {
             Self::Degree(p) => write!(f, "degree {p} is not one of 1, 2, 3"),
             Self::Singular => write!(f, "the interpolation has no unique solution"),
             Self::GuideWeights => write!(f, "the guide curves have different weights"),
+            Self::Orientation => write!(f, "the side of the surface is neither 1 nor -1"),
+            Self::TooManySections(n) => write!(f, "{n} sections are too many"),
+            Self::Control(i) => write!(f, "control point {} does not follow from the sections", i + 1),
         }
     }
 }

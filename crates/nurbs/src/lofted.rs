@@ -13,14 +13,22 @@ use std::sync::OnceLock;
 ///
 /// With two sections this is a ruled surface.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "crate::stored::StoredLoft")
+)]
 pub struct LoftedSurface {
     sections: Vec<NurbsCurve>,
     /// Parameters of the sections, from 0 to 1.
     places: Vec<f64>,
+    #[cfg_attr(feature = "serde", serde(skip_serializing))]
     degree: [usize; 2],
+    #[cfg_attr(feature = "serde", serde(skip_serializing))]
     knots: [Vec<f64>; 2],
     /// Control points, row after row of equal u.
     control: Vec<Vector3<f64>>,
+    #[cfg_attr(feature = "serde", serde(skip_serializing))]
     seeds: Seeds,
 }
 
@@ -160,6 +168,18 @@ impl LoftedSurface {
     /// Degree along u and along v.
     pub(super) fn degree(&self) -> [usize; 2] {
         self.degree
+    }
+
+    /// Control points, row after row of equal u.
+    #[cfg(feature = "serde")]
+    pub(crate) fn control(&self) -> &[Vector3<f64>] {
+        &self.control
+    }
+
+    /// The surface with control points that are its own to rounding.
+    #[cfg(feature = "serde")]
+    pub(crate) fn with_control(self, control: Vec<Vector3<f64>>) -> Self {
+        Self { control, ..self }
     }
 
     /// Control point i along u and j along v.

@@ -9,12 +9,19 @@ const EXACT: f64 = 1e-15;
 /// A curve rotated about Z. The parameter u runs along the curve. In the meridian plane (r, z) the surface is a curve
 /// whose unit normal `orientation * (z', -r')` points out of the material.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "crate::stored::StoredRevolution")
+)]
 pub struct Revolution {
     generator: NurbsCurve,
     orientation: f64,
     /// Meridian points at equal steps of u: seeds of the closest point search.
+    #[cfg_attr(feature = "serde", serde(skip_serializing))]
     seeds: Vec<Vector2<f64>>,
     /// Meridian at both ends, for the same search.
+    #[cfg_attr(feature = "serde", serde(skip_serializing))]
     ends: [Meridian; 2],
 }
 
@@ -64,15 +71,20 @@ const SEEDS: usize = 64;
 impl Revolution {
     /// The surface of a generating curve. `outside` is a point (r, z) on the side to which the normal points.
     pub fn new(generator: NurbsCurve, outside: Vector2<f64>) -> Self {
-        let seeds = (0..=SEEDS).map(|i| Meridian::of(&generator, i as f64 / SEEDS as f64).point).collect();
-        let ends = [0.0, 1.0].map(|u| Meridian::of(&generator, u));
-        let mut surface = Self { generator, orientation: 1.0, seeds, ends };
+        let mut surface = Self::oriented(generator, 1.0);
         let (u, _) = surface.closest(outside);
         let here = surface.meridian(u);
         if (outside - here.point).dot(&surface.normal_2d(&here)) < 0.0 {
             surface.orientation = -1.0;
         }
         surface
+    }
+
+    /// The surface of a generating curve with its side: +1 or -1.
+    pub(crate) fn oriented(generator: NurbsCurve, orientation: f64) -> Self {
+        let seeds = (0..=SEEDS).map(|i| Meridian::of(&generator, i as f64 / SEEDS as f64).point).collect();
+        let ends = [0.0, 1.0].map(|u| Meridian::of(&generator, u));
+        Self { generator, orientation, seeds, ends }
     }
 
     /// The generating curve.

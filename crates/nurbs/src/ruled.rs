@@ -11,6 +11,7 @@ const SAME_WEIGHT: f64 = 1e-12;
 ///
 /// The paper writes the tip first; here v runs from root to tip, in the direction of the tool axis.
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct RuledSurface {
     /// Curve at v = 0.
     pub root: NurbsCurve,

@@ -43,13 +43,13 @@ pub fn check(program: &Program, motion: &Motion, progress: &Progress) -> Vec<Car
         let (points, spacing) = revolved(&solid.profile, program.machine.table_axis(), SPACING, MOST_POINTS);
         let half_spacing = spacing * FRAC_1_SQRT_2;
         let cloud = Cloud::new(points);
-        let mut nearest = CarriedReport { solid: solid.name, part: "", clearance: None };
+        let mut nearest = CarriedReport { solid: solid.kind.name(), part: "", clearance: None };
         for (o, operation) in motion.operations.iter().enumerate().take_while(|_| !progress.is_cancelled()) {
             let declared = &program.operations[operation.operation];
             let tool = &program.tools[declared.tool].solid;
             let pieces = piece::pieces(&program.machine, motion, o);
             let work = progress
-                .begin(format!("{}, distance to the {}", declared.name, solid.name), parts.len() * pieces.len());
+                .begin(format!("{}, distance to the {}", declared.name, solid.kind.name()), parts.len() * pieces.len());
             for (part, distance) in parts {
                 let within = (half_spacing, SEARCH);
                 let Some(found) = least_over(&pieces, tool, distance, &cloud, within, &work) else { continue };

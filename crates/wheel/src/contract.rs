@@ -2,10 +2,12 @@
 
 use crate::part::SurfaceClass;
 use base::units::{Mm, Mm3, Mm3PerMin, Rad, Sec, length, trim};
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// Quantity of a contract.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum ContractKind {
     /// Depth of the deepest gouge into a design surface.
     Gouge,
@@ -36,7 +38,8 @@ pub enum ContractKind {
 }
 
 /// Cuts whose engagement a contract limits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Cuts {
     /// All cuts.
     All,
@@ -45,7 +48,8 @@ pub enum Cuts {
 }
 
 /// Parts of the tool, and the obstacle to which the clearance is measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Guarded {
     /// Shank and holder to the design part.
     Body,
@@ -342,7 +346,8 @@ impl ContractKind {
 }
 
 /// Bound of a contract, with its unit.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Bound {
     /// A length.
     Length(Mm),
@@ -415,7 +420,8 @@ pub fn clock(seconds: f64) -> String {
 
 /// Surfaces and operations for which a contract holds; `O` is an index of an operation. An empty list is no
 /// restriction.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Scope<O> {
     /// Operations.
     pub operations: Vec<O>,

@@ -4,10 +4,12 @@
 //! that is 1 mm thick, is the middle of what makers of tools state for the groups of ISO 513 (N, P, M, and S for titanium
 //! and nickel).
 
+use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 
 /// Material of the stock.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Material {
     /// Wrought aluminium.
     Aluminium,

@@ -1,9 +1,11 @@
 //! Methods that a job chooses by name: the words that job and stage values share.
 
 use base::units::Rad;
+use serde::{Deserialize, Serialize};
 
 /// Spacing of the lines on a floor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Spacing {
     /// Everywhere the distance that the scallop height allows; new lines begin where the channel widens.
     ConstantScallop,
@@ -25,7 +27,8 @@ impl Spacing {
 }
 
 /// Direction in which the lines on a floor are cut.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Lines {
     /// Every other line backwards, so that the next line begins beside the end of the last.
     Zigzag,
@@ -53,7 +56,8 @@ impl Lines {
 }
 
 /// Surfaces on which the tip of a roughing tool runs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Levels {
     /// At constant heights over the hub. The top levels end where the vanes are lower.
     Hub,
@@ -78,7 +82,8 @@ impl Levels {
 }
 
 /// Sense in which the side of a cutter meets the material. The spindle turns clockwise as seen from its drive (M3).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Milling {
     /// The teeth enter at the full chip: the material lies to the right of the motion of a tool that turns clockwise.
     Climb,
@@ -100,7 +105,8 @@ impl Milling {
 }
 
 /// How `rough` cuts between material on both sides of the tool.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Slots {
     /// Along the channel, at full width.
     Full,
@@ -133,7 +139,8 @@ impl Slots {
 }
 
 /// Order in which the faces of a blade are finished.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum FaceOrder {
     /// One face after the other.
     Faces,
@@ -155,7 +162,8 @@ impl FaceOrder {
 }
 
 /// How the tool axes of an operation are chosen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum AxisMethod {
     /// The best path through the collision-free axes of all stations in the axes of the machine, then a smooth path
     /// within this corridor.
@@ -187,7 +195,8 @@ impl AxisMethod {
 }
 
 /// Method by which the side of a cutter finishes a face.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum FlankMethod {
     /// The axis path whose swept envelope is nearest to the face; of the paths within the bounds the smoothest.
     Minimax,
@@ -212,7 +221,8 @@ impl FlankMethod {
 }
 
 /// Side of a face on which the deviation of `minimax` may lie.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum ErrorSide {
     /// On both sides.
     Both,
@@ -234,7 +244,8 @@ impl ErrorSide {
 }
 
 /// The bound that `minimax` relaxes where a pass cannot keep the bounds of gouge and excess.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Conflict {
     /// Both bounds, evenly.
     Balance,
@@ -259,11 +270,13 @@ impl Conflict {
 }
 
 /// Method of a flank operation, with its parameters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Flank {
     /// Method.
     pub method: FlankMethod,
     /// Strips along the ruling; `None` takes the smallest number that keeps the contracts.
+    #[serde(deserialize_with = "Deserialize::deserialize")]
     pub strips: Option<u32>,
     /// Side of the deviation; only for `minimax`.
     pub side: ErrorSide,

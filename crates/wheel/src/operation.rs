@@ -3,13 +3,31 @@
 use crate::method::{AxisMethod, Flank, Levels, Lines, Milling, Slots, Spacing};
 use crate::part::{BladeId, FaceId, Part, SurfaceKind};
 use base::units::Mm;
+use serde::{Deserialize, Serialize};
 
 /// Stock that roughing leaves on vanes and fillets. It grows evenly over the height, from the tip to the root, so that a
 /// thin vane stays stiff; or it is the same everywhere.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "StoredAllowance")]
 pub struct VaneAllowance {
     tip: Mm,
     root: Mm,
+}
+
+/// An allowance that is read.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StoredAllowance {
+    tip: Mm,
+    root: Mm,
+}
+
+impl TryFrom<StoredAllowance> for VaneAllowance {
+    type Error = &'static str;
+
+    fn try_from(StoredAllowance { tip, root }: StoredAllowance) -> Result<Self, Self::Error> {
+        Self::growing(tip, root).ok_or("an allowance is smaller at the root than at the tip")
+    }
 }
 
 impl VaneAllowance {
@@ -85,7 +103,8 @@ impl Allowances {
 }
 
 /// Kind of an operation with its own parameters.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum OperationKind {
     /// One line in the middle of the channel, layer by layer (Wei 3.1.1).
     Groove {
@@ -153,6 +172,7 @@ pub enum OperationKind {
         method: AxisMethod,
         /// For a larger tool, which finishes the middle of the floor only: what it leaves beside vanes and fillets.
         /// `None` for the ball that finishes the floor up to the fillets.
+        #[serde(deserialize_with = "Deserialize::deserialize")]
         allowance_vane: Option<Mm>,
     },
     /// Faces, fillets, edges or tips of vanes, milled in lines of constant scallop height.
@@ -164,8 +184,10 @@ pub enum OperationKind {
         /// Direction of the lines.
         lines: Lines,
         /// Sense of milling on both sides of a vane. `None` for lines that do not keep one: `zigzag`, and those along edges and tips.
+        #[serde(deserialize_with = "Deserialize::deserialize")]
         milling: Option<Milling>,
         /// Height of the levels that all faces share before the next one; `None` for one face after the other.
+        #[serde(deserialize_with = "Deserialize::deserialize")]
         levels: Option<Mm>,
         /// How tool axes are chosen.
         method: AxisMethod,

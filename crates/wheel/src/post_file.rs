@@ -4,13 +4,16 @@
 //! edits frames in a file of its own; the reader of the dialect judges what they make, like any other text.
 
 use base::source::Span;
+use serde::{Deserialize, Serialize};
 
 /// What a post file says, with the properties of the `post` item of a job over it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct PostFile {
     /// Name of the file, without its folder and ending.
     pub name: String,
     /// Where the job names it; `None` when the command line names it.
+    #[serde(deserialize_with = "Deserialize::deserialize")]
     pub span: Option<Span>,
     /// Name of the dialect.
     pub dialect: String,
@@ -26,17 +29,20 @@ pub struct PostFile {
     pub orientation: Orientation,
     /// Largest error of the tool direction through smoothing, radians. `None`: the angle that moves the upper end of the
     /// flutes by the chord tolerance of the operation.
+    #[serde(deserialize_with = "Deserialize::deserialize")]
     pub orientation_tolerance: Option<f64>,
     /// How the text says what several sectors repeat.
     pub sectors: Sectors,
     /// The work offset that holds the part origin, as the control names it, with its place; `None` for the usual one of the
     /// dialect.
+    #[serde(deserialize_with = "Deserialize::deserialize")]
     pub offset: Option<(String, Span)>,
     /// Digits of words.
     pub decimals: Decimals,
     /// Whether finishing passes are written as lines or as splines.
     pub path: PathForm,
     /// Spline blocks of the control, where it has them for five axes, with their place in the file.
+    #[serde(deserialize_with = "Deserialize::deserialize")]
     pub splines: Option<(SplineForm, Span)>,
     /// Words that smooth within a tolerance in finishing and in roughing, and words that end smoothing.
     pub smoothing: [Template; 3],
@@ -49,7 +55,8 @@ pub struct PostFile {
 }
 
 /// Ends of lines in NC text.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum LineEnd {
     /// Line feed.
     Lf,
@@ -79,7 +86,8 @@ impl LineEnd {
 }
 
 /// How blocks state the tool direction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Orientation {
     /// By the positions of the rotary axes.
     Angles,
@@ -101,7 +109,8 @@ impl Orientation {
 }
 
 /// How the paths of finishing passes are written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum PathForm {
     /// As straight blocks.
     Lines,
@@ -123,7 +132,8 @@ impl PathForm {
 }
 
 /// Spline blocks of a control for five axes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum SplineForm {
     /// Polynomials of tip and second point: POLY with ORICURVE, up to degree five (Siemens).
     Poly,
@@ -174,7 +184,8 @@ impl PostFile {
 }
 
 /// How the text says what several sectors repeat.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Sectors {
     /// Move by move in every sector.
     Inline,
@@ -202,7 +213,8 @@ pub fn on_step(value: f64, decimals: usize) -> f64 {
 }
 
 /// Digits behind the point, by kind of word.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Decimals {
     /// X Y Z, mm.
     pub length: usize,
@@ -271,12 +283,39 @@ impl Frame {
 }
 
 /// One line of a frame.
-#[derive(Clone, Debug, PartialEq, Default)]
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[serde(try_from = "StoredTemplate", into = "StoredTemplate")]
 pub struct Template {
     /// Texts and fields.
     pub pieces: Vec<Piece>,
     /// The line in the post file.
     pub span: Span,
+}
+
+/// A template as the post file has it.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StoredTemplate {
+    text: String,
+    span: Span,
+}
+
+impl From<Template> for StoredTemplate {
+    fn from(template: Template) -> Self {
+        Self { text: template.text(), span: template.span }
+    }
+}
+
+impl TryFrom<StoredTemplate> for Template {
+    type Error = String;
+
+    fn try_from(StoredTemplate { text, span }: StoredTemplate) -> Result<Self, String> {
+        Self::new(&text, span).map_err(|fault| match fault {
+            TemplateFault::Open => format!("a bracket of the template `{text}` is not closed"),
+            TemplateFault::Unknown(name) => format!("a template has no field `{name}`"),
+            TemplateFault::Character(c) => format!("NC text cannot carry the character {c:?} of a template"),
+        })
+    }
 }
 
 /// A piece of a template.

@@ -4,6 +4,8 @@ pub mod cloud;
 mod contact;
 pub mod cutter;
 mod revolved;
+#[cfg(feature = "serde")]
+mod stored;
 pub mod support;
 pub mod tool;
 

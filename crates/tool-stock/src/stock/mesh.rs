@@ -5,11 +5,36 @@ use std::collections::BTreeMap;
 
 /// Triangles that bound a solid, seen counter-clockwise from outside.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "StoredMesh"))]
 pub struct Mesh {
     /// Corners, mm.
     pub vertices: Vec<Point3<f64>>,
     /// Indices of the corners of each triangle.
     pub triangles: Vec<[u32; 3]>,
+}
+
+/// A mesh that is read.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StoredMesh {
+    vertices: Vec<Point3<f64>>,
+    triangles: Vec<[u32; 3]>,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<StoredMesh> for Mesh {
+    type Error = &'static str;
+
+    fn try_from(StoredMesh { vertices, triangles }: StoredMesh) -> Result<Self, Self::Error> {
+        if triangles.iter().flatten().any(|i| *i as usize >= vertices.len()) {
+            return Err("a triangle of a mesh has a corner that is not there");
+        }
+        if vertices.iter().any(|p| !p.iter().all(|x| x.is_finite())) {
+            return Err("a corner of a mesh has a number that is not finite");
+        }
+        Ok(Self { vertices, triangles })
+    }
 }
 
 impl Mesh {

@@ -5,9 +5,11 @@ use super::surface::{FaceSurface, Surface};
 use nalgebra::{Point3, Vector3};
 use nurbs::NurbsCurve;
 use nurbs::{LoftedSurface, RuledSurface};
+use serde::{Deserialize, Serialize};
 
 /// A blade of a sector. The first one is the main blade, the others are its splitters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(transparent)]
 pub struct BladeId(u16);
 
 impl BladeId {
@@ -41,11 +43,29 @@ impl BladeId {
 }
 
 /// A face of a blade, or an edge that is a surface of its own.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(try_from = "StoredFaceId")]
 pub struct FaceId {
     /// Its blade.
     pub blade: BladeId,
     face: u8,
+}
+
+/// A name of a face that is read.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StoredFaceId {
+    blade: BladeId,
+    face: u8,
+}
+
+impl TryFrom<StoredFaceId> for FaceId {
+    type Error = String;
+
+    fn try_from(StoredFaceId { blade, face }: StoredFaceId) -> Result<Self, String> {
+        let known = usize::from(face) < Self::NAMES.len() + Self::EDGES.len();
+        if known { Ok(Self { blade, face }) } else { Err(format!("a blade has no face {face}")) }
+    }
 }
 
 impl FaceId {
@@ -85,7 +105,8 @@ impl FaceId {
 }
 
 /// End of a ruling.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum RulingEnd {
     /// At the hub.
     Root,
@@ -104,7 +125,8 @@ impl RulingEnd {
 }
 
 /// A face of a blade. Its material lies on the side opposite to the outward normal.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Face {
     /// The surface in sector 0.
     pub surface: FaceSurface,
@@ -147,7 +169,8 @@ impl From<LoftedSurface> for FaceSurface {
 }
 
 /// A blade of sector 0: the main blade, or a splitter.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Blade {
     /// Name in the job.
     pub name: String,
@@ -157,6 +180,7 @@ pub struct Blade {
     /// lathe makes, between the ends of the faces.
     pub edges: [Option<Face>; 2],
     /// Fillet between blade and hub; `None` for a sharp root.
+    #[serde(deserialize_with = "Deserialize::deserialize")]
     pub fillet: Option<Fillet>,
     /// Index of the face that looks ahead, counter-clockwise about Z.
     ahead: u8,

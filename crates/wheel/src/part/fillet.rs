@@ -2,16 +2,52 @@
 
 use super::surface::{FaceSurface, Surface};
 use base::units::{Mm, trim};
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// Radius of a fillet: one value, or values along the foot of each face, from its leading to its trailing edge. Round the edges the
 /// fillet has the radius of the end of the faces.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "StoredFillet", into = "StoredFillet")]
 pub struct Fillet {
     /// Shares of the length of the foot, from 0 to 1, and radii, mm. One value holds everywhere.
     values: Vec<[f64; 2]>,
     /// For each face the radius over u, where the radius changes; before the faces are known over the share of the foot.
     radii: Option<[RadiusSpline; 2]>,
+}
+
+/// What defines a fillet: values along the foot, and over u where the faces are known. Slopes follow from them.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StoredFillet {
+    values: Vec<[f64; 2]>,
+    #[serde(deserialize_with = "Deserialize::deserialize")]
+    radii: Option<[Vec<[f64; 2]>; 2]>,
+}
+
+impl From<Fillet> for StoredFillet {
+    fn from(Fillet { values, radii }: Fillet) -> Self {
+        Self { values, radii: radii.map(|radii| radii.map(|spline| spline.values)) }
+    }
+}
+
+impl TryFrom<StoredFillet> for Fillet {
+    type Error = &'static str;
+
+    fn try_from(StoredFillet { values, radii }: StoredFillet) -> Result<Self, Self::Error> {
+        let sound = |values: &[[f64; 2]]| {
+            let radius = |value: &[f64; 2]| value[1].is_finite() && value[1] > 0.0;
+            let inside = |value: &[f64; 2]| (0.0..=1.0).contains(&value[0]);
+            values.iter().all(|value| radius(value) && inside(value)) && values.windows(2).all(|w| w[0][0] < w[1][0])
+        };
+        if values.is_empty() || !sound(&values) || radii.iter().flatten().any(|values| !sound(values)) {
+            return Err("the radii of a fillet are not positive, or their places do not ascend from 0 to 1");
+        }
+        if radii.is_some() != (values.len() > 1) || radii.iter().flatten().any(|own| own.len() != values.len()) {
+            return Err("a fillet has not as many radii over its faces as along its foot");
+        }
+        Ok(Self { values, radii: radii.map(|radii| radii.map(RadiusSpline::new)) })
+    }
 }
 
 impl From<Mm> for Fillet {

@@ -1,9 +1,11 @@
 //! Names of all surfaces of the finished part, and of its passages.
 
 use super::blade::{BladeId, FaceId};
+use serde::{Deserialize, Serialize};
 
 /// A passage of a sector: the channel between two neighbouring blades. The first one follows the main blade.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(transparent)]
 pub struct PassageId(pub(super) u16);
 
 impl PassageId {
@@ -27,7 +29,8 @@ impl PassageId {
 }
 
 /// Kind of a design surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum SurfaceKind {
     /// A face of a blade.
     Face(FaceId),
@@ -130,7 +133,8 @@ impl SurfaceKind {
 }
 
 /// Surfaces that a scope can name; each class exists in every sector.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum SurfaceClass {
     /// Pressure faces.
     Pressure,

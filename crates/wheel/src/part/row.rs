@@ -9,11 +9,19 @@ use super::surface::{FaceSurface, Surface};
 use base::units::Mm;
 use nalgebra::{Point3, Rotation3, Vector2, Vector3};
 use nurbs::{NurbsCurve, Revolution};
+use serde::{Deserialize, Serialize, Serializer};
 use std::sync::OnceLock;
+
+/// Most sectors of a part that is read: as many as a job may have.
+const MOST_VANES: u32 = 10_000;
+
+/// Most blades of a sector of a part that is read; more have no ids.
+const MOST_BLADES: usize = 1000;
 
 /// The design part. Sector k is sector 0 rotated about Z by k pitches (Wei 18). Its row cannot be changed, since the
 /// charts are made from it once.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Deserialize)]
+#[serde(try_from = "BladeRow")]
 pub struct Part {
     row: BladeRow,
     charts: OnceLock<ChartTables>,
@@ -21,7 +29,8 @@ pub struct Part {
 }
 
 /// Blades of a sector between hub and shroud.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct BladeRow {
     /// Number of sectors, and therefore of main blades.
     pub vane_count: u32,
@@ -31,6 +40,28 @@ pub struct BladeRow {
     pub hub: Revolution,
     /// Surface of the blade tips.
     pub shroud: Revolution,
+}
+
+/// The row defines the part: its tables are made again.
+impl Serialize for Part {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        self.row.serialize(serializer)
+    }
+}
+
+impl TryFrom<BladeRow> for Part {
+    type Error = &'static str;
+
+    fn try_from(row: BladeRow) -> Result<Self, Self::Error> {
+        if !(2..=MOST_VANES).contains(&row.vane_count) || !(1..=MOST_BLADES).contains(&row.blades.len()) {
+            return Err("a part needs two sectors or more with a blade in each, and has no more than 10000 sectors");
+        }
+        let sides = |blade: &Blade| {
+            let faces = blade.faces.iter().chain(blade.edges.iter().flatten());
+            faces.map(|face| face.orientation).all(|side| side.abs() == 1.0) && blade.ahead() < blade.faces.len()
+        };
+        if row.blades.iter().all(sides) { Ok(Self::of(row)) } else { Err("a face of a blade has no outside") }
+    }
 }
 
 impl std::ops::Deref for Part {

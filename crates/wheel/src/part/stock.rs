@@ -5,13 +5,15 @@ use crate::material::Material;
 use base::units::Mm;
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use tool_stock::collide::{Section, ToolSolid};
 use tool_stock::stock::mesh::halves;
 use tool_stock::stock::{Field, FieldError, Mesh};
 
 /// Turned blank: the result of the lathe. Milling removes the space between its outside and the part.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Stock {
     /// Outside, as a closed profile in the meridian plane of (r, z) points from the bore over front, inlet, shroud and
     /// outlet to the back; straight between the points.
@@ -24,11 +26,34 @@ pub struct Stock {
     pub back: Mm,
     /// What is left of the blank before the first operation, as a closed mesh; `None` is all of it. What stands outside
     /// of the profile does not count.
+    #[serde(with = "left")]
     pub left: Option<Arc<Mesh>>,
     /// Clamping of the blank.
     pub clamping: Clamping,
     /// Material, where the job states it.
+    #[serde(deserialize_with = "Deserialize::deserialize")]
     pub material: Option<Material>,
+}
+
+/// What is left of a blank, as data: a closed mesh.
+mod left {
+    use super::{Arc, Deserialize, Mesh, Serialize};
+    use serde::de::Error;
+    use serde::{Deserializer, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(left: &Option<Arc<Mesh>>, serializer: S) -> Result<S::Ok, S::Error> {
+        left.as_deref().serialize(serializer)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Arc<Mesh>>, D::Error> {
+        let mesh = Option::<Mesh>::deserialize(deserializer)?;
+        match mesh {
+            Some(mesh) if !(mesh.is_closed() && mesh.volume() > 0.0) => {
+                Err(D::Error::custom("what is left of the blank is no closed mesh with its outside outward"))
+            }
+            mesh => Ok(mesh.map(Arc::new)),
+        }
+    }
 }
 
 /// Greatest depth of pieces of a triangle, for the search for its farthest point: 2^-12 of a triangle across a blank is
@@ -36,11 +61,13 @@ pub struct Stock {
 const MOST_HALVINGS: u32 = 24;
 
 /// Space of chuck and table: a cylinder about Z without a lower end, which no part of a tool may enter.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Clamping {
     /// Its height.
     pub below: Mm,
     /// Its radius; `None` for everything below the height.
+    #[serde(deserialize_with = "Deserialize::deserialize")]
     pub radius: Option<Mm>,
     /// True when the job does not state the clamping: everything below the back face.
     pub by_default: bool,

@@ -5,6 +5,7 @@ use nurbs::proximity::{ClosestPair, Patch, Projection};
 use nurbs::range::Partials;
 use nurbs::{LoftedSurface, NurbsCurve, RuledSurface, SurfaceDerivatives};
 use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
 
 /// A surface over u, from inlet (0) to outlet (1), and v, from root (0) to tip (1). Outside of both ranges it continues
 /// straight.
@@ -78,7 +79,8 @@ impl Surface for LoftedSurface {
 }
 
 /// The surface of a face of a blade, by its kind. A new kind needs one line in each table below.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum FaceSurface {
     /// Straight lines between a root curve and a tip curve.
     Ruled(RuledSurface),

@@ -1,12 +1,14 @@
 //! The outside of a turned blank in the meridian plane.
 
+use serde::{Deserialize, Serialize};
 use std::ops::Deref;
 
 /// Edges of a run: the search for the nearest edge looks at the boxes about runs first.
 const EDGES: usize = 12;
 
 /// A closed profile of (r, z) points, mm; straight between the points.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(try_from = "Vec<[f64; 2]>", into = "Vec<[f64; 2]>")]
 pub struct TurnedProfile {
     points: Vec<[f64; 2]>,
     runs: Vec<EdgeRun>,
@@ -36,6 +38,24 @@ struct NearestEdge {
     /// From the nearest place of the edge to the point, mm.
     gap: [f64; 2],
     square: f64,
+}
+
+impl From<TurnedProfile> for Vec<[f64; 2]> {
+    fn from(profile: TurnedProfile) -> Self {
+        profile.points
+    }
+}
+
+impl TryFrom<Vec<[f64; 2]>> for TurnedProfile {
+    type Error = &'static str;
+
+    fn try_from(points: Vec<[f64; 2]>) -> Result<Self, Self::Error> {
+        if points.len() > 2 && points.as_flattened().iter().all(|x| x.is_finite()) {
+            Ok(Self::new(points))
+        } else {
+            Err("a turned profile needs three points or more, with finite numbers")
+        }
+    }
 }
 
 impl TurnedProfile {
