@@ -219,7 +219,12 @@ fn zero_section(input: SheetInput<'_>) -> SheetSection {
     facts.extend(program.machine.carried.iter().map(|c| {
         let wide = c.profile.iter().map(|p| p[0]).fold(0.0, f64::max);
         let high = c.profile.iter().map(|p| p[1]).fold(f64::NEG_INFINITY, f64::max);
-        format!("The proof knows the {}: up to Z {} mm, diameter {} mm", c.name, trim(high, 3), trim(2.0 * wide, 3))
+        format!(
+            "The proof knows the {}: up to Z {} mm, diameter {} mm",
+            c.kind.name(),
+            trim(high, 3),
+            trim(2.0 * wide, 3)
+        )
     }));
     SheetSection { facts, ..SheetSection::new("Zero, blank and clamping") }
 }
