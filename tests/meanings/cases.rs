@@ -6,7 +6,7 @@
 //! The verdicts are those of [`Verdict`], the changes those of [`Change`], in small letters.
 
 use super::judging::Verdict;
-use impellerc::wheel::post_file::Orientation;
+use impellerc::wheel::control::Orientation;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

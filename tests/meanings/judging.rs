@@ -13,7 +13,7 @@ use impellerc::nc::{self, Post, motion_of::motion_of};
 use impellerc::plan::passes::pipeline;
 use impellerc::verify::stock::Settings;
 use impellerc::verify::{Verified, certify_with, examine};
-use impellerc::wheel::post_file::Orientation;
+use impellerc::wheel::control::Orientation;
 use std::sync::LazyLock;
 
 /// What becomes of a changed text.
@@ -177,7 +177,7 @@ impl Unchanged {
         let post = nc::find(dialect).unwrap();
         let (program, motion) = short(dialect);
         let mut program = support::with_post(dialect, program);
-        program.post.orientation = orientation;
+        program.post.control.orientation = orientation;
         let text = written(post, &program, motion);
         let sections = post.read(&numbered(post, &text), &program.machine).unwrap();
         let meant = motion_of(&program, &sections, &|_| Span::default(), &mut Sink::default()).unwrap().motion;

@@ -1,7 +1,7 @@
 //! Rules of the source tree that no compiler holds: what crates never depend on, where names of axes and faces may
 //! stand, how long files and functions are, see `ARCHITECTURE.md`.
 
-use crate::support::sources::all_files;
+use crate::support::sources::{all_files, files};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
@@ -222,4 +222,17 @@ fn an_operation_is_one_folder_and_a_line_in_the_pipeline() {
             "{room}"
         );
     }
+}
+
+#[test]
+fn planning_asks_the_control_and_never_the_post() {
+    let naming: Vec<String> = files(Path::new("crates/plan/src/passes"))
+        .iter()
+        .filter(|path| {
+            let text = std::fs::read_to_string(path).unwrap();
+            [".post.", ".post;", ".post)", "post_file"].iter().any(|name| text.contains(name))
+        })
+        .map(|path| path.display().to_string())
+        .collect();
+    assert_eq!(naming, [""; 0]);
 }

@@ -10,7 +10,7 @@ use impellerc::driver::{self, Emit, Options, Outcome, RunOptions, Stages};
 use impellerc::five_axis::Machine;
 use impellerc::ir::Program;
 use impellerc::nc::{self, Direction, NcMove, NcTool};
-use impellerc::wheel::post_file::Sectors;
+use impellerc::wheel::control::Sectors;
 use nalgebra::{Point3, Rotation3, Vector3};
 use proptest::prelude::*;
 use proptest::strategy::ValueTree as _;
@@ -427,11 +427,11 @@ fn a_turned_part_is_what_the_interpreter_and_the_kinematics_mean() {
 fn sectors_as_subprograms_are_what_the_interpreter_means() {
     let Some(linuxcnc) = LinuxCnc::find() else { return };
     let mut program = support::program_for("linuxcnc", &support::flank_only(&[0, 1, 3, 5]));
-    program.post.sectors = Sectors::Subprogram;
+    program.post.control.sectors = Sectors::Subprogram;
     let planned = support::jobs::Compiled::new(program);
     let [short, long] = [Sectors::Subprogram, Sectors::Inline].map(|sectors| {
         let mut program = planned.program.clone();
-        program.post.sectors = sectors;
+        program.post.control.sectors = sectors;
         nc::emit(nc::find("linuxcnc").unwrap(), &program, &planned.motion, &[]).text()
     });
     assert!(short.contains("R45\n") && short.contains("o101 call") && !long.contains("call"));

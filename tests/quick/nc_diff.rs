@@ -10,7 +10,7 @@ use impellerc::job::shipped_post;
 use impellerc::nc::compare::{ComparedMotion, OperationDifference};
 use impellerc::nc::{self, motion_of::motion_of};
 use impellerc::nc_text::compare;
-use impellerc::wheel::post_file::Orientation;
+use impellerc::wheel::control::Orientation;
 use std::process::Command;
 
 const JOB: &str = "jobs/reduced/reduced.imp";
@@ -141,7 +141,7 @@ fn every_pair_of_posts_means_the_same() {
         for orientation in Orientation::ALL {
             let post = nc::find(&file.dialect).unwrap();
             let mut program = support::with_post(name, &compiled.program);
-            program.post.orientation = orientation;
+            program.post.control.orientation = orientation;
             let mut sink = Sink::default();
             post.check(&program, &compiled.motion, &mut sink);
             // The motion was planned for LinuxCNC; other posts have no words for its stops, which do not count here.
@@ -150,7 +150,7 @@ fn every_pair_of_posts_means_the_same() {
                 !program.post.transformation[usize::from(orientation == Orientation::Vectors)].pieces.is_empty();
             if !takes || refused {
                 // Vectors of Fanuc need a head; the default of every post must be taken.
-                assert_ne!(orientation, file.orientation, "{name}: {:?}", sink.diags());
+                assert_ne!(orientation, file.control.orientation, "{name}: {:?}", sink.diags());
                 continue;
             }
             let mut sink = Sink::default();
@@ -166,7 +166,7 @@ fn every_pair_of_posts_means_the_same() {
     for (i, (first, a, one)) in read.iter().enumerate() {
         for (second, b, other) in &read[i + 1..] {
             let sides = [ComparedMotion { program: a, motion: one }, ComparedMotion { program: b, motion: other }];
-            let (d, e) = (a.post.decimals, b.post.decimals);
+            let (d, e) = (a.post.control.decimals, b.post.control.decimals);
             let step = |digits: usize| 10f64.powi(-i32::try_from(digits).unwrap());
             // Half a step of each of three words of both texts, and of both angles.
             let by_lengths = 3f64.sqrt() * step(d.length.min(e.length)) + 1e-9;

@@ -7,7 +7,7 @@ use impellerc::diagnostics::Sink;
 use impellerc::five_axis::Joints;
 use impellerc::ir::{OperationKind, Program};
 use impellerc::nc;
-use impellerc::wheel::post_file::{Decimals, PathForm};
+use impellerc::wheel::control::{Decimals, PathForm};
 use nalgebra::{Rotation3, Vector3};
 
 /// A table B along Y on a table that tilts about X from -25 to 135 deg: at A90 the tool stands along B, on the side of -Y.
@@ -120,12 +120,12 @@ fn splines_and_few_digits_of_a_turned_part_read_back() {
         (text, splines)
     };
     let mut program = turned("siemens-840d");
-    program.post.path = PathForm::Splines;
+    program.post.control.path = PathForm::Splines;
     let (siemens, splines) = text(program);
     assert!(splines > 0 && siemens.contains("POLY"), "{splines}");
     let mut program = turned("fanuc");
-    program.post.decimals = Decimals { length: 3, angle: 3, vector: 6, feed: 0 };
-    assert!(program.post.decimals.is_coarse(program.post.orientation));
+    program.post.control.decimals = Decimals { length: 3, angle: 3, vector: 6, feed: 0 };
+    assert!(program.post.control.decimals.is_coarse(program.post.control.orientation));
     text(program);
 }
 

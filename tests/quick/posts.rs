@@ -7,7 +7,8 @@ use impellerc::ir::{Motion, Program};
 use impellerc::nc::{self, NcMove, NcProgram, NcSection, Post};
 use impellerc::plan::passes::pipeline;
 use impellerc::verify::{Verified, verify};
-use impellerc::wheel::post_file::{Decimals, LineEnd, Orientation, Template};
+use impellerc::wheel::control::{Decimals, Orientation};
+use impellerc::wheel::post_file::{LineEnd, Template};
 use proptest::prelude::*;
 use std::ops::Range;
 use std::sync::LazyLock;
@@ -42,11 +43,11 @@ fn texts_read_back_as_the_motion_within_the_word_quantum() {
         let text = written(*post).text();
         let found = nc::read_back(*post, &program, motion, &text).unwrap_or_else(|d| panic!("{}: {d:?}", post.name()));
         assert_eq!(found.moves, motion.operations.iter().map(|o| o.moves.len()).sum::<usize>());
-        let digits = &program.post.decimals;
+        let digits = &program.post.control.decimals;
         let half = |decimals: usize| 0.5 * 10f64.powi(-i32::try_from(decimals).unwrap());
         assert!(found.tip <= half(digits.length) + 1e-10, "{}: {}", post.name(), found.tip);
         // Two angles, or three components, each with an error of half a step.
-        let axis = match program.post.orientation {
+        let axis = match program.post.control.orientation {
             Orientation::Angles => half(digits.angle).to_radians() * 2f64.sqrt(),
             Orientation::Vectors => half(digits.vector) * 3f64.sqrt(),
         };
@@ -61,7 +62,7 @@ fn both_orientations_read_back() {
     for post in nc::POSTS {
         let (mut program, motion) = program(*post);
         for (k, orientation) in Orientation::ALL.into_iter().enumerate() {
-            program.post.orientation = orientation;
+            program.post.control.orientation = orientation;
             // An empty text: the dialect has no such words.
             if program.post.transformation[k].text().is_empty() {
                 continue;
@@ -313,8 +314,8 @@ fn a_changed_text_is_noticed() {
 fn coarse_words_are_planned_and_proved() {
     for orientation in Orientation::ALL {
         let mut program = PROGRAM.0.clone();
-        program.post.orientation = orientation;
-        program.post.decimals = Decimals { length: 3, angle: 3, vector: 5, feed: 0 };
+        program.post.control.orientation = orientation;
+        program.post.control.decimals = Decimals { length: 3, angle: 3, vector: 5, feed: 0 };
         let mut sink = Sink::default();
         let plan = pipeline::run(&program, &mut sink).expect("a plan");
         let (motion, _) = verify(&program, plan.motion, &mut sink).expect("a certificate");

@@ -10,7 +10,7 @@ use impellerc::nc::{self, NcMove, NcProgram, motion_of::motion_of, sectors};
 use impellerc::nc_text::compare;
 use impellerc::report::source_map::{LaidMap, SourceMapFile, WrittenLine};
 use impellerc::verify::verify;
-use impellerc::wheel::post_file::{Orientation, Sectors};
+use impellerc::wheel::control::{Orientation, Sectors};
 use std::sync::LazyLock;
 
 /// Sectors of the job: some of them reach the travel of C, so that they take the other branch.
@@ -20,7 +20,7 @@ const SECTORS: [u32; 4] = [0, 1, 3, 5];
 static COMPILED: LazyLock<[Compiled; 2]> = LazyLock::new(|| {
     ["siemens-840d", "linuxcnc"].map(|dialect| {
         let mut program = support::program_for(dialect, &support::flank_only(&SECTORS));
-        program.post.sectors = Sectors::Subprogram;
+        program.post.control.sectors = Sectors::Subprogram;
         Compiled::new(program)
     })
 });
@@ -30,7 +30,7 @@ fn cases() -> [(&'static Compiled, Program); 3] {
     let [siemens, linuxcnc] = &*COMPILED;
     let by_angles = {
         let mut program = siemens.program.clone();
-        program.post.orientation = Orientation::Angles;
+        program.post.control.orientation = Orientation::Angles;
         program
     };
     [(siemens, siemens.program.clone()), (siemens, by_angles), (linuxcnc, linuxcnc.program.clone())]
@@ -56,7 +56,7 @@ pub fn texts() -> Vec<(Program, String)> {
 
 fn inline(program: &Program) -> Program {
     let mut program = program.clone();
-    program.post.sectors = Sectors::Inline;
+    program.post.control.sectors = Sectors::Inline;
     program
 }
 
@@ -82,7 +82,7 @@ fn a_text_with_subprograms_is_the_inline_text_for_the_machine() {
         let short = written(compiled, &program);
         let long = written(compiled, &inline(&program));
         let lines = [&short, &long].map(|nc| nc.lines.len());
-        println!("{} by {}: {lines:?} lines", post.name(), program.post.orientation.name());
+        println!("{} by {}: {lines:?} lines", post.name(), program.post.control.orientation.name());
         // Four sectors are little more than one, or than two where sectors have two branches.
         assert!(lines[0] * 2 < lines[1], "{lines:?}");
         for nc in [&short, &long] {
@@ -228,10 +228,10 @@ fn what_a_job_does_not_get_is_told() {
     assert_eq!(asked(&|_| {}), "");
     for dialect in ["heidenhain", "fanuc", "mitsubishi", "apt-cl"] {
         let mut program = support::with_post(dialect, &siemens.program);
-        program.post.sectors = Sectors::Subprogram;
+        program.post.control.sectors = Sectors::Subprogram;
         assert!(said(&program).starts_with("IMP0812"), "{dialect}");
     }
-    let few = asked(&|program| program.post.decimals.length = 3);
+    let few = asked(&|program| program.post.control.decimals.length = 3);
     assert!(few.contains("too few digits"), "{few}");
     let beside = asked(&|program| program.machine.part_origin.x += 0.01);
     assert!(beside.contains("axis C of the machine 5mc850-c does not turn the part about its axis"), "{beside}");

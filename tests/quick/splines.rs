@@ -13,9 +13,9 @@ use impellerc::nurbs::bezier;
 use impellerc::plan::passes::pipeline;
 use impellerc::verify::{self, Verified};
 use impellerc::wheel::contract::Scope;
+use impellerc::wheel::control::PathForm;
 use impellerc::wheel::method::{Flank, FlankMethod};
 use impellerc::wheel::part::{BladeId, SurfaceClass};
-use impellerc::wheel::post_file::PathForm;
 use nalgebra::Vector3;
 use std::sync::LazyLock;
 
@@ -30,7 +30,7 @@ struct Splines {
 
 fn splines(name: &str, mut program: Program) -> Splines {
     program.post = shipped_post(name).unwrap();
-    program.post.path = PathForm::Splines;
+    program.post.control.path = PathForm::Splines;
     let motion = pipeline::run(&program, &mut Sink::default()).unwrap().motion;
     let text = text(&program, &motion);
     Splines { program, motion, text }

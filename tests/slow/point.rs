@@ -12,10 +12,10 @@ use impellerc::ir::{ClPoint, Contract, ContractKind, Operation, OperationKind, P
 use impellerc::plan::passes::pipeline::{self, Plan};
 use impellerc::tool_stock::collide::Cutter;
 use impellerc::verify::{certify, verify};
+use impellerc::wheel::control::PathForm;
 use impellerc::wheel::method::{AxisMethod, Lines, Milling};
 use impellerc::wheel::part::chart::{self, Shape};
 use impellerc::wheel::part::{BladeId, FaceId, SurfaceKind};
-use impellerc::wheel::post_file::PathForm;
 use nalgebra::Point3;
 
 /// The paper's part with point milling of some surfaces of one vane.
@@ -382,7 +382,7 @@ fn fillets_of_a_varied_radius_are_finished() {
 #[test]
 fn polynomials_hold_the_contracts_of_the_job() {
     let mut program = jobs::program("point", None);
-    program.post.path = PathForm::Splines;
+    program.post.control.path = PathForm::Splines;
     let made = Compiled::new(program);
     let blocks: Vec<usize> = made.motion.operations.iter().map(|o| o.splines.len()).collect();
     println!("{blocks:?} spline blocks");

@@ -44,7 +44,7 @@ pub fn program(program: &Program) -> String {
         "tolerance chord {} rough {}, clearance {}",
         program.tolerances.chord, program.tolerances.chord_rough, program.clearance
     );
-    let _ = writeln!(t, "post {}, {}", program.post.name, program.post.orientation.name());
+    let _ = writeln!(t, "post {}, {}", program.post.name, program.post.control.orientation.name());
     t
 }
 

@@ -12,6 +12,7 @@ use std::collections::BTreeSet;
 use tool_stock::collide::ToolSolid;
 pub use wheel::contract::ContractKind;
 use wheel::contract::{Bound, Guarded, Scope};
+use wheel::control::{Control, counts_in_part_frame};
 pub use wheel::operation::OperationKind;
 use wheel::part::imported::ImportedFrom;
 use wheel::part::{BladeId, FaceId, Part, RulingEnd, Stock, SurfaceKind, kept::MilledTurned};
@@ -239,6 +240,16 @@ pub struct Allowed {
 }
 
 impl Program {
+    /// What the control takes. Planning asks this alone; the rest of the post file is for those who write the text.
+    pub fn control(&self) -> &Control {
+        &self.post.control
+    }
+
+    /// Whether the words of the program count in the part frame.
+    pub fn words_in_part_frame(&self) -> bool {
+        counts_in_part_frame(&self.post.dialect)
+    }
+
     /// Path tolerance of an operation, mm.
     pub fn path_tolerance(&self, operation: &Operation) -> f64 {
         if operation.kind.finishes() { self.tolerances.chord.get() } else { self.tolerances.chord_rough.get() }
@@ -249,7 +260,7 @@ impl Program {
     pub fn orientation_tolerance(&self, operation: &Operation) -> f64 {
         let by_flutes = || self.path_tolerance(operation) / self.tools[operation.tool].solid.flute_length;
         let [least, most] = ORIENTATION_TOLERANCES.map(f64::to_radians);
-        self.post.orientation_tolerance.unwrap_or_else(by_flutes).clamp(least, most)
+        self.post.control.orientation_tolerance.unwrap_or_else(by_flutes).clamp(least, most)
     }
 
     /// The same program with another solid for a tool.

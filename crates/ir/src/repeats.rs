@@ -112,7 +112,7 @@ impl<'a> Symmetry<'a> {
         if table.carries != Carries::Part || across.amax() > ON_AXIS || beside.amax() > ON_AXIS {
             return Err(NoSymmetry::Axis);
         }
-        if program.post.decimals.is_coarse(program.post.orientation) {
+        if program.post.control.decimals.is_coarse(program.post.control.orientation) {
             return Err(NoSymmetry::Digits);
         }
         let turns = (0..part.vane_count).map(|k| part.sector_rotation(k)).collect();

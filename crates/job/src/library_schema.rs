@@ -4,7 +4,8 @@
 use super::quantity::{Dimension, library_units};
 use five_axis::control::{LengthTo, ModuloWay};
 use serde_json::{Map, Value, json};
-use wheel::post_file::{LineEnd, Orientation, SplineForm};
+use wheel::control::{Orientation, SplineForm};
+use wheel::post_file::LineEnd;
 
 /// Kind of a library file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

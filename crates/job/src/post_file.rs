@@ -13,9 +13,8 @@ use diagnostics::{Diag, Sink};
 use serde::Deserialize;
 use syntax::ast::{Block, Value};
 use toml::Spanned;
-use wheel::post_file::{
-    Decimals, Field, Frame, LineEnd, Orientation, PathForm, PostFile, Sectors, SplineForm, Template, TemplateFault,
-};
+use wheel::control::{Control, Decimals, Orientation, PathForm, Sectors, SplineForm};
+use wheel::post_file::{Field, Frame, LineEnd, PostFile, Template, TemplateFault};
 
 /// Largest step of block numbers, and largest program number of controls that call programs by number.
 const LARGEST: [u32; 2] = [1000, 99_999_999];
@@ -183,7 +182,7 @@ impl LibraryReader<'_> {
 
     /// Refuses a default of the orientation for which there are no words.
     fn has_words(&mut self, post: &PostFile, orientation: &SpannedText) {
-        let [own, other] = match post.orientation {
+        let [own, other] = match post.control.orientation {
             Orientation::Angles => [Orientation::Angles, Orientation::Vectors],
             Orientation::Vectors => [Orientation::Vectors, Orientation::Angles],
         };
@@ -239,20 +238,24 @@ pub(super) fn read(
         },
         block_numbers: table.block_numbers.as_ref().map_or(0, |n| reader.whole(n, [0, LARGEST[0]])),
         program_number: table.program_number.as_ref().map_or(USUAL_NUMBER, |n| reader.whole(n, [1, LARGEST[1]])),
-        orientation: reader
-            .word(&table.orientation, "a way to state the tool direction", &Orientation::ALL, Orientation::name)
-            .unwrap_or(Orientation::Angles),
-        orientation_tolerance: table
-            .orientation_tolerance
-            .as_ref()
-            .map(|text| reader.quantity(text, Dimension::ANGLE, least, most)),
-        sectors: Sectors::Inline,
+        control: Control {
+            orientation: reader
+                .word(&table.orientation, "a way to state the tool direction", &Orientation::ALL, Orientation::name)
+                .unwrap_or(Orientation::Angles),
+            orientation_tolerance: table
+                .orientation_tolerance
+                .as_ref()
+                .map(|text| reader.quantity(text, Dimension::ANGLE, least, most)),
+            sectors: Sectors::Inline,
+            decimals: reader.decimals(&table.decimals),
+            path: PathForm::Lines,
+            splines: table
+                .splines
+                .as_ref()
+                .and_then(|text| reader.word(text, "a kind of spline blocks", &SplineForm::ALL, SplineForm::name)),
+        },
         offset: table.work_offset.as_ref().map(|text| (text.get_ref().clone(), reader.span(text))),
-        decimals: reader.decimals(&table.decimals),
-        path: PathForm::Lines,
-        splines: table.splines.as_ref().and_then(|text| {
-            Some((reader.word(text, "a kind of spline blocks", &SplineForm::ALL, SplineForm::name)?, reader.span(text)))
-        }),
+        splines_span: table.splines.as_ref().map(|text| reader.span(text)),
         smoothing: [&table.smoothing.finish, &table.smoothing.rough, &table.smoothing.off]
             .map(|text| reader.template(text, &fields)),
         transformation: [&table.transformation.angles, &table.transformation.vectors]
@@ -284,14 +287,14 @@ pub(super) fn with_properties(
     let mut properties =
         Properties::new(owner, head, block, &vocabulary::properties(TopicKind::Item, "post"), scope, sink);
     if let Some(Some(orientation)) = name_of(&mut properties, "orientation", &Orientation::ALL, Orientation::name) {
-        post.orientation = orientation;
+        post.control.orientation = orientation;
         refuse_without_words(&post, head, properties.sink);
     }
     let [least, most] = TURNS.map(f64::to_radians);
     let range = Range::Between(least, most);
     let example = "orientation-tolerance 0.02 deg";
     if let Some((turn, _)) = properties.number("orientation-tolerance", Dimension::ANGLE, range, example) {
-        post.orientation_tolerance = Some(turn);
+        post.control.orientation_tolerance = Some(turn);
     }
     if let Some((step, _)) = properties.count("block-numbers", 0, LARGEST[0], "block-numbers 10") {
         post.block_numbers = step;
@@ -309,18 +312,18 @@ pub(super) fn with_properties(
         post.line_end = end;
     }
     if let Some(Some(path)) = name_of(&mut properties, "path", &PathForm::ALL, PathForm::name) {
-        post.path = path;
+        post.control.path = path;
         tell_lines(&post, head, properties.sink);
     }
     if let Some(Some(sectors)) = name_of(&mut properties, "sectors", &Sectors::ALL, Sectors::name) {
-        post.sectors = sectors;
+        post.control.sectors = sectors;
     }
     post
 }
 
 /// Reports a control without spline blocks where the job asks for them.
 fn tell_lines(post: &PostFile, span: Span, sink: &mut Sink) {
-    if post.path == PathForm::Splines && post.splines.is_none() {
+    if post.control.path == PathForm::Splines && post.control.splines.is_none() {
         sink.push(
             Diag::remark(codes::NO_SPLINES, format!("the post {} writes straight blocks, no splines", post.name))
                 .label(span, "`path splines` here")
@@ -332,15 +335,18 @@ fn tell_lines(post: &PostFile, span: Span, sink: &mut Sink) {
 
 /// Refuses an orientation for which the post has no words of tool centre point control.
 fn refuse_without_words(post: &PostFile, span: Span, sink: &mut Sink) {
-    let index = usize::from(post.orientation == Orientation::Vectors);
+    let index = usize::from(post.control.orientation == Orientation::Vectors);
     if !post.transformation[index].pieces.is_empty() {
         return;
     }
     let other = Orientation::ALL[1 - index].name();
     sink.push(
-        Diag::error(codes::OUT_OF_RANGE, format!("the post {} cannot write {}", post.name, post.orientation.name()))
-            .label(span, "required here")
-            .help(format!("write `orientation {other}`, or use the post of another control")),
+        Diag::error(
+            codes::OUT_OF_RANGE,
+            format!("the post {} cannot write {}", post.name, post.control.orientation.name()),
+        )
+        .label(span, "required here")
+        .help(format!("write `orientation {other}`, or use the post of another control")),
     );
 }
 

@@ -10,10 +10,11 @@ use blade::angles::EdgeShape;
 use blade::{EdgeForm, LOOP_EDGES};
 use five_axis::control::{LengthTo, Planning};
 use std::fmt::Write;
+use wheel::control::Sectors;
 use wheel::method::FlankMethod;
 use wheel::operation::{Allowances, distinct, word};
 use wheel::part::{BladeId, FaceId};
-use wheel::post_file::{PostFile, Sectors};
+use wheel::post_file::PostFile;
 
 /// The fillet of a blade as a value of the language.
 fn fillet(blade: &BladeSpec) -> String {
@@ -78,18 +79,19 @@ fn post(out: &mut String, post: &PostFile) {
         0 => "no block numbers".to_owned(),
         step => format!("block numbers in steps of {step}"),
     };
-    let turn = post.orientation_tolerance.map_or("by the flutes of each tool".to_owned(), |t| Rad(t).to_string());
+    let turn =
+        post.control.orientation_tolerance.map_or("by the flutes of each tool".to_owned(), |t| Rad(t).to_string());
     let _ = writeln!(out, "post {}, dialect {}", post.name, post.dialect);
-    let _ = writeln!(out, "  orientation {}, orientation tolerance {turn}", post.orientation.name());
+    let _ = writeln!(out, "  orientation {}, orientation tolerance {turn}", post.control.orientation.name());
     let _ =
         writeln!(out, "  {numbers}, program number {}, lines end with {}", post.program_number, post.line_end.name());
     if let Some(offset) = post.work_offset() {
         let _ = writeln!(out, "  work offset {offset}");
     }
-    if post.sectors != Sectors::Inline {
-        let _ = writeln!(out, "  sectors {}", post.sectors.name());
+    if post.control.sectors != Sectors::Inline {
+        let _ = writeln!(out, "  sectors {}", post.control.sectors.name());
     }
-    let d = post.decimals;
+    let d = post.control.decimals;
     let _ = writeln!(
         out,
         "  digits behind the point: lengths {}, angles {}, vectors {}, feeds {}",

@@ -9,7 +9,7 @@ use base::source::Span;
 use diagnostics::Sink;
 use five_axis::{Angles, Machine};
 use ir::{Motion, MotionOperation, Program};
-use wheel::post_file::SplineForm;
+use wheel::control::SplineForm;
 
 /// A dialect.
 pub trait Post: Sync {

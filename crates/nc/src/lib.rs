@@ -44,7 +44,7 @@ pub use tool_shape::{NcCutter, NcToolShape};
 pub use write::emit;
 
 use ir::Program;
-use wheel::post_file::Orientation;
+use wheel::control::Orientation;
 
 /// The available dialects.
 pub const POSTS: &[&dyn Post] = &[
@@ -60,7 +60,7 @@ pub const POSTS: &[&dyn Post] = &[
 pub fn assumptions(post: &dyn Post, program: &Program) -> Vec<String> {
     let file = &program.post;
     let offset = file.work_offset().or_else(|| Some(post.offsets()?.usual)).unwrap_or_default();
-    let transformation = file.transformation[usize::from(file.orientation == Orientation::Vectors)].text();
+    let transformation = file.transformation[usize::from(file.control.orientation == Orientation::Vectors)].text();
     let filled = |what: &&str| what.replace("{work-offset}", offset).replace("{transformation}", &transformation);
     let own = post.assumptions().iter().map(filled);
     let turned = work_frame::assumptions(post.name(), program);

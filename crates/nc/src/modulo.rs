@@ -10,7 +10,7 @@ use diagnostics::{Diag, Sink, codes::post};
 use five_axis::{Machine, RotaryAxis};
 use ir::{Motion, MotionOperation, Program};
 use std::f64::consts::PI;
-use wheel::post_file::on_step;
+use wheel::control::on_step;
 
 /// Degrees of a turn.
 const TURN: f64 = 360.0;

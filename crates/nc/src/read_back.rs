@@ -14,7 +14,7 @@ use ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
 use nalgebra::{SVector, Vector3};
 use nurbs::bezier;
 use std::f64::consts::{SQRT_2, TAU};
-use wheel::post_file::Decimals;
+use wheel::control::Decimals;
 
 /// Share of a time that rounding may take.
 const ROUNDING: f64 = 1e-12;
@@ -153,7 +153,7 @@ fn same_curve(program: &Program, meant: &PoseCurve, read: &PoseCurve, result: &m
         let [a, b] = [a, b].map(|control| bezier::elevated(control, bezier::MOST_DEGREE));
         a.iter().zip(&b).map(|(p, q)| (p - q).amax()).fold(0.0, f64::max)
     }
-    let digits = &program.post.decimals;
+    let digits = &program.post.control.decimals;
     let tip = apart(meant.tip(), read.tip());
     if tip > half_step(digits.length) + COEFFICIENTS {
         return Err(format!("the tip is off by {tip:.6} mm"));
@@ -202,7 +202,7 @@ fn stations(
     (section, turns): (&NcSection, Angles),
     retract: &NcRetract,
 ) -> Result<(), (bool, String)> {
-    let digits = &program.post.decimals;
+    let digits = &program.post.control.decimals;
     let length = program.tools[program.operations[operation.operation].tool].length();
     let (Some(first), Some(last)) = (operation.moves.first(), operation.moves.last()) else {
         return Err((false, "an operation without moves".to_owned()));
@@ -252,11 +252,11 @@ fn stations(
 fn same_pose(program: &Program, meant: &JointMove, read: &NcPose) -> Result<(), String> {
     let pose = program.machine.forward(&meant.joints);
     let tip = (read.tip - pose.tip).amax();
-    if tip > half_step(program.post.decimals.length) {
+    if tip > half_step(program.post.control.decimals.length) {
         return Err(format!("the tip is off by {tip:.6} mm"));
     }
     let axis = (read.axis - pose.axis).norm();
-    if axis > half_step(program.post.decimals.vector) * 3f64.sqrt() {
+    if axis > half_step(program.post.control.decimals.vector) * 3f64.sqrt() {
         return Err(format!("the tool axis is off by {axis:.3e} rad"));
     }
     Ok(())
@@ -268,7 +268,7 @@ fn compare(
     (read, turns): (&NcMove, Angles),
     result: &mut ReadBack,
 ) -> Result<(), String> {
-    let digits: &Decimals = &program.post.decimals;
+    let digits: &Decimals = &program.post.control.decimals;
     let pose = program.machine.forward(&meant.joints);
     let inverse = meant.kind == MoveKind::Rapid && read.time.is_some();
     if !inverse && read.rapid != (meant.kind == MoveKind::Rapid) {
@@ -317,7 +317,7 @@ fn compare(
 }
 
 fn same_feed(program: &Program, meant: &JointMove, read: &NcMove) -> Result<(), String> {
-    let digits = &program.post.decimals;
+    let digits = &program.post.control.decimals;
     match (meant.feed, read.feed) {
         (None, None) => Ok(()),
         (Some(m), Some(r)) if (m - r).abs() <= 2.0 * half_step(digits.feed) && r <= m + 1e-8 => Ok(()),

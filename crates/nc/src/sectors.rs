@@ -12,7 +12,7 @@ use diagnostics::{Diag, Sink, codes::post as codes};
 use five_axis::control::Planning;
 use ir::repeats::{Division, NoSymmetry, Symmetry};
 use ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
-use wheel::post_file::Sectors;
+use wheel::control::Sectors;
 
 /// Difference of feeds (mm/min) and times (s) that is rounding of the arithmetic, as a share.
 const ROUNDING: f64 = 1e-9;
@@ -26,7 +26,7 @@ pub(super) fn divided<'a>(
 ) -> Option<Divided<'a>> {
     // Polynomials have no words that count with a turn, and words within one turn do not.
     if endless(program).is_some()
-        || program.post.sectors == Sectors::Inline
+        || program.post.control.sectors == Sectors::Inline
         || post.no_subprograms().is_some()
         || !operation.splines.is_empty()
     {
@@ -63,7 +63,7 @@ fn division(program: &Program, operation: &MotionOperation) -> Option<Division> 
 
 /// Tells what a job that asks for subprograms does not get, and why.
 pub fn remark(post: &dyn Post, program: &Program, motion: &Motion, sink: &mut Sink) {
-    if program.post.sectors == Sectors::Inline {
+    if program.post.control.sectors == Sectors::Inline {
         return;
     }
     let turned = !program.machine.chain.holds_part_upright();

@@ -13,6 +13,7 @@ use diagnostics::{Diag, Sink, codes::post as codes};
 use five_axis::Joints;
 use ir::{JointMove, Motion, MotionOperation, MoveKind, Operation, OperationId, Program};
 use nalgebra::Vector3;
+use wheel::post_file::PostFile;
 
 /// Length of the moves, mm.
 const STEP: f64 = 1.0;
@@ -64,14 +65,15 @@ fn check_offset(post: &dyn Post, program: &Program, sink: &mut Sink) {
 
 /// Refuses spline blocks that the dialect does not have.
 fn check_splines(post: &dyn Post, program: &Program, sink: &mut Sink) {
-    let Some((form, span)) = program.post.splines.filter(|(form, _)| post.splines() != Some(*form)) else { return };
+    let PostFile { control, splines_span, .. } = &program.post;
+    let Some(form) = control.splines.filter(|form| post.splines() != Some(*form)) else { return };
     let help = match post.splines() {
         Some(own) => format!("write `splines = \"{}\"`, or remove the line", own.name()),
         None => "remove the line: the dialect has straight blocks".to_owned(),
     };
     sink.push(
         Diag::error(codes::FRAME, format!("the dialect {} has no spline blocks `{}`", post.name(), form.name()))
-            .label(span, "in the post file")
+            .label(splines_span.unwrap_or_default(), "in the post file")
             .help(help),
     );
 }

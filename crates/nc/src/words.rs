@@ -5,7 +5,7 @@ use diagnostics::{Diag, Sink, codes::post};
 use five_axis::control::{LengthTo, Planning};
 use five_axis::{Angles, Machine};
 use ir::{Motion, MoveKind, Program, Tool};
-use wheel::post_file::Orientation;
+use wheel::control::Orientation;
 
 /// Share of a step of F within which a feed counts as on the step, whatever rounding does.
 const ON_STEP: f64 = 1e-6;
@@ -164,7 +164,7 @@ pub fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
 /// carry the positions themselves.
 pub(super) fn check_vectors(program: &Program, motion: &Motion, sink: &mut Sink) {
     // Positions of the rotary axes leave no choice to the control.
-    if program.post.orientation == Orientation::Angles {
+    if program.post.control.orientation == Orientation::Angles {
         return;
     }
     for operation in &motion.operations {

@@ -9,7 +9,7 @@
 use ir::{Motion, Program};
 use nalgebra::Rotation3;
 use std::borrow::Cow;
-use wheel::post_file::counts_in_part_frame;
+use wheel::control::counts_in_part_frame;
 
 /// Turn from the part frame to the frame of the words of a dialect; `None` where both are the same.
 fn turn(dialect: &str, program: &Program) -> Option<Rotation3<f64>> {

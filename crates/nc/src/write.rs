@@ -12,7 +12,8 @@ use five_axis::{Angles, Joints};
 use ir::repeats::Division;
 use ir::{JointMove, Motion, MotionOperation, Operation, Program, Tool};
 use std::collections::BTreeMap;
-use wheel::post_file::{Field, Frame, Orientation, Template};
+use wheel::control::Orientation;
+use wheel::post_file::{Field, Frame, Template};
 
 /// Digits of tolerances: mm and degrees.
 const TOLERANCE_DECIMALS: usize = 4;
@@ -116,7 +117,7 @@ pub(super) fn rotary(post: &dyn Post, program: &Program, angles: Angles) -> Stri
 /// Numbers of the words of both rotary axes.
 pub(super) fn rotary_numbers(post: &dyn Post, program: &Program, angles: Angles) -> [String; 2] {
     [0, 1].map(|k| {
-        let decimals = program.post.decimals.angle;
+        let decimals = program.post.control.decimals.angle;
         post.number(modulo::degrees(&program.machine.rotary[k], angles[k], decimals), decimals)
     })
 }
@@ -124,21 +125,21 @@ pub(super) fn rotary_numbers(post: &dyn Post, program: &Program, angles: Angles)
 /// Words X Y Z of the tip on the part.
 pub(super) fn tip(post: &dyn Post, program: &Program, joints: &Joints) -> String {
     let p = program.machine.forward(joints).tip;
-    let w = |x: f64| post.number(x, program.post.decimals.length);
+    let w = |x: f64| post.number(x, program.post.control.decimals.length);
     format!("X{} Y{} Z{}", w(p.x), w(p.y), w(p.z))
 }
 
 /// Words of the vector from the tip to the holder on the part, with their addresses.
 pub(super) fn vector(post: &dyn Post, program: &Program, joints: &Joints, addresses: [&str; 3]) -> String {
     let v = program.machine.forward(joints).axis;
-    let w = |k: usize| format!("{}{}", addresses[k], post.number(v[k], program.post.decimals.vector));
+    let w = |k: usize| format!("{}{}", addresses[k], post.number(v[k], program.post.control.decimals.vector));
     format!("{} {} {}", w(0), w(1), w(2))
 }
 
 /// Tip and axis of the tool on the part, three numbers each.
 pub(super) fn pose(post: &dyn Post, program: &Program, joints: &Joints) -> [String; 2] {
     let pose = program.machine.forward(joints);
-    let digits = &program.post.decimals;
+    let digits = &program.post.control.decimals;
     let numbers = |of: [f64; 3], decimals: usize| of.map(|x| post.number(x, decimals)).join(",");
     [numbers(pose.tip.coords.into(), digits.length), numbers(pose.axis.into(), digits.vector)]
 }
@@ -274,7 +275,7 @@ impl Values<'_> {
             Field::EndAxis => pose(self.post, self.program, &o.last.joints)[1].clone(),
             Field::Cutter => self.cutter(o.tool),
             Field::Transformation => {
-                let index = usize::from(self.program.post.orientation == Orientation::Vectors);
+                let index = usize::from(self.program.post.control.orientation == Orientation::Vectors);
                 self.filled(&self.program.post.transformation[index])
             }
             _ => String::new(),
@@ -286,7 +287,7 @@ impl Values<'_> {
     fn cutter(&self, tool: &Tool) -> String {
         let Some([diameter, corner, across, up, side]) = tool.solid.cutter.corner_arc() else { return String::new() };
         let lengths = [diameter, corner, across, up].map(|value| self.length(value)).join(",");
-        let angle = |value: f64| self.post.number(value.to_degrees(), self.program.post.decimals.angle);
+        let angle = |value: f64| self.post.number(value.to_degrees(), self.program.post.control.decimals.angle);
         format!("CUTTER/{lengths},{},{},{}", angle(0.0), angle(side), self.length(tool.solid.flute_length))
     }
 
@@ -302,7 +303,7 @@ impl Values<'_> {
     }
 
     fn length(&self, value: f64) -> String {
-        self.post.number(value, self.program.post.decimals.length)
+        self.post.number(value, self.program.post.control.decimals.length)
     }
 
     /// Path tolerance, mm, and orientation tolerance, radians; before all operations the least of both.

@@ -10,7 +10,7 @@ use ir::{Program, Tool};
 use tool_stock::collide::Cutter;
 use verify::Certificate;
 use wheel::contract::clock;
-use wheel::post_file::{Field, Frame, Template, counts_in_part_frame};
+use wheel::post_file::{Field, Frame, Template};
 
 /// What the sheet is about.
 #[derive(Clone, Copy)]
@@ -175,7 +175,7 @@ fn end_of_program(program: &Program) -> String {
 
 /// How the part is turned on the machine, and what that means for the words of the text.
 fn part_axes(program: &Program) -> Option<String> {
-    let words = if counts_in_part_frame(&program.post.dialect) {
+    let words = if program.words_in_part_frame() {
         "poses of the text are in the part frame"
     } else {
         "words X Y Z of the text count along the axes of the machine there, from the zero"

@@ -10,7 +10,7 @@ use impellerc::nc;
 use impellerc::plan::passes::pipeline;
 use impellerc::tool_stock::collide::Cutter;
 use impellerc::verify::{Verified, verify};
-use impellerc::wheel::post_file::Decimals;
+use impellerc::wheel::control::Decimals;
 use std::sync::LazyLock;
 
 const POST: &str = "apt-cl";
@@ -85,7 +85,7 @@ fn rapid_counts_once() {
 #[test]
 fn line_length() {
     let mut program = program(POST);
-    program.post.decimals = Decimals { length: 6, vector: 9, ..program.post.decimals };
+    program.post.control.decimals = Decimals { length: 6, vector: 9, ..program.post.control.decimals };
     let long = lines(&program);
     assert!(long.iter().all(|l| l.len() <= 72), "{long:?}");
     check("line-length", POST, &from(&long, "FEDRAT/", 9));

@@ -8,7 +8,8 @@ use impellerc::diagnostics::Sink;
 use impellerc::five_axis::{AxisLine, Carries, Chain, Machine, RotaryAxis};
 use impellerc::ir::Program;
 use impellerc::nc::{self, NcProgram};
-use impellerc::wheel::post_file::{Orientation, Template};
+use impellerc::wheel::control::Orientation;
+use impellerc::wheel::post_file::Template;
 use nalgebra::{Point3, Vector3};
 
 /// An operation that begins with the tables at zero.
@@ -203,7 +204,7 @@ fn the_trial_of_the_frames_holds_for_a_machine_with_a_head() {
     ] {
         let mut program = support::with_post(dialect, &support::flank_only(&[0]));
         program.machine = head();
-        program.post.orientation = orientation;
+        program.post.control.orientation = orientation;
         let mut sink = Sink::default();
         nc::trial::check(nc::find(dialect).unwrap(), &program, &mut sink);
         assert!(!sink.has_errors(), "{dialect}: {:?}", sink.diags());

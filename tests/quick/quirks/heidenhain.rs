@@ -3,7 +3,7 @@
 use super::{Quirk, Step, blocks, changed};
 use crate::bad_nc::HEIDENHAIN;
 use impellerc::nc;
-use impellerc::wheel::post_file::Orientation::{Angles, Vectors};
+use impellerc::wheel::control::Orientation::{Angles, Vectors};
 
 /// Tips, rotary axes, feeds.
 const MOVES: [Step; 4] = [

@@ -2,7 +2,7 @@
 
 use super::{Quirk, Step, blocks, changed};
 use crate::bad_nc::LINUXCNC;
-use impellerc::wheel::post_file::Orientation::Angles;
+use impellerc::wheel::control::Orientation::Angles;
 
 /// A rapid of 0.02 um, which would be slower than the interpreter can say.
 const MOVES: [Step; 3] = [

@@ -17,7 +17,8 @@ use impellerc::five_axis::{Machine, PoseCurve, TurnCurve};
 use impellerc::ir::{JointMove, Motion, MotionOperation, MoveKind, Program, SplineBlock};
 use impellerc::job::shipped_post;
 use impellerc::nc;
-use impellerc::wheel::post_file::{Field, Orientation};
+use impellerc::wheel::control::Orientation;
+use impellerc::wheel::post_file::Field;
 use nalgebra::{Point3, Vector2, Vector3};
 
 /// A quirk of a dialect.
@@ -63,7 +64,7 @@ fn operation(program: &Program, moves: &[Step]) -> MotionOperation {
 /// The blocks of a few moves.
 pub fn blocks(dialect: &str, orientation: Orientation, moves: &[Step]) -> Vec<String> {
     let mut program = program(dialect);
-    program.post.orientation = orientation;
+    program.post.control.orientation = orientation;
     let mut blocks = Vec::new();
     let operation = operation(&program, moves);
     nc::find(dialect).unwrap().moves(&program, &operation, "", &mut |text, _| blocks.push(text));

@@ -8,7 +8,7 @@ use impellerc::five_axis::Machine;
 use impellerc::five_axis::control::ModuloWay;
 use impellerc::ir::{Motion, Program};
 use impellerc::nc::{self, Direction};
-use impellerc::wheel::post_file::Orientation;
+use impellerc::wheel::control::Orientation;
 
 /// The machine with a table C that turns without end.
 fn endless(machine: &Machine, way: ModuloWay) -> Machine {
@@ -88,7 +88,7 @@ fn a_path_that_winds_is_read_as_it_was() {
             ("fanuc", Orientation::Angles),
         ] {
             let mut program = on_endless(dialect, ModuloWay::Shortest);
-            program.post.orientation = orientation;
+            program.post.control.orientation = orientation;
             let moves = winding(from);
             let motion = Motion { operations: vec![operation(&program, &moves)] };
             let post = nc::find(dialect).unwrap();

@@ -5,7 +5,7 @@ use impellerc::base::entity::PrimaryMap;
 use impellerc::diagnostics::Sink;
 use impellerc::ir::{Motion, Program, Tool};
 use impellerc::nc;
-use impellerc::wheel::post_file::Orientation;
+use impellerc::wheel::control::Orientation;
 
 /// The only refusal of a motion: its code and its message.
 fn refusal(program: &Program, moves: &[Step]) -> (&'static str, String) {
@@ -23,7 +23,7 @@ const CUT: [Step; 2] = [([50.0, -40.0, 10.0], [30.0, 0.0], None), ([50.0, -40.0,
 fn vectors_that_fit_two_positions_are_refused() {
     for dialect in ["siemens-840d", "heidenhain", "apt-cl"] {
         let mut program = program(dialect);
-        program.post.orientation = Orientation::Vectors;
+        program.post.control.orientation = Orientation::Vectors;
         let around = [CUT[0], ([50.0, -40.0, 12.0], [30.0, 100.0], Some(900.0))];
         let through = [CUT[0], ([50.0, -40.0, 12.0], [-2.0, 0.0], Some(900.0))];
         for moves in [around, through] {

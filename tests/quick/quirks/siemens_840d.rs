@@ -2,7 +2,7 @@
 
 use super::{Quirk, Step, blocks, changed};
 use crate::bad_nc::SIEMENS;
-use impellerc::wheel::post_file::Orientation::{Angles, Vectors};
+use impellerc::wheel::control::Orientation::{Angles, Vectors};
 
 /// Tips, rotary axes, feeds: a component of the last vector is 0.
 const MOVES: [Step; 3] = [

@@ -23,7 +23,7 @@ use base::source::Span;
 use diagnostics::Sink;
 use five_axis::Machine;
 use ir::{Motion, MotionOperation, Program};
-use wheel::post_file::SplineForm;
+use wheel::control::SplineForm;
 
 /// The dialect.
 pub(super) struct AptCl;

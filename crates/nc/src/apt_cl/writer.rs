@@ -7,7 +7,7 @@ use crate::words::{self, feed, fixed};
 use crate::write;
 use diagnostics::{Diag, Sink, codes::post};
 use ir::{Motion, MotionOperation, MoveKind, Program};
-use wheel::post_file::Decimals;
+use wheel::control::Decimals;
 
 /// Text of the dialect.
 pub(super) const FORM: TextForm = TextForm {
@@ -24,7 +24,7 @@ pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
     words::check_planning(&program.machine, program.post.span, sink);
     words::check(program, motion, sink);
     words::check_vectors(program, motion, sink);
-    let (digits, fine) = (&program.post.decimals, Decimals::FINE);
+    let (digits, fine) = (&program.post.control.decimals, Decimals::FINE);
     if digits.length < fine.length || digits.vector < fine.vector {
         // Rounding on the way to the control adds to what a post-processor rounds.
         sink.push(
@@ -51,7 +51,7 @@ pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
 
 /// Writes the statements of the moves of an operation.
 pub(super) fn moves(program: &Program, operation: &MotionOperation, write: &mut WriteBlock<'_>) {
-    let decimals = program.post.decimals.feed;
+    let decimals = program.post.control.decimals.feed;
     let mut last_feed = String::new();
     for (i, m) in write::between(operation) {
         let spline = operation.spline(i).map(|(_, spline)| spline);
@@ -67,7 +67,7 @@ pub(super) fn moves(program: &Program, operation: &MotionOperation, write: &mut 
             }
         }
         if let Some(spline) = spline.filter(|spline| spline.first == i) {
-            curve_statements::begin(spline, program.post.decimals.length, |values| {
+            curve_statements::begin(spline, program.post.control.decimals.length, |values| {
                 statement("MOVNRB", &values, write);
             });
         }

@@ -11,7 +11,8 @@ use diagnostics::{Diag, Sink, codes::job, codes::post};
 use five_axis::control::ModuloWay;
 use five_axis::{Angles, Carries, Joints, Machine, between, most_turn};
 use ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
-use wheel::post_file::{Field, Orientation, Template};
+use wheel::control::Orientation;
+use wheel::post_file::{Field, Template};
 
 /// Largest number of a tool and of its length.
 const LARGEST_TOOL: u32 = 999;
@@ -76,7 +77,7 @@ pub(super) fn check(member: &Member, program: &Program, motion: &Motion, sink: &
     words::check(program, motion, sink);
     check_program_number(member, program, sink);
     modulo::check_way(program, motion, |axis| axis.modulo.is_some(), sink);
-    let vectors = program.post.orientation == Orientation::Vectors;
+    let vectors = program.post.control.orientation == Orientation::Vectors;
     let tables = program.machine.chain.axes().iter().all(|axis| axis.carries == Carries::Part);
     if vectors && tables {
         let mut diag = Diag::error(
@@ -131,7 +132,7 @@ pub(super) fn moves(post: &Family, program: &Program, operation: &MotionOperatio
         let text = match m.kind {
             MoveKind::Rapid => format!("G0 {tip} {direction}"),
             MoveKind::Link | MoveKind::Cut => {
-                let decimals = program.post.decimals.feed;
+                let decimals = program.post.control.decimals.feed;
                 let f = post.number(feed(m.feed.unwrap_or(0.0), decimals), decimals);
                 // After a rapid F is written again, so that every pass can be read by itself.
                 let say = f != last_feed || last_kind == Some(MoveKind::Rapid);
@@ -158,7 +159,7 @@ fn turns(post: &Family, program: &Program, start: &Joints, write: &mut WriteBloc
 }
 
 fn direction(post: &Family, program: &Program, joints: &Joints) -> String {
-    match program.post.orientation {
+    match program.post.control.orientation {
         Orientation::Angles => write::rotary(post, program, joints.rotary),
         Orientation::Vectors => write::vector(post, program, joints, ["I", "J", "K"]),
     }

@@ -25,7 +25,7 @@ use base::source::Span;
 use diagnostics::Sink;
 use five_axis::Machine;
 use ir::{Motion, MotionOperation, Program};
-use wheel::post_file::SplineForm;
+use wheel::control::SplineForm;
 
 /// What must be set at the control.
 const ASSUMED: &[&str] = &[

@@ -11,7 +11,7 @@ use five_axis::control::ModuloWay;
 use five_axis::{RotaryAxis, TurnCurve};
 use ir::{Motion, MotionOperation, MoveKind, Program, SplineBlock};
 use std::f64::consts::TAU;
-use wheel::post_file::{Orientation, SplineForm, on_step};
+use wheel::control::{Orientation, SplineForm, on_step};
 
 /// Largest tool number of the tool table.
 const LARGEST_TOOL: u32 = 32_767;
@@ -32,7 +32,7 @@ pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
 /// Refuses SPL of an axis modulo 360 deg: no manual that the project knows says how its polynomials count beyond a turn.
 fn check_spline_axes(program: &Program, sink: &mut Sink) {
     let axis = program.machine.rotary.iter().find(|axis| axis.modulo.is_some());
-    let Some(axis) = axis.filter(|_| program.post.spline_form() == Some(SplineForm::Spl)) else { return };
+    let Some(axis) = axis.filter(|_| program.post.control.spline_form() == Some(SplineForm::Spl)) else { return };
     let text = format!("SPL has polynomials of axis {}, which is modulo 360 deg", axis.name);
     let diag = Diag::error(post::CONTROL, text)
         .note("no manual that the project knows says how such a polynomial counts beyond 360 deg")
@@ -65,7 +65,7 @@ pub(super) fn number(value: f64, decimals: usize) -> String {
 /// Writes the blocks of the moves of an operation.
 pub(super) fn moves(program: &Program, operation: &MotionOperation, write: &mut WriteBlock<'_>) {
     let post = &Heidenhain;
-    let decimals = program.post.decimals.feed;
+    let decimals = program.post.control.decimals.feed;
     let mut last_feed = String::new();
     for (i, m) in write::between(operation) {
         if let Some((_, spline)) = operation.spline(i) {
@@ -88,7 +88,7 @@ pub(super) fn moves(program: &Program, operation: &MotionOperation, write: &mut 
         let f = fixed(feed(m.feed.unwrap_or(0.0), decimals), decimals);
         let word = if f == last_feed { String::new() } else { format!(" F{f}") };
         last_feed = f;
-        let text = match program.post.orientation {
+        let text = match program.post.control.orientation {
             Orientation::Angles => format!("L {tip} {}{word}", rotary()),
             // LN has nothing modal: every block has all six words.
             Orientation::Vectors => {
@@ -108,7 +108,7 @@ const LARGEST_COEFFICIENT: f64 = 9.99999999;
 /// 1 um away.
 fn spline_block(program: &Program, spline: &SplineBlock, feed: &str, write: &mut dyn FnMut(String)) {
     let TurnCurve::Rotary(turns) = spline.curve.turn() else { return };
-    let (digits, machine) = (&program.post.decimals, &program.machine);
+    let (digits, machine) = (&program.post.control.decimals, &program.machine);
     let word = |k: usize| -> (String, [f64; 4], usize) {
         if k < 3 {
             let points: [f64; 4] = std::array::from_fn(|j| spline.curve.tip()[j][k]);

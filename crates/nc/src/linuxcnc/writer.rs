@@ -234,7 +234,7 @@ struct Modes {
 
 fn block(program: &Program, m: &JointMove, (stop, words): (bool, CallWords), modes: &mut Modes) -> String {
     let post = &LinuxCnc;
-    let decimals = program.post.decimals.feed;
+    let decimals = program.post.control.decimals.feed;
     let mut text = String::new();
     if stop && !modes.stop {
         text.push_str("G61.1 ");

@@ -34,7 +34,7 @@ use ir::{Motion, MotionOperation, Program};
 use crate::modulo;
 use crate::words as checks;
 use base::source::Span;
-use wheel::post_file::SplineForm;
+use wheel::control::SplineForm;
 
 /// What must be set at the control.
 const ASSUMED: &[&str] = &[

@@ -15,7 +15,7 @@ use ir::{JointMove, Motion, MotionOperation, MoveKind, Program, SplineBlock};
 use nalgebra::{SVector, Vector3};
 use nurbs::bezier;
 use std::ops::Range;
-use wheel::post_file::Orientation;
+use wheel::control::Orientation;
 
 /// Refuses a motion that the dialect cannot express.
 pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
@@ -68,7 +68,7 @@ fn stretch(
     write: &mut WriteBlock<'_>,
 ) {
     let post = &Siemens840d;
-    let decimals = program.post.decimals.feed;
+    let decimals = program.post.control.decimals.feed;
     let rotary = |m: &JointMove| match words {
         ParameterWords::Fixed => write::rotary(post, program, m.joints.rotary),
         ParameterWords::OfParameters => {
@@ -111,7 +111,7 @@ fn stretch(
                 let say = f != last_feed || last_kind == Some(MoveKind::Rapid);
                 let word = if say { format!(" F{f}") } else { String::new() };
                 last_feed = f;
-                let direction = match program.post.orientation {
+                let direction = match program.post.control.orientation {
                     Orientation::Vectors => write::vector(post, program, &m.joints, ["A3=", "B3=", "C3="]),
                     Orientation::Angles => rotary(m),
                 };
@@ -128,7 +128,7 @@ fn stretch(
 
 /// Words of the start of a spline: tip and second point.
 fn start(program: &Program, spline: &SplineBlock) -> String {
-    let digits = program.post.decimals.length;
+    let digits = program.post.control.decimals.length;
     let names = ["X", "Y", "Z", "XH=", "YH=", "ZH="];
     let places = both(spline)[0];
     names.iter().zip(&places).map(|(name, x)| format!("{name}{}", fixed(*x, digits))).collect::<Vec<_>>().join(" ")
@@ -152,7 +152,7 @@ fn polynomials(program: &Program, spline: &SplineBlock) -> String {
         while numbers.last().is_some_and(|n| n.bytes().all(|b| matches!(b, b'0' | b'.' | b'-'))) {
             numbers.pop();
         }
-        numbers.insert(0, fixed(control[control.len() - 1][k], program.post.decimals.length));
+        numbers.insert(0, fixed(control[control.len() - 1][k], program.post.control.decimals.length));
         format!("PO[{name}]=({})", numbers.join(","))
     });
     words.collect::<Vec<_>>().join(" ")
@@ -182,7 +182,7 @@ pub(super) fn subprograms(program: &Program, divided: &Divided<'_>, write: &mut 
             continue;
         };
         turn_frame(turned.pitches, write);
-        let turns = program.post.orientation == Orientation::Angles
+        let turns = program.post.control.orientation == Orientation::Angles
             || operation.moves[moves.clone()].iter().any(|m| m.kind == MoveKind::Rapid);
         if turns {
             let shift = degrees(turned.second.to_degrees() * program.machine.rotary[1].word_sign);

@@ -6,9 +6,9 @@ use diagnostics::codes::planning::EXCLUDED;
 use diagnostics::{Diag, Severity, Sink};
 use ir::{Contract, Operation, OperationId, OperationKind, Program};
 use wheel::contract::ContractKind;
+use wheel::control::Orientation;
 use wheel::method::Spacing;
 use wheel::part::{SurfaceClass, SurfaceKind};
-use wheel::post_file::Orientation;
 
 /// Share of a scallop that equal shares of the arc leave at least: one line more than the scallop height needs, of two.
 const OF_EQUAL_SHARES: f64 = 0.25;
@@ -113,11 +113,11 @@ fn coarse_words(program: &Program, sink: &mut Sink) {
     let Some(strictest) = asked.min_by(|a, b| a.bound.value().total_cmp(&b.bound.value())).filter(|_| !waived) else {
         return;
     };
-    let (bound, digits) = (strictest.bound.value(), program.post.decimals);
+    let (bound, digits) = (strictest.bound.value(), program.control().decimals);
     let half = |digits: usize| 0.5 * 10f64.powi(-i32::try_from(digits).unwrap_or(0));
     let flanks = program.operations.iter().filter(|(_, o)| matches!(o.kind, OperationKind::Flank { .. }));
     let lever = flanks.map(|(_, o)| program.tools[o.tool].solid.flute_length).fold(0.0, f64::max);
-    let (key, count, by_direction) = match program.post.orientation {
+    let (key, count, by_direction) = match program.control().orientation {
         Orientation::Angles => ("angle", digits.angle, half(digits.angle).to_radians() * lever),
         Orientation::Vectors => ("vector", digits.vector, half(digits.vector) * lever),
     };

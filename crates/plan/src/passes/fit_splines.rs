@@ -15,7 +15,7 @@ use nalgebra::{SVector, Vector2, Vector3};
 use nurbs::spline_fit;
 use rayon::prelude::*;
 use std::ops::Range;
-use wheel::post_file::{Decimals, SplineForm, on_step};
+use wheel::control::{Decimals, SplineForm, on_step};
 
 /// Largest change of direction between two moves of a smooth path, radians; more is a corner.
 const CORNER: f64 = 4.0 * std::f64::consts::PI / 180.0;
@@ -33,7 +33,7 @@ type Place = SVector<f64, 6>;
 /// Fits the splines.
 pub(crate) fn run(cx: &PassContext<'_>, motion: &mut Motion) {
     let program = cx.program;
-    let Some(form) = program.post.spline_form() else { return };
+    let Some(form) = program.control().spline_form() else { return };
     for operation in &mut motion.operations {
         let declared = &program.operations[operation.operation];
         if !declared.kind.finishes() {
@@ -43,7 +43,7 @@ pub(crate) fn run(cx: &PassContext<'_>, motion: &mut Motion) {
         let fitting = Fitting {
             machine: &program.machine,
             form,
-            decimals: program.post.decimals,
+            decimals: program.control().decimals,
             height,
             heights: compared_heights(program, declared)
                 .into_iter()

@@ -10,7 +10,7 @@ use five_axis::{Angles, Joints, Machine};
 use ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
 use nalgebra::{Point3, Vector3};
 use std::borrow::Cow;
-use wheel::post_file::{Decimals, Orientation, counts_in_part_frame, on_step};
+use wheel::control::{Decimals, Orientation, on_step};
 
 /// Rounds the motion.
 pub(crate) fn run(program: &Program, progress: &Progress, motion: &mut Motion) {
@@ -34,14 +34,14 @@ struct Words<'a> {
 
 impl<'a> Words<'a> {
     fn new(program: &'a Program) -> Self {
-        let post = &program.post;
+        let control = program.control();
         let machine = &program.machine;
-        let machine = if machine.chain.holds_part_upright() || counts_in_part_frame(&post.dialect) {
+        let machine = if machine.chain.holds_part_upright() || program.words_in_part_frame() {
             Cow::Borrowed(machine)
         } else {
             Cow::Owned(machine.in_work_frame())
         };
-        Self { machine, decimals: post.decimals, orientation: post.orientation }
+        Self { machine, decimals: control.decimals, orientation: control.orientation }
     }
 
     fn is_coarse(&self) -> bool {

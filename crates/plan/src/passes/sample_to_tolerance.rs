@@ -40,7 +40,7 @@ pub(super) const FIT_SHARE: f64 = 0.04;
 
 /// Heights over the tip at which tool positions are compared while stations are removed, with the tolerance there.
 fn stations_for(program: &Program, operation: &Operation) -> Vec<(f64, f64)> {
-    let becomes_splines = operation.kind.finishes() && program.post.spline_form().is_some();
+    let becomes_splines = operation.kind.finishes() && program.control().spline_form().is_some();
     let share = if becomes_splines { FIT_SHARE } else { 1.0 };
     compared_heights(program, operation).into_iter().map(|(height, tolerance)| (height, share * tolerance)).collect()
 }

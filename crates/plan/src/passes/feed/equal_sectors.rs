@@ -7,7 +7,7 @@
 
 use ir::repeats::Symmetry;
 use ir::{JointMove, Motion, MoveKind, Program};
-use wheel::post_file::Sectors;
+use wheel::control::Sectors;
 
 /// Share of the time of a rapid that is rounding.
 const ROUNDING: f64 = 1e-6;
@@ -42,7 +42,7 @@ pub(crate) fn stops(program: &Program, motion: &mut Motion) {
 
 /// Changes every group of moves that sectors repeat. A group lies within passes of cutting or within rapids.
 fn each_group(program: &Program, motion: &mut Motion, change: impl Fn(&mut [JointMove], &[usize])) {
-    if program.post.sectors == Sectors::Inline {
+    if program.control().sectors == Sectors::Inline {
         return;
     }
     let Ok(symmetry) = Symmetry::of(program) else { return };

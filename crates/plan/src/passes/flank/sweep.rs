@@ -104,7 +104,7 @@ struct StripPoints {
 impl StripTask<'_> {
     /// The start as a few quintics, where the text has spline blocks.
     fn interpolated(&self, start: DualCurve) -> DualCurve {
-        if self.program.post.spline_form().is_none() {
+        if self.program.control().spline_form().is_none() {
             return start;
         }
         let place = |i: usize| {
