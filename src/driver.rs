@@ -19,6 +19,7 @@ mod reading;
 mod report;
 mod rest_stock;
 mod section_files;
+mod stage_file;
 mod stages;
 
 use crate::output::Outputs;
@@ -29,13 +30,14 @@ use ::report::source_map::{SourceMapFile, WrittenLine};
 use ::report::step::StepProtocol;
 use ::syntax::ast::{File, ItemKind};
 use base::progress::Progress;
-use base::source::{Origin, SourceFile, SourceMap, Span};
+use base::source::{SourceFile, SourceMap, Span};
 use diagnostics::codes::{files, post as post_codes, syntax};
 use diagnostics::junit::Judged;
 use diagnostics::{Aborted, Diag, Sink, printable};
 pub use file_stamps::FileStamps;
 pub use import::{Import, import};
 use ir::print::{self, Detail};
+use ir::stage_file::{PlannedMotion, StageValue};
 use ir::{Motion, Program};
 use job::{Fault, Files, Job, MissingFile};
 pub use job_check::check;
@@ -49,7 +51,7 @@ pub use nc_diff::{NcDiff, diff};
 pub use new_job::{BEGINNINGS, Beginning, new_job};
 use plan::facts;
 use plan::passes::pipeline::{self, Plan};
-pub use stages::{Emit, PartForm, RunState, Stages};
+pub use stages::{Emit, EmitForm, PartForm, RunState, Stages};
 use std::path::{Path, PathBuf};
 use verify::Verified;
 use verify::certificate::{Certificate, ContractReport, OperationReport};
@@ -97,8 +99,10 @@ impl Default for PartOptions {
 /// Options of a compilation.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// Job file.
+    /// Job file; of no effect with a stage file.
     pub job: PathBuf,
+    /// Stage file to go on from, in the place of a job.
+    pub from: Option<PathBuf>,
     /// File to write the NC text to.
     pub output: Option<PathBuf>,
     /// File to write a picture of part and paths to.
@@ -111,6 +115,8 @@ pub struct Options {
     pub certificate: Option<PathBuf>,
     /// Stage value to print; the compilation stops after this stage.
     pub emit: Option<Emit>,
+    /// How a stage value is written.
+    pub form: EmitForm,
     /// How the part is written.
     pub part: PartOptions,
     /// Shared options.
@@ -158,21 +164,19 @@ pub fn compile(options: &Options, stages: &mut Stages) -> Outcome {
 }
 
 fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<(), Aborted> {
-    let Some(program) = front(options, stages, outcome)? else { return Ok(()) };
+    let Some((program, start)) = start(options, stages, outcome)? else { return Ok(()) };
     let Outcome { sources, sink, emitted, contracts, operations, notes, .. } = outcome;
-    if options.emit == Some(Emit::Ir) {
-        *emitted = Some(print::program(&program));
-        return Ok(());
-    }
-    if let Some(Emit::Part(form)) = options.emit {
-        *emitted = Some(part_file::write(options, form, &program, sources, stages, sink)?);
+    *emitted = emit_program(options, &program, sources, stages, sink)?;
+    if emitted.is_some() {
         return Ok(());
     }
 
-    let (post, mut outputs) = check_before_planning(options, &program, facts::check_with, sources, stages, sink)?;
-    let plan = stages.watched("plan", |progress| pipeline::run_with(&program, progress, sink))?;
-    if let Some(text) = print_plan(options.emit, &program, &plan) {
-        *emitted = Some(text);
+    // A plan that was made shows that the part can be made.
+    let facts = if matches!(start, StageValue::Ir) { facts::check_with } else { |_: &_, _: &_, _: &mut _| () };
+    let (post, mut outputs) = check_before_planning(options, &program, facts, sources, stages, sink)?;
+    let plan = stages.watched("plan", |progress| pipeline::run_from(&program, start, progress, sink))?;
+    *emitted = emit_plan(options, &program, &plan, sources, sink)?;
+    if emitted.is_some() {
         return Ok(());
     }
 
@@ -238,6 +242,21 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     Ok(())
 }
 
+/// The program and the value that a run begins at; `None` when the stage value to print comes before the program.
+fn start(
+    options: &Options,
+    stages: &mut Stages,
+    outcome: &mut Outcome,
+) -> Result<Option<(Program, StageValue)>, Aborted> {
+    match &options.from {
+        Some(path) => {
+            let texts = (&mut outcome.sources, &mut outcome.sink);
+            stage_file::read(options, path, stages, texts).map(Some)
+        }
+        None => Ok(front(options, stages, outcome)?.map(|program| (program, StageValue::Ir))),
+    }
+}
+
 /// The operations of a certificate with their places in the job.
 fn judged_operations(program: &Program, certificate: &Certificate) -> Vec<(Span, OperationReport)> {
     let span = |name: &str| program.operations.iter().find(|(_, o)| o.name == name).map(|(_, o)| o.span);
@@ -271,7 +290,9 @@ fn check_before_planning(
     };
     let named = output_names::own(options);
     let own = named.map(|(flag, path, _)| (flag, path));
-    let outputs = or_reported(before_work(Outputs::default(), &options.run, &own, sources, program), sink)?;
+    let mut outputs = Outputs::default();
+    stage_file::protect(options, &SourceMap::default(), &mut outputs);
+    let outputs = or_reported(before_work(outputs, &options.run, &own, sources, program), sink)?;
     or_reported(output_names::check_all(&named), sink)?;
     plan::memory::check(program, sink)?;
     // Tools that cannot do their work are reported here, where the reason is known; planning would only report that it
@@ -291,14 +312,47 @@ pub fn check_frames(program: &Program, sink: &mut Sink) -> Result<&'static dyn P
     Ok(post)
 }
 
-/// The stage value of planning that is to be printed.
-fn print_plan(emit: Option<Emit>, program: &Program, plan: &Plan) -> Option<String> {
-    match emit? {
-        Emit::Cc => Some(print::cc(program, &plan.cc, Detail::Full)),
-        Emit::Cl => Some(print::cl(program, &plan.cl, Detail::Full)),
-        Emit::Motion => Some(print::motion(program, &plan.motion, Detail::Full)),
-        _ => None,
+/// What is to be printed of the program, or what was written of it; `None` where the run goes on.
+fn emit_program(
+    options: &Options,
+    program: &Program,
+    sources: &SourceMap,
+    stages: &mut Stages,
+    sink: &mut Sink,
+) -> Result<Option<String>, Aborted> {
+    match (options.emit, options.form) {
+        (Some(Emit::Ir), EmitForm::Text) => Ok(Some(print::program(program))),
+        (Some(Emit::Ir), EmitForm::Json) => {
+            stage_file::write(options, program, &StageValue::Ir, sources, sink).map(Some)
+        }
+        (Some(Emit::Part(form)), _) => part_file::write(options, form, program, sources, stages, sink).map(Some),
+        _ => Ok(None),
     }
+}
+
+/// The stage value of planning that is to be printed, or what was written of it; `None` where the run goes on.
+fn emit_plan(
+    options: &Options,
+    program: &Program,
+    plan: &Plan,
+    sources: &SourceMap,
+    sink: &mut Sink,
+) -> Result<Option<String>, Aborted> {
+    if options.form == EmitForm::Json {
+        let value = match options.emit {
+            Some(Emit::Cc) => StageValue::Cc(plan.cc.clone()),
+            Some(Emit::Cl) => StageValue::Cl(plan.cl.clone()),
+            Some(Emit::Motion) => StageValue::Motion(PlannedMotion::new(&plan.cl, plan.motion.clone())),
+            _ => return Ok(None),
+        };
+        return stage_file::write(options, program, &value, sources, sink).map(Some);
+    }
+    Ok(match options.emit {
+        Some(Emit::Cc) => Some(print::cc(program, &plan.cc, Detail::Full)),
+        Some(Emit::Cl) => Some(print::cl(program, &plan.cl, Detail::Full)),
+        Some(Emit::Motion) => Some(print::motion(program, &plan.motion, Detail::Full)),
+        _ => None,
+    })
 }
 
 /// Writes the report and the meshes of a program that was refused: they show why. Returns a text about what it wrote.
@@ -480,12 +534,7 @@ fn find_post(program: &Program, sink: &mut Sink) -> Result<&'static dyn Post, Ab
 /// Hashes of all files that the run has read. Of the path of the job only the file name is kept, so that the same job gives the
 /// same bytes from another folder or by another path.
 fn inputs(sources: &SourceMap) -> Inputs {
-    let own_name = |file: &SourceFile| {
-        let path = file.disk.as_deref().unwrap_or(Path::new(&file.name));
-        path.file_name().map_or_else(|| file.name.clone(), |n| n.display().to_string())
-    };
-    let name = |file: &SourceFile| if file.origin == Origin::Given { own_name(file) } else { file.name.clone() };
-    Inputs::new(sources.files().iter().map(|f| (name(f), f.origin, f.bytes())))
+    Inputs::new(sources.files().iter().map(|file| (file.own_name(), file.origin, file.bytes())))
 }
 
 /// Outputs of a program that was accepted.
@@ -653,6 +702,10 @@ fn read_job(path: &Path, sink: &mut Sink) -> Result<String, Aborted> {
         "a job is a text file; `impellerc new part.imp` writes one".to_owned()
     };
     let diag = match reading::read(path, MAX_JOB).map(|bytes| bytes.map(String::from_utf8)) {
+        Ok(Some(Ok(text))) if ir::stage_file::recognise(&text) => {
+            Diag::error(syntax::NOT_TEXT, format!("{shown} is a stage file, not a job"))
+                .help(format!("go on from it: `impellerc --from {shown}`"))
+        }
         Ok(Some(Ok(text))) => match nc::recognise(&text).filter(|_| !text.contains("edition")) {
             None => return Ok(text),
             Some(post) => Diag::error(syntax::NOT_TEXT, format!("{shown} is NC text of {}, not a job", post.name()))

@@ -3,9 +3,10 @@
 use super::import_arguments::ImportArguments;
 use super::quantities::{chord, with_unit};
 use clap::builder::PossibleValuesParser;
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::error::ErrorKind;
+use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
-use impellerc::driver::{BEGINNINGS, Emit, Options, PartForm, PartOptions, RunOptions};
+use impellerc::driver::{BEGINNINGS, Emit, EmitForm, Options, PartForm, PartOptions, RunOptions};
 use impellerc::report::step::StepProtocol;
 use std::path::PathBuf;
 
@@ -62,8 +63,12 @@ pub(super) struct Arguments {
     pub(super) command: Option<Command>,
 
     /// Job file
-    #[arg(required = true)]
+    #[arg(required_unless_present = "from")]
     pub(super) job: Option<PathBuf>,
+
+    /// Go on from this stage file, which `--emit STAGE --format json` wrote, instead of a job
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["job", "post", "machine", "library", "curves", "watch"])]
+    pub(super) from: Option<PathBuf>,
 
     /// Write the NC text to this file; without this option the job is planned and verified, but no NC text is written
     #[arg(short, long, value_name = "FILE", required_if_eq_any = PART_FORMS)]
@@ -76,6 +81,11 @@ pub(super) struct Arguments {
     /// Print the result of this stage, and stop after it; forms of the part are written to the file of `-o`
     #[arg(long, value_enum, value_name = "STAGE")]
     pub(super) emit: Option<EmitArgument>,
+
+    /// Write the stage value as text for people, or as a stage file that `--from` reads (of `ir`, `cc`, `cl` and `motion`),
+    /// to the file of `-o` where it is given
+    #[arg(long, value_enum, default_value = "text", value_name = "FORM", requires = "emit")]
+    pub(super) format: FormArgument,
 
     /// Application protocol of the STEP file
     #[arg(long, value_enum, default_value = "ap242", value_name = "PROTOCOL")]
@@ -118,17 +128,30 @@ pub(super) struct Arguments {
 }
 
 impl Arguments {
+    /// The fault of options that do not go together.
+    pub(super) fn fault(&self) -> Option<clap::Error> {
+        let written = matches!(
+            self.emit,
+            None | Some(EmitArgument::Ir | EmitArgument::Cc | EmitArgument::Cl | EmitArgument::Motion)
+        );
+        let message = "`--format json` writes the stages `ir`, `cc`, `cl` and `motion`\n";
+        let fault = self.format == FormArgument::Json && !written;
+        fault.then(|| Self::command().error(ErrorKind::ArgumentConflict, message))
+    }
+
     /// The options of a compilation, in the form of the driver.
     pub(super) fn options(self) -> Options {
         let part = PartOptions { protocol: self.step_protocol.into(), chord: self.chord, sections: self.sections };
         Options {
             job: self.job.unwrap_or_default(),
+            from: self.from,
             output: self.output,
             picture: self.picture,
             source_map: self.source_map,
             setup_sheet: self.setup_sheet,
             certificate: self.certificate,
             emit: self.emit.map(Emit::from),
+            form: self.format.into(),
             part,
             run: self.run.options(self.post, self.report),
         }
@@ -426,6 +449,23 @@ pub(super) enum EmitArgument {
     ThreeMf,
     /// Sections of the blades for TurboGrid: the `.inf` file that `-o` names, with files of hub, shroud and profiles beside it
     Sections,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum FormArgument {
+    /// Text for people
+    Text,
+    /// A stage file
+    Json,
+}
+
+impl From<FormArgument> for EmitForm {
+    fn from(form: FormArgument) -> Self {
+        match form {
+            FormArgument::Text => Self::Text,
+            FormArgument::Json => Self::Json,
+        }
+    }
 }
 
 #[derive(Clone, Copy, ValueEnum)]

@@ -36,6 +36,9 @@ fn main() -> ExitCode {
             return ended(Exit::Text);
         }
     };
+    if let Some(fault) = arguments.fault() {
+        fault.exit();
+    }
     match arguments.command.take() {
         Some(command) => commanded(command),
         None => {

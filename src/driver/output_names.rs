@@ -1,6 +1,6 @@
 //! Endings of the names of outputs: a file is never named like a form that is not written into it.
 
-use super::{Emit, Options, PartForm, shown_path};
+use super::{Emit, EmitForm, Options, PartForm, shown_path};
 use diagnostics::{Diag, codes::files};
 use std::path::{Path, PathBuf};
 
@@ -31,8 +31,9 @@ const NOT_NC: &[&str] = &[
 
 impl Form {
     /// The form of the file that `-o` names.
-    pub(super) fn of_output(emit: Option<Emit>) -> Self {
-        match emit {
+    pub(super) fn of_output(options: &Options) -> Self {
+        match options.emit {
+            _ if options.form == EmitForm::Json => Self::Json,
             Some(Emit::Part(form)) => Self::Part(form),
             _ => Self::Nc,
         }
@@ -77,7 +78,7 @@ type Named<'a> = (&'static str, &'a Option<PathBuf>, Form);
 /// The outputs of a compilation but for the report.
 pub(super) fn own(options: &Options) -> [Named<'_>; 5] {
     [
-        ("-o", &options.output, Form::of_output(options.emit)),
+        ("-o", &options.output, Form::of_output(options)),
         ("--certificate", &options.certificate, Form::Json),
         ("--picture", &options.picture, Form::Picture),
         ("--source-map", &options.source_map, Form::Json),
@@ -143,7 +144,9 @@ fn own_flag(ending: &str) -> String {
         "stl" => "`--emit stl -o PART.stl` writes the part as STL, `--stock DIR` the stock after each operation",
         "3mf" => "`--emit 3mf -o PART.3mf` writes the part as 3MF",
         "inf" => "`--emit sections -o PART.inf` writes the sections of the blades",
-        "json" => "`--certificate PART.json` writes the certificate",
+        "json" => {
+            "`--certificate PART.json` writes the certificate, `--emit motion --format json -o MOTION.json` a stage file"
+        }
         "html" | "htm" => "`--report PART.html` writes the report, `--setup-sheet SHEET.html` the setup sheet",
         "md" => "`--setup-sheet SHEET.md` writes the setup sheet",
         "png" => "`--picture PART.png` writes the picture",

@@ -1,6 +1,6 @@
 //! The part as a file for other programs.
 
-use super::{Options, PartForm, Stages, or_reported, output_names, section_files, shown_path};
+use super::{Options, PartForm, Stages, or_reported, output_names, section_files, shown_path, stage_file};
 use crate::output::Outputs;
 use ::report::step::StepFile;
 use ::report::three_mf::three_mf;
@@ -33,11 +33,7 @@ pub(super) fn write(
 ) -> Result<String, Aborted> {
     let path = options.output.as_deref().unwrap_or(Path::new("part.step"));
     let mut outputs = Outputs::default();
-    for file in sources.files() {
-        if let Some(disk) = &file.disk {
-            outputs.protect(format!("`{}`", file.name), disk);
-        }
-    }
+    stage_file::protect(options, sources, &mut outputs);
     or_reported(outputs.announce("-o", path), sink)?;
     or_reported(output_names::check("-o", path, output_names::Form::Part(form)), sink)?;
     let (files, said) = match form {

@@ -30,6 +30,16 @@ pub enum Emit {
     Part(PartForm),
 }
 
+/// How a stage value is written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum EmitForm {
+    /// As text for people.
+    #[default]
+    Text,
+    /// As a stage file, from which a run can go on.
+    Json,
+}
+
 /// Forms of the part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PartForm {

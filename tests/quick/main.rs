@@ -79,6 +79,7 @@ mod sections;
 mod sector_subprograms;
 mod solids;
 mod splines;
+mod stage_files;
 mod stl;
 mod stock_links;
 mod stock_program;

@@ -49,6 +49,16 @@ pub fn options(job: &str, machine: Option<&str>) -> Options {
     options
 }
 
+/// The jobs that ship with the compiler.
+pub fn shipped() -> Vec<PathBuf> {
+    let folders = std::fs::read_dir("jobs").unwrap().map(|entry| entry.unwrap().path());
+    let folders = folders.filter(|path| path.is_dir() && !path.ends_with("_errors") && !path.ends_with("_lib"));
+    let files = folders.flat_map(|folder| std::fs::read_dir(folder).unwrap()).map(|file| file.unwrap().path());
+    let mut jobs: Vec<PathBuf> = files.filter(|path| path.extension().is_some_and(|e| e == "imp")).collect();
+    jobs.sort();
+    jobs
+}
+
 /// The program of a shipped job, see [`options`].
 pub fn program(job: &str, machine: Option<&str>) -> Program {
     front(&options(job, machine))

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Origin of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -60,6 +60,13 @@ impl SourceFile {
     /// The bytes of the file.
     pub fn bytes(&self) -> &[u8] {
         if self.data.is_empty() { self.text.as_bytes() } else { &self.data }
+    }
+
+    /// Name without the folder for a file of the command line, else the name as the job writes it: the same from any folder.
+    pub fn own_name(&self) -> String {
+        let path = self.disk.as_deref().unwrap_or(Path::new(&self.name));
+        let file = path.file_name().filter(|_| self.origin == Origin::Given);
+        file.map_or_else(|| self.name.clone(), |file| file.display().to_string())
     }
 
     /// Path seen from the working folder.

@@ -42,7 +42,7 @@ const NO_FINDINGS: &[Code] = &[
 const FINDINGS: &[Code] = &[syntax::NOT_FORMATTED];
 
 /// Codes of the stage of files where the remedy is a change of a text.
-const NO_FILES: &[Code] = &[files::NOT_IN_LIBRARY, files::MEETS, files::INTERNAL];
+const NO_FILES: &[Code] = &[files::NOT_IN_LIBRARY, files::MEETS, files::STAGE_FILE, files::INTERNAL];
 
 impl Exit {
     /// The class of an error with this code.

@@ -3,6 +3,7 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking"))]
 
+mod carried;
 pub mod chain;
 pub mod control;
 pub mod feedrate;
@@ -16,8 +17,9 @@ pub mod transform;
 #[cfg(feature = "serde")]
 mod unlimited;
 
+pub use carried::{Carried, CarriedKind};
 pub use chain::{Angles, AxisLine, Carries, Chain};
 pub use interpolation::Interpolation;
-pub use machine::{Carried, CarriedKind, LinearAxis, Machine, RotaryAxis};
+pub use machine::{LinearAxis, Machine, RotaryAxis};
 pub use pose_curve::{CurveDirection, PoseCurve, TurnCurve};
 pub use transform::{Joints, Pose, RotaryPose, between, most_turn};

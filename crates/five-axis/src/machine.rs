@@ -1,7 +1,7 @@
 //! A machine as numbers: its axes, their limits, and the position of the part.
 
 use super::heights::{Ring, Swing, farthest};
-use super::{Angles, AxisLine, Carries, Chain};
+use super::{Angles, AxisLine, Carried, Carries, Chain};
 use crate::control::{LengthTo, ModuloWay, Planning};
 use nalgebra::{Point3, Rotation3, Unit, Vector3};
 use std::f64::consts::{PI, TAU};
@@ -116,37 +116,6 @@ fn leaning(lean: f64, azimuth: usize) -> Vector3<f64> {
 
 /// Share of the speed limits that plans for LinuxCNC use.
 const BLENDED: f64 = 0.97;
-
-/// A solid of the machine file that turns with the part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
-pub enum CarriedKind {
-    /// The table.
-    Table,
-    /// What holds the part on it.
-    Fixture,
-}
-
-impl CarriedKind {
-    /// Name in machine files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Table => "table",
-            Self::Fixture => "fixture",
-        }
-    }
-}
-
-/// A solid of revolution about the axis of the table that turns with the part.
-#[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
-pub struct Carried {
-    /// Which solid of the machine file it is.
-    pub kind: CarriedKind,
-    /// Meridian as (r, z), straight between the points, from the axis at its top to the axis at its bottom; mm, z in
-    /// the part frame.
-    pub profile: Vec<[f64; 2]>,
-}
 
 impl LinearAxis {
     /// An axis without effective limits.

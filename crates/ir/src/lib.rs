@@ -130,6 +130,7 @@ pub mod motion;
 pub mod print;
 pub mod program;
 pub mod repeats;
+pub mod stage_file;
 pub mod validate;
 
 pub use cc::{CcOperation, CcPass, CcPlan, CcPoint, Drive};

@@ -250,6 +250,24 @@ impl Program {
         counts_in_part_frame(&self.post.dialect)
     }
 
+    /// All places in texts that the program refers to.
+    pub fn spans(&self) -> impl Iterator<Item = Span> {
+        let PostFile { span, dialect_span, offset, splines_span, end_span, .. } = &self.post;
+        let templates =
+            self.post.smoothing.iter().chain(&self.post.transformation).chain(self.post.frames.iter().flatten());
+        let of_post = [*dialect_span, *end_span].into_iter().chain(*span);
+        let of_post = of_post.chain(offset.iter().map(|x| x.1)).chain(*splines_span);
+        let points = self.data.iter().flat_map(|curve| &curve.points).filter_map(|point| point.span);
+        std::iter::once(self.name_span)
+            .chain(of_post)
+            .chain(templates.map(|template| template.span))
+            .chain(self.tools.iter().map(|(_, tool)| tool.span))
+            .chain(self.operations.iter().map(|(_, operation)| operation.span))
+            .chain(self.contracts.iter().map(|contract| contract.span))
+            .chain(self.allowed.iter().map(|allowed| allowed.span))
+            .chain(points)
+    }
+
     /// Path tolerance of an operation, mm.
     pub fn path_tolerance(&self, operation: &Operation) -> f64 {
         if operation.kind.finishes() { self.tolerances.chord.get() } else { self.tolerances.chord_rough.get() }

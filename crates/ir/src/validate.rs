@@ -1,11 +1,17 @@
 //! Checks of each stage value. In debug builds, and so in tests, [`plan::passes::pipeline`] runs them after every
 //! pass; a failed check is a fault of the compiler, never of a job.
 
-use super::{CcPlan, ClPlan, Drive, Motion, MoveKind, Operation, OperationId, OperationKind, Program};
+use super::{
+    CcPlan, ClPlan, Contract, Drive, Motion, MoveKind, Operation, OperationId, OperationKind, Program, SplineBlock,
+    Tolerances,
+};
 use base::entity::EntityId;
+use base::units::Mm3PerMin;
+use five_axis::Machine;
 use nalgebra::{Point3, Vector3};
+use wheel::control::Decimals;
 use wheel::operation::word;
-use wheel::part::FaceId;
+use wheel::part::{FaceId, PassageId, SurfaceKind};
 
 /// Largest difference of the length of a unit vector from one: rounding of a few rotations and blends.
 const UNIT: f64 = 1e-9;
@@ -55,6 +61,8 @@ pub fn program(program: &Program) -> Result<(), Malformed> {
         program.stock.profile.len() > 2 && program.stock.profile.as_flattened().iter().all(|x| x.is_finite()),
         || "the stock has no profile".to_owned(),
     )?;
+    machine(&program.machine)?;
+    sizes(program)?;
     for (id, operation) in program.operations.iter() {
         let name = &operation.name;
         check(operation.tool.index() < program.tools.len(), || format!("{id} `{name}` has no tool"))?;
@@ -63,22 +71,81 @@ pub fn program(program: &Program) -> Result<(), Malformed> {
         let sectors = &operation.sectors;
         check(sectors.iter().all(|s| *s < part.vane_count), || format!("`{name}` is in the sectors {sectors:?}"))?;
         check(sectors.windows(2).all(|w| w[0] < w[1]), || format!("sectors of `{name}` do not ascend: {sectors:?}"))?;
-        let known = |face: &FaceId| face.blade.index() < part.blades.len();
+        let long_face = |face: &FaceId| face.edge_end().is_none() && part.has_face(*face);
+        let surface = |surface: &SurfaceKind| match surface {
+            SurfaceKind::Face(face) => long_face(face),
+            SurfaceKind::Fillet(face) => part.has_face(*face),
+            other => word(*other).is_some_and(|w| w.2.index() < part.blades.len()),
+        };
         let fits = match &operation.kind {
-            OperationKind::Flank { faces, .. } => !faces.is_empty() && faces.iter().all(known),
-            OperationKind::Point { surfaces, .. } => {
-                !surfaces.is_empty()
-                    && surfaces.iter().all(|s| word(*s).is_some_and(|w| w.2.index() < part.blades.len()))
-            }
+            OperationKind::Flank { faces, .. } => !faces.is_empty() && faces.iter().all(long_face),
+            OperationKind::Point { surfaces, .. } => !surfaces.is_empty() && surfaces.iter().all(surface),
             _ => true,
         };
         check(fits, || format!("`{name}` finishes no surface of the part"))?;
     }
+    let contracts = program.contracts.iter().map(|contract| (contract.kind, &contract.scope));
+    for (kind, scope) in contracts.chain(program.allowed.iter().map(|allowed| (allowed.kind, &allowed.scope))) {
+        let known = scope.operations.iter().all(|o| o.index() < program.operations.len());
+        check(known, || format!("a contract on {} names an operation that is not there", kind.name()))?;
+    }
     for contract in &program.contracts {
-        let known = contract.scope.operations.iter().all(|o| o.index() < program.operations.len());
-        check(known, || format!("a contract on {} names an operation that is not there", contract.kind.name()))?;
+        let Contract { kind, bound, .. } = contract;
+        let sound = bound.value().is_finite() && bound.unit() == kind.bound(0.0).unit();
+        check(sound, || format!("the bound on {} is {bound:?}", kind.name()))?;
     }
     Ok(())
+}
+
+/// Checks that all limits of a machine are possible.
+fn machine(machine: &Machine) -> Result<(), Malformed> {
+    let Machine { linear, rotary, retract, spindle, rapid, cycle, power, .. } = machine;
+    let positive = |x: &f64| x.is_finite() && *x > 0.0;
+    for axis in linear {
+        let moves = positive(&axis.speed) && positive(&axis.acceleration) && axis.jerk > 0.0;
+        check(moves && axis.min <= axis.max, || format!("a linear axis has the limits {axis:?}"))?;
+    }
+    for axis in rotary {
+        let moves = positive(&axis.speed) && positive(&axis.acceleration) && axis.jerk > 0.0;
+        let sound = moves && axis.min <= axis.max && axis.word_sign.abs() == 1.0;
+        check(sound, || format!("a rotary axis has the limits {axis:?}"))?;
+    }
+    let sound = retract.is_finite() && spindle.iter().chain([rapid, cycle]).chain(power).all(positive);
+    check(sound, || format!("machine `{}` has a size that is not positive", machine.name))?;
+    for solid in &machine.carried {
+        let sound = solid.profile.len() > 1 && solid.profile.as_flattened().iter().all(|x| x.is_finite());
+        check(sound, || format!("the {} of the machine has no outside", solid.kind.name()))?;
+    }
+    Ok(())
+}
+
+/// Checks tools, tolerances, digits of words, and the points of the data.
+fn sizes(program: &Program) -> Result<(), Malformed> {
+    /// Most digits behind the point: more than any number of a text has.
+    const MOST_DIGITS: usize = 17;
+    let positive = |x: f64| x.is_finite() && x > 0.0;
+    for (_, tool) in program.tools.iter() {
+        let given = [Some(tool.max_chip.get()), Some(tool.max_depth.get()), tool.max_rate.map(Mm3PerMin::get)];
+        let sound = given.into_iter().flatten().all(positive) && tool.ramp.get() >= 0.0 && tool.flutes > 0;
+        check(sound, || format!("tool `{}` has a size that is not positive", tool.name))?;
+    }
+    let Tolerances { chord, chord_rough } = program.tolerances;
+    let sound = [chord.get(), chord_rough.get(), program.memory].into_iter().all(positive);
+    check(sound && program.clearance.get() >= 0.0, || "a tolerance is not positive".to_owned())?;
+    let Decimals { length, angle, vector, feed } = program.control().decimals;
+    check([length, angle, vector, feed].iter().all(|digits| *digits <= MOST_DIGITS), || {
+        format!("words have {:?}", program.control().decimals)
+    })?;
+    check(program.control().orientation_tolerance.is_none_or(positive), || {
+        "an orientation tolerance is not positive".to_owned()
+    })?;
+    let part = &program.part;
+    let known = program.data.iter().all(|curve| part.has_face(curve.side))
+        && program.stated.iter().all(|stated| stated.blade.index() < part.blades.len());
+    check(known, || "points are those of a blade that is not there".to_owned())?;
+    let points = program.data.iter().flat_map(|curve| curve.points.iter().map(|point| &point.point));
+    let sound = points.chain(program.stated.iter().flat_map(|stated| &stated.points)).all(finite);
+    check(sound, || "a point of the data is not finite".to_owned())
 }
 
 /// Checks that the operations of a plan are those of the program, in their order.
@@ -113,7 +180,14 @@ pub fn cc(program: &Program, plan: &CcPlan) -> Result<(), Malformed> {
                 (OperationKind::Point { surfaces, .. }, Drive::Contact(kind)) => surfaces.contains(&kind),
                 _ => false,
             };
-            check(driven, || format!("{} is driven by {:?}", at(), pass.drive))?;
+            let passage = |id: PassageId| id.index() < program.part.blades.len();
+            let there = match pass.drive {
+                Drive::Hub(id) => passage(id),
+                Drive::HubWithLead(id, lead) => passage(id) && lead.is_finite(),
+                Drive::Round(blade) => blade.index() < program.part.blades.len(),
+                Drive::Channel | Drive::Face { .. } | Drive::Contact(_) => true,
+            };
+            check(driven && there, || format!("{} is driven by {:?}", at(), pass.drive))?;
             check(pass.path.is_none() || matches!(pass.drive, Drive::Face { .. }), || {
                 format!("{} has a path of its axis", at())
             })?;
@@ -140,7 +214,9 @@ pub fn cl(program: &Program, plan: &ClPlan, stage: ClStage) -> Result<(), Malfor
         for pass in &planned.passes {
             let there = if stage == ClStage::Oriented { pass.sector == 0 } else { sectors.contains(&pass.sector) };
             check(there, || format!("pass `{}` of `{name}` is in sector {}", pass.label, pass.sector))?;
-            for (i, p) in pass.points.iter().enumerate() {
+            let air = pass.air.iter().all(|i| *i < pass.points.len()) && pass.air.windows(2).all(|w| w[0] < w[1]);
+            check(air, || format!("pass `{}` of `{name}` cuts air at stations that are not there", pass.label))?;
+            for (i, p) in pass.points.iter().chain(pass.link.iter().flatten()).enumerate() {
                 let sound = finite(&p.tip) && is_unit(&p.axis) && p.contact.is_none_or(|c| finite(&c));
                 check(sound, || format!("point {i} of pass `{}` of `{name}` is {p:?}", pass.label))?;
             }
@@ -167,6 +243,7 @@ pub fn motion(program: &Program, motion: &Motion) -> Result<(), Malformed> {
             check(m.feed.is_none() == (m.kind == MoveKind::Rapid), at)?;
             check(m.feed.is_none_or(|f| f.is_finite() && f > 0.0), at)?;
         }
+        splines(&made.splines, made.moves.len()).map_err(|fault| Malformed(format!("{fault} in `{name}`")))?;
         // Links belong to the pass of the next cut.
         let cuts = made.moves.iter().filter(|m| m.kind == MoveKind::Cut).map(|m| m.pass);
         check(cuts.is_sorted(), || format!("`{name}` does not cut its passes in their order"))?;
@@ -174,6 +251,19 @@ pub fn motion(program: &Program, motion: &Motion) -> Result<(), Malformed> {
             let aloft = m.kind == MoveKind::Rapid && m.joints == machine.at_height(&m.joints, machine.retract, length);
             check(aloft, || format!("`{name}` does not begin and end at retract height: {m:?}"))?;
         }
+    }
+    Ok(())
+}
+
+/// Checks that spline blocks have chords among so many moves, in their order.
+fn splines(blocks: &[SplineBlock], moves: usize) -> Result<(), Malformed> {
+    for (k, SplineBlock { first, last, shares, .. }) in blocks.iter().enumerate() {
+        let behind = k.checked_sub(1).is_none_or(|before| blocks[before].last < *first);
+        let chords = behind && first <= last && *last < moves && shares.len() == last - first + 1;
+        let ascending = shares.first().is_some_and(|share| *share > 0.0) && shares.windows(2).all(|w| w[0] < w[1]);
+        check(chords && ascending && shares.last() == Some(&1.0), || {
+            format!("spline block {k} has the chords {first} to {last} at the shares {shares:?}")
+        })?;
     }
     Ok(())
 }

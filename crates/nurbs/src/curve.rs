@@ -7,11 +7,7 @@ use nalgebra::{Point3, Rotation3, Vector3, Vector4};
 
 /// A NURBS curve of degree 1 to 3 on [0, 1] (clamped knots).
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "crate::stored::StoredCurve")
-)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct NurbsCurve {
     degree: usize,
     knots: Vec<f64>,

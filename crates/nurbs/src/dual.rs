@@ -10,11 +10,7 @@ const PLACES: usize = MOST_DEGREE + 1;
 
 /// Two B-splines of degree 3 or 5 on common knots: a point of the tool axis near the tip, and a point further up.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "crate::stored::StoredDual")
-)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct DualCurve {
     degree: usize,
     knots: Vec<f64>,

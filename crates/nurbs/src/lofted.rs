@@ -13,11 +13,7 @@ use std::sync::OnceLock;
 ///
 /// With two sections this is a ruled surface.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "crate::stored::StoredLoft")
-)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct LoftedSurface {
     sections: Vec<NurbsCurve>,
     /// Parameters of the sections, from 0 to 1.

@@ -9,11 +9,7 @@ const EXACT: f64 = 1e-15;
 /// A curve rotated about Z. The parameter u runs along the curve. In the meridian plane (r, z) the surface is a curve
 /// whose unit normal `orientation * (z', -r')` points out of the material.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "crate::stored::StoredRevolution")
-)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Revolution {
     generator: NurbsCurve,
     orientation: f64,

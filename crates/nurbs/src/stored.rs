@@ -4,12 +4,32 @@
 use super::bezier::MOST_DEGREE;
 use super::{DualCurve, GeomError, LoftedSurface, NurbsCurve, NurbsSurface, Revolution, basis};
 use nalgebra::{Point3, Vector3, Vector4};
-use serde::Deserialize;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer};
+
+/// Reads a value through the data that define it.
+macro_rules! checked {
+    ($($value:ty: $stored:ty),* $(,)?) => {
+        $(impl<'de> Deserialize<'de> for $value {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                Self::try_from(<$stored>::deserialize(deserializer)?).map_err(D::Error::custom)
+            }
+        })*
+    };
+}
+
+checked! {
+    NurbsCurve: StoredCurve,
+    NurbsSurface: StoredSurface,
+    Revolution: StoredRevolution,
+    LoftedSurface: StoredLoft,
+    DualCurve: StoredDual,
+}
 
 /// A curve with homogeneous control points.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct StoredCurve {
+struct StoredCurve {
     degree: usize,
     knots: Vec<f64>,
     control: Vec<Vector4<f64>>,
@@ -41,7 +61,7 @@ impl TryFrom<StoredCurve> for NurbsCurve {
 /// A surface with homogeneous control points.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct StoredSurface {
+struct StoredSurface {
     degree: [usize; 2],
     knots: [Vec<f64>; 2],
     control: Vec<Vector4<f64>>,
@@ -70,7 +90,7 @@ impl TryFrom<StoredSurface> for NurbsSurface {
 /// A surface of revolution: its seeds follow from the curve.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct StoredRevolution {
+struct StoredRevolution {
     generator: NurbsCurve,
     orientation: f64,
 }
@@ -87,7 +107,7 @@ impl TryFrom<StoredRevolution> for Revolution {
 /// turned ones.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct StoredLoft {
+struct StoredLoft {
     sections: Vec<NurbsCurve>,
     places: Vec<f64>,
     control: Vec<Vector3<f64>>,
@@ -126,7 +146,7 @@ impl TryFrom<StoredLoft> for LoftedSurface {
 /// Two B-splines on common knots.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct StoredDual {
+struct StoredDual {
     degree: usize,
     knots: Vec<f64>,
     lower: Vec<Point3<f64>>,

@@ -6,11 +6,7 @@ use nalgebra::{Point3, Rotation3, Vector3, Vector4};
 
 /// A NURBS surface of degrees 1 to 3 on [0, 1] x [0, 1] (clamped knots).
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "crate::stored::StoredSurface")
-)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct NurbsSurface {
     degree: [usize; 2],
     knots: [Vec<f64>; 2],

@@ -11,15 +11,16 @@ use super::{channel, copy_sectors, fit_splines, flank, point, round_to_words, sa
 use crate::memory::{self, Stations};
 use base::progress::Progress;
 use diagnostics::{Aborted, Sink};
+use ir::stage_file::{PlannedMotion, StageValue};
 use ir::validate::{self, ClStage};
-use ir::{CcPlan, ClPlan, Motion, OperationKind, Program};
+use ir::{CcOperation, CcPlan, ClOperation, ClPlan, Motion, OperationKind, Program};
 
-/// Values of the planning stages.
+/// Values of the planning stages. Those before the start of a run ([`run_from`]) are empty.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// Contact or drive points.
     pub cc: CcPlan,
-    /// Cutter locations of all passes.
+    /// Cutter locations of all passes; of a run that starts at the motion only the notes.
     pub cl: ClPlan,
     /// Joint motion.
     pub motion: Motion,
@@ -39,50 +40,95 @@ pub fn run(program: &Program, sink: &mut Sink) -> Result<Plan, Aborted> {
 /// # Errors
 /// As [`run`].
 pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Result<Plan, Aborted> {
+    run_from(program, StageValue::Ir, progress, sink)
+}
+
+/// [`run_with`] from the value of a stage on, with the same result as a run that makes this value.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_from(program: &Program, start: StageValue, progress: &Progress, sink: &mut Sink) -> Result<Plan, Aborted> {
     check_size(program, sink)?;
     let obstacles = Obstacles::of(program);
     let mut cx = PassContext { program, obstacles: &obstacles, progress, sink, stations: Stations::default() };
     cx.holds("lower", validate::program)?;
-    let roughings = roughings(&cx)?;
+    let (cc, cl) = match start {
+        StageValue::Ir => {
+            let cc = contacts(&mut cx)?;
+            let cl = locations(&mut cx, &cc)?;
+            (cc, cl)
+        }
+        StageValue::Cc(cc) => {
+            for planned in &cc.operations {
+                count(&mut cx, planned)?;
+            }
+            let cl = locations(&mut cx, &cc)?;
+            (cc, cl)
+        }
+        StageValue::Cl(cl) => (CcPlan::default(), cl),
+        StageValue::Motion(PlannedMotion { motion, notes }) => {
+            let operations = motion.operations.iter().map(|o| o.operation).zip(notes);
+            let with_notes = |(operation, notes)| ClOperation { operation, passes: Vec::new(), notes };
+            let cl = ClPlan { operations: operations.map(with_notes).collect() };
+            return Ok(Plan { cc: CcPlan::default(), cl, motion });
+        }
+    };
+    let motion = moves(&mut cx, &cl)?;
+    Ok(Plan { cc, cl, motion })
+}
+
+/// Contacts on drive surfaces, operation by operation.
+fn contacts(cx: &mut PassContext<'_>) -> Result<CcPlan, Aborted> {
+    let roughings = roughings(cx)?;
     // Tools that are too short are told before their levels are planned without the floor.
-    short_reach::check(&mut cx, &roughings)?;
+    short_reach::check(cx, &roughings)?;
     // Smaller balls of the floor finish what larger ones cannot.
-    let middles = clear_floor::run(&mut cx)?;
-    // Contacts on drive surfaces, operation by operation. Roughing comes first, since each roughing starts at the level
-    // that the one before reached.
-    let cc = plan(&mut cx, &roughings, &middles)?;
+    let middles = clear_floor::run(cx)?;
+    // Roughing comes first, since each roughing starts at the level that the one before reached.
+    let cc = plan(cx, &roughings, &middles)?;
     cx.holds("plan", |program| validate::cc(program, &cc))?;
-    let mut cl = orient_tool::run(&mut cx, &cc)?;
+    Ok(cc)
+}
+
+/// Tool positions at the contacts, in all sectors.
+fn locations(cx: &mut PassContext<'_>, cc: &CcPlan) -> Result<ClPlan, Aborted> {
+    let mut cl = orient_tool::run(cx, cc)?;
     cx.holds("orient-tool", |program| validate::cl(program, &cl, ClStage::Oriented))?;
     // A machine that is too small is told before the axes of finishing are planned.
-    first_travel::check(&mut cx, &cl)?;
+    first_travel::check(cx, &cl)?;
     // Collision avoidance and smoothing need all stations; thinning and links need the final axes.
-    avoid_collision::run(&mut cx, short_reach::refusal, &cc, &mut cl)?;
+    avoid_collision::run(cx, short_reach::refusal, cc, &mut cl)?;
     cx.holds("avoid-collision", |program| validate::cl(program, &cl, ClStage::Oriented))?;
-    smooth_axis::run(&mut cx, &cc, &mut cl)?;
+    smooth_axis::run(cx, cc, &mut cl)?;
     cx.holds("smooth-axis", |program| validate::cl(program, &cl, ClStage::Oriented))?;
-    sample_to_tolerance::run(&cx, &mut cl);
+    sample_to_tolerance::run(cx, &mut cl);
     cx.holds("sample-to-tolerance", |program| validate::cl(program, &cl, ClStage::Oriented))?;
     // The blank is the same in all sectors.
-    fast_leads::run(program, &mut cl);
+    fast_leads::run(cx.program, &mut cl);
     cx.holds("fast-leads", |program| validate::cl(program, &cl, ClStage::Oriented))?;
-    copy_sectors::run(program, &mut cl);
+    copy_sectors::run(cx.program, &mut cl);
     cx.holds("copy-sectors", |program| validate::cl(program, &cl, ClStage::InSectors))?;
     // Passes that cut nothing are removed before links are made.
-    rest_machining::run(program, &obstacles, &mut cl, cx.progress, cx.sink)?;
+    rest_machining::run(cx.program, cx.obstacles, &mut cl, cx.progress, cx.sink)?;
     cx.holds("rest-machining", |program| validate::cl(program, &cl, ClStage::InSectors))?;
-    let mut motion = link_moves::run(&mut cx, &cl)?;
+    Ok(cl)
+}
+
+/// Moves of the machine through the tool positions.
+fn moves(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<Motion, Aborted> {
+    let (program, progress) = (cx.program, cx.progress);
+    let mut motion = link_moves::run(cx, cl)?;
     cx.holds("link-moves", |program| validate::motion(program, &motion))?;
     // Splines go through the ends of moves as they are before rounding.
-    fit_splines::run(&cx, &mut motion);
+    fit_splines::run(cx, &mut motion);
     cx.holds("fit-splines", |program| validate::motion(program, &motion))?;
     // What follows counts with the moves that the text says.
     round_to_words::run(program, progress, &mut motion);
     cx.holds("round-to-words", |program| validate::motion(program, &motion))?;
     let needed = memory::of_moves(program, &motion, cx.stations.planned);
-    check_memory(&mut cx, None, needed)?;
+    check_memory(cx, None, needed)?;
     // Times follow from feeds that tool and spindle can take.
-    removal_feeds::run(program, &mut motion, cx.progress, cx.sink)?;
+    removal_feeds::run(program, &mut motion, progress, cx.sink)?;
     cx.holds("removal-feeds", |program| validate::motion(program, &motion))?;
     time_feeds::run(program, progress, &mut motion);
     cx.holds("time-feeds", |program| validate::motion(program, &motion))?;
@@ -92,7 +138,15 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
     exact_stops::run(program, progress, &mut motion);
     cx.holds("exact-stops", |program| validate::motion(program, &motion))?;
     equal_sectors::stops(program, &mut motion);
-    Ok(Plan { cc, cl, motion })
+    Ok(motion)
+}
+
+/// Counts the stations of an operation. Each operation may fit into the memory alone, but not all together.
+fn count(cx: &mut PassContext<'_>, planned: &CcOperation) -> Result<(), Aborted> {
+    let operation = &cx.program.operations[planned.operation];
+    let points = planned.passes.iter().map(|p| p.points.len()).sum::<usize>() as f64;
+    cx.stations = cx.stations.and(points, operation);
+    check_points(cx, operation, 0.0)
 }
 
 /// The `plan-*` passes, in the order of the operations. Roughing starts at the level that earlier roughing of the same
@@ -115,13 +169,9 @@ fn plan(cx: &mut PassContext<'_>, roughings: &Roughings<'_>, middles: &Middles<'
         };
         match planned {
             Ok(plan) => {
-                let points = plan.passes.iter().map(|p| p.points.len()).sum::<usize>() as f64;
-                cx.stations = cx.stations.and(points, operation);
+                // Where one does not fit, no later operation will.
+                count(cx, &plan)?;
                 cc.operations.push(plan);
-                // Each operation may fit alone, but not all together. No later operation will fit either.
-                if check_points(cx, operation, 0.0).is_err() {
-                    return Err(Aborted);
-                }
             }
             Err(Aborted) => failed = true,
         }

@@ -5,11 +5,7 @@
 
 /// Cutting part, up to the end of the flutes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "super::stored::StoredCutter", rename_all = "kebab-case")
-)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "kebab-case"))]
 pub enum Cutter {
     /// Flat end mill.
     Flat {

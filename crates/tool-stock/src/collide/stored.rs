@@ -1,13 +1,31 @@
 //! Tools as data (feature `serde`): the checks when one is read. A solid that no distance is right for is an error.
 
 use super::{Cutter, Section, ToolSolid};
-use serde::Deserialize;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer};
 use std::f64::consts::FRAC_PI_4;
+
+/// Reads a value through the data that define it.
+macro_rules! checked {
+    ($($value:ty: $stored:ty),* $(,)?) => {
+        $(impl<'de> Deserialize<'de> for $value {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                Self::try_from(<$stored>::deserialize(deserializer)?).map_err(D::Error::custom)
+            }
+        })*
+    };
+}
+
+checked! {
+    Section: StoredSection,
+    Cutter: StoredCutter,
+    ToolSolid: StoredTool,
+}
 
 /// A frustum.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct StoredSection {
+struct StoredSection {
     from: f64,
     to: f64,
     radius_from: f64,
@@ -30,7 +48,7 @@ impl TryFrom<StoredSection> for Section {
 /// A cutter by its kind and sizes.
 #[derive(Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub(crate) enum StoredCutter {
+enum StoredCutter {
     Flat { radius: f64 },
     Ball { radius: f64 },
     Bull { radius: f64, corner: f64 },
@@ -66,7 +84,7 @@ impl TryFrom<StoredCutter> for Cutter {
 /// Cutter, shank and holder.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct StoredTool {
+struct StoredTool {
     cutter: Cutter,
     flute_length: f64,
     shank: Vec<Section>,

@@ -11,11 +11,7 @@ const ROUNDING: f64 = 1e-9;
 
 /// A frustum of the non-cutting part.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "super::stored::StoredSection")
-)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Section {
     /// Lower height over the tip.
     pub from: f64,
@@ -93,11 +89,7 @@ impl Section {
 
 /// Cutter, shank and holder of a tool; height 0 is the tip.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(
-    feature = "serde",
-    derive(serde::Serialize, serde::Deserialize),
-    serde(try_from = "super::stored::StoredTool")
-)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct ToolSolid {
     /// Cutting part.
     pub cutter: Cutter,

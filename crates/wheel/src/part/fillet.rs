@@ -63,6 +63,11 @@ impl Fillet {
         Self { values, radii }
     }
 
+    /// Shares of the length of the foot and radii, mm; one value holds everywhere.
+    pub fn values(&self) -> &[[f64; 2]] {
+        &self.values
+    }
+
     /// The same fillet at the foot of these faces.
     pub(super) fn at_foot(self, faces: [&FaceSurface; 2]) -> Self {
         let radii = self.radii.as_ref().map(|_| faces.map(|face| self.over_foot(face)));

@@ -188,6 +188,12 @@ impl Part {
         self.blade(blade).edges[end].as_ref().map(|_| blade.edge(end))
     }
 
+    /// True for a face of a blade of the part, and for an edge that is a surface of its own.
+    pub fn has_face(&self, id: FaceId) -> bool {
+        let edge = |end: usize| self.blades[id.blade.index()].edges[end].is_some();
+        id.blade.index() < self.blades.len() && id.edge_end().is_none_or(edge)
+    }
+
     /// Faces of a blade, and its edges that are surfaces of their own.
     pub fn sides(&self, blade: BladeId) -> impl Iterator<Item = FaceId> + '_ {
         blade.faces().into_iter().chain([0, 1].into_iter().filter_map(move |end| self.edge(blade, end)))
