@@ -140,15 +140,25 @@ fn at_most(
     Terms { word, name: word, bound, relation, largest, usual, surfaces: &[], of_operations, default: None, meaning }
 }
 
-/// A distance of a part of the tool.
-fn clearance(
-    word: &'static str,
-    surfaces: &'static [SurfaceClass],
-    default: Option<f64>,
-    meaning: &'static str,
-) -> Terms {
-    let base = at_most(word, LENGTH, ["100 mm", "0.5 mm"], meaning);
-    Terms { relation: Relation::AtLeast, surfaces, default, ..base }
+/// A length on surfaces that operations mill, after them.
+fn on_milled(word: &'static str, usual: &'static str, meaning: &'static str) -> Terms {
+    let base = at_most(word, LENGTH, ["100 mm", usual], meaning);
+    Terms { surfaces: MILLED, of_operations: OfOperations::After, ..base }
+}
+
+/// A distance of a part of the tool: to the part, or of the whole tool to the turned stock.
+fn clearance(of: Guarded) -> Terms {
+    let (word, meaning) = match of {
+        Guarded::Body => ("clearance", "the least distance of shank and holder to the part"),
+        Guarded::Tool => ("clearance tool", "the least distance of the whole tool at rapid to the turned stock"),
+        Guarded::Shank => ("clearance shank", "the least distance of the shank to the part"),
+        Guarded::Holder => ("clearance holder", "the least distance of the holder to the part"),
+    };
+    let base = Terms { relation: Relation::AtLeast, ..at_most(word, LENGTH, ["100 mm", "0.5 mm"], meaning) };
+    match of {
+        Guarded::Tool => base,
+        _ => Terms { surfaces: &SurfaceClass::ALL, default: Some(0.5), ..base },
+    }
 }
 
 impl ContractKind {
@@ -175,38 +185,14 @@ impl ContractKind {
 
     /// The table of contracts.
     fn terms(self) -> Terms {
-        let all = &SurfaceClass::ALL;
         match self {
             Self::Gouge => Terms {
-                surfaces: MILLED,
+                of_operations: OfOperations::Done,
                 default: Some(0.02),
-                ..at_most(
-                    "gouge",
-                    LENGTH,
-                    ["100 mm", "7 um"],
-                    "the deepest cut of the swept tool into a design surface",
-                )
+                ..on_milled("gouge", "7 um", "the deepest cut of the swept tool into a design surface")
             },
-            Self::Excess => Terms {
-                surfaces: MILLED,
-                of_operations: OfOperations::After,
-                ..at_most("excess", LENGTH, ["100 mm", "20 um"], "the most stock that is left on a design surface")
-            },
-            Self::Clearance(Guarded::Body) => {
-                clearance("clearance", all, Some(0.5), "the least distance of shank and holder to the part")
-            }
-            Self::Clearance(Guarded::Tool) => clearance(
-                "clearance tool",
-                &[],
-                None,
-                "the least distance of the whole tool at rapid to the turned stock",
-            ),
-            Self::Clearance(Guarded::Shank) => {
-                clearance("clearance shank", all, Some(0.5), "the least distance of the shank to the part")
-            }
-            Self::Clearance(Guarded::Holder) => {
-                clearance("clearance holder", all, Some(0.5), "the least distance of the holder to the part")
-            }
+            Self::Excess => on_milled("excess", "20 um", "the most stock that is left on a design surface"),
+            Self::Clearance(of) => clearance(of),
             Self::Air => {
                 at_most("air", SHARE, ["100 %", "30 %"], "the share of the time at feed in which the tool cuts air")
             }
@@ -248,16 +234,7 @@ impl ContractKind {
                 ["100 %", "50 %"],
                 "the deepest slot that finishing cuts, as a share of the diameter of the cutter",
             ),
-            Self::Rest => Terms {
-                surfaces: MILLED,
-                of_operations: OfOperations::After,
-                ..at_most(
-                    "rest",
-                    LENGTH,
-                    ["100 mm", "1 mm"],
-                    "the most stock that roughing leaves for the finishing operations",
-                )
-            },
+            Self::Rest => on_milled("rest", "1 mm", "the most stock that roughing leaves for the finishing operations"),
             Self::RestVolume => Terms {
                 of_operations: OfOperations::After,
                 ..at_most(
