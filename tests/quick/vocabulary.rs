@@ -91,7 +91,7 @@ fn values_are_those_that_the_front_end_knows() {
     let mut compared = 0;
     for topic in whole().filter(|t| t.kind == TopicKind::Operation || matches!(t.name, "stock" | "post")) {
         for property in topic.all() {
-            let words = marked(property.value);
+            let words = marked(&property.value());
             if words.len() < 2 || matches!(property.name, "allowance" | "rest") {
                 continue;
             }

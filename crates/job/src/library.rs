@@ -1,9 +1,10 @@
-//! Machine files: TOML through serde, with the reader of quantities that all library files share. Unknown keys are errors, and every quantity has its unit.
+//! Machine files, with the reader of values that all library files share. Keys with their forms and ranges stand in `library_schema`.
 
 use super::library_form;
 use super::library_schema::LibraryFile;
-use super::limits;
+use super::library_table::{FileTable, SpannedText};
 use super::model::{CarriedSpec, LinearSpec, MachineKind, MachineSpec, RotarySpec};
+use super::property::{Form, Range};
 use super::quantity::{Dimension, KILOWATT, Quantity, library_units};
 use base::source::{SourceId, SourceMap, Span};
 use base::units::{Mm, MmPerMin, Rad, Rpm, trim};
@@ -11,22 +12,10 @@ use diagnostics::codes::job as codes;
 use diagnostics::{Diag, Sink};
 use five_axis::control::{LengthTo, Planning};
 use nalgebra::Vector3;
-use serde::Deserialize;
 use toml::Spanned;
 
 /// Length of a vector in a machine file below which it gives no direction.
 pub(super) const NO_DIRECTION: f64 = 1e-6;
-
-/// Cycle times of controls, s.
-const CYCLE: [f64; 2] = [1e-6, 1e-2];
-
-pub(super) type SpannedText = Spanned<String>;
-
-/// Largest length in library files, mm.
-const LONGEST: f64 = 100_000.0;
-
-/// Largest size of tables and fixtures, mm: their surfaces are sampled.
-const MOST_CARRIED: f64 = 1000.0;
 
 /// Control cycle where the machine file gives none, s. The value is slow for controls of milling machines, so that the
 /// deviation of the joints between two positions is not underestimated.
@@ -38,117 +27,12 @@ pub(super) const LINUXCNC: &str = "linuxcnc-2.9";
 /// Word for the jerk of an axis whose control does not limit jerk.
 const UNLIMITED: &str = "unlimited";
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct MachineFile {
-    kind: SpannedText,
-    order: Option<Vec<SpannedText>>,
-    #[serde(default)]
-    #[expect(dead_code, reason = "for the reader of the file")]
-    about: String,
-    #[serde(default)]
-    assumed: Vec<String>,
-    #[serde(default, rename = "own-words")]
-    own_words: Vec<SpannedText>,
-    axes: AxesTable,
-    part: PartTable,
-    spindle: SpindleTable,
-    retract: Option<RetractTable>,
-    home: Option<HomeTable>,
-    #[serde(rename = "tool-length")]
-    tool_length: Option<SpannedText>,
-    rapid: SpannedText,
-    cycle: Option<SpannedText>,
-    planning: Option<SpannedText>,
-    table: Option<CarriedTable>,
-    fixture: Option<CarriedTable>,
-}
+/// Keys of the axes.
+const LINEAR: [&str; 3] = ["X", "Y", "Z"];
+const ROTARY: [&str; 3] = ["A", "B", "C"];
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct CarriedTable {
-    top: SpannedText,
-    section: Vec<SectionTable>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct AxesTable {
-    #[serde(rename = "X")]
-    x: LinearTable,
-    #[serde(rename = "Y")]
-    y: LinearTable,
-    #[serde(rename = "Z")]
-    z: LinearTable,
-    #[serde(rename = "A")]
-    a: Option<RotaryTable>,
-    #[serde(rename = "B")]
-    b: Option<RotaryTable>,
-    #[serde(rename = "C")]
-    c: Option<RotaryTable>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct LinearTable {
-    travel: [SpannedText; 2],
-    speed: SpannedText,
-    acceleration: SpannedText,
-    jerk: Option<SpannedText>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct RotaryTable {
-    pub(super) travel: Option<Spanned<[SpannedText; 2]>>,
-    pub(super) modulo: Option<Spanned<bool>>,
-    pub(super) way: Option<SpannedText>,
-    clamp: Option<[SpannedText; 2]>,
-    speed: SpannedText,
-    acceleration: SpannedText,
-    jerk: Option<SpannedText>,
-    sense: SpannedText,
-    direction: Option<Spanned<[f64; 3]>>,
-    point: [SpannedText; 3],
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct PartTable {
-    origin: Spanned<[SpannedText; 3]>,
-    pub(super) direction: Option<Spanned<[f64; 3]>>,
-    #[serde(rename = "x-direction")]
-    pub(super) x_direction: Option<Spanned<[f64; 3]>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct RetractTable {
-    z: SpannedText,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct HomeTable {
-    pub(super) x: Option<SpannedText>,
-    pub(super) y: Option<SpannedText>,
-    pub(super) z: Option<SpannedText>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SpindleTable {
-    speed: [SpannedText; 2],
-    power: Option<SpannedText>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct SectionTable {
-    pub(super) length: SpannedText,
-    pub(super) lower: SpannedText,
-    pub(super) upper: SpannedText,
-}
+/// A rotary axis by its letter.
+type RotaryTable<'t, 'i> = (&'static str, FileTable<'t, 'i>);
 
 pub(super) struct LibraryReader<'a> {
     pub(super) source: SourceId,
@@ -167,11 +51,12 @@ impl LibraryReader<'_> {
     }
 
     /// A quantity in base units.
-    pub(super) fn quantity(&mut self, text: &SpannedText, due: Dimension, min: f64, max: f64) -> f64 {
+    pub(super) fn quantity(&mut self, text: &SpannedText, due: Dimension, range: Range) -> f64 {
+        let [min, max] = range.bounds();
         let units = library_units(due).join(", ");
         let help = format!("write the number and its unit in quotes; units are {units}");
         match Quantity::read(text.get_ref()) {
-            Some(q) if q.dimension == due && (min..=max).contains(&q.value) => return q.value,
+            Some(q) if q.dimension == due && range.holds(q.value) => return q.value,
             Some(q) if q.dimension == due => self.fault(
                 self.span(text),
                 format!("`{}` is out of range", text.get_ref()),
@@ -194,9 +79,26 @@ impl LibraryReader<'_> {
         max.min(1.0)
     }
 
-    pub(super) fn pair(&mut self, texts: &[SpannedText; 2], due: Dimension, bound: f64) -> [f64; 2] {
-        let pair = [self.quantity(&texts[0], due, -bound, bound), self.quantity(&texts[1], due, -bound, bound)];
+    /// A number that a key gives, in base units.
+    pub(super) fn number(&mut self, table: FileTable<'_, '_>, name: &str) -> Option<f64> {
+        match table.get(name)?.0.form {
+            Form::Quantity(due, range) => Some(self.quantity(&table.text(name)?, due, range)),
+            Form::Whole(..) => Some(f64::from(*table.whole(name)?.get_ref())),
+            _ => None,
+        }
+    }
+
+    /// As many quantities as a key gives, in base units.
+    fn quantities<const N: usize>(&mut self, table: FileTable<'_, '_>, name: &str) -> Option<[f64; N]> {
+        let Form::Quantities(due, range, _) = table.get(name)?.0.form else { return None };
+        Some(table.texts_of::<N>(name)?.map(|text| self.quantity(&text, due, range)))
+    }
+
+    /// Both ends of a range.
+    pub(super) fn pair(&mut self, table: FileTable<'_, '_>, name: &str) -> Option<[f64; 2]> {
+        let pair = self.quantities(table, name)?;
         if pair[0] >= pair[1] {
+            let texts: [SpannedText; 2] = table.texts_of(name)?;
             let span = Span { end: self.span(&texts[1]).end, ..self.span(&texts[0]) };
             let message = "the lower end of a travel must be first".to_owned();
             self.fault(
@@ -206,16 +108,16 @@ impl LibraryReader<'_> {
                 "exchange or correct the two values",
             );
         }
-        pair
+        Some(pair)
     }
 
-    fn linear(&mut self, table: &LinearTable) -> LinearSpec {
-        LinearSpec {
-            travel: self.pair(&table.travel, Dimension::LENGTH, LONGEST).map(Mm),
-            speed: MmPerMin(self.quantity(&table.speed, Dimension::FEED, 1.0, 1e6)),
-            acceleration: self.quantity(&table.acceleration, Dimension::ACCELERATION, 3600.0, 3.6e9) / 3600.0,
-            jerk: self.jerk(&table.jerk, Dimension::JERK),
-        }
+    fn linear(&mut self, table: FileTable<'_, '_>) -> Option<LinearSpec> {
+        Some(LinearSpec {
+            travel: self.pair(table, "travel")?.map(Mm),
+            speed: MmPerMin(self.number(table, "speed")?),
+            acceleration: self.number(table, "acceleration")? / 3600.0,
+            jerk: self.jerk(&table.text("jerk"), Dimension::JERK),
+        })
     }
 
     /// A limit of jerk in units of seconds; an absent value means no limit.
@@ -235,29 +137,32 @@ impl LibraryReader<'_> {
             }
             Some(text) if text.get_ref() != UNLIMITED => {
                 let (least, most) = if due == Dimension::JERK { (1.0, 1e9) } else { (1e-3, 1e6) };
-                self.quantity(text, due, least * 216_000.0, most * 216_000.0) / 216_000.0
+                let range = Range::Between(least * 216_000.0, most * 216_000.0);
+                self.quantity(text, due, range) / 216_000.0
             }
             _ => f64::INFINITY,
         }
     }
 
-    fn point(&mut self, texts: &[SpannedText; 3]) -> [Mm; 3] {
-        let [x, y, z] = texts;
-        [x, y, z].map(|t| Mm(self.quantity(t, Dimension::LENGTH, -LONGEST, LONGEST)))
+    fn point(&mut self, table: FileTable<'_, '_>, name: &str) -> Option<[Mm; 3]> {
+        Some(self.quantities(table, name)?.map(Mm))
     }
 
-    fn carried(&mut self, table: &CarriedTable) -> CarriedSpec {
-        let mut length = |text: &SpannedText, min: f64| Mm(self.quantity(text, Dimension::LENGTH, min, MOST_CARRIED));
-        CarriedSpec {
-            top: length(&table.top, -MOST_CARRIED),
-            sections: table.section.iter().map(|s| [&s.length, &s.upper, &s.lower].map(|t| length(t, 0.01))).collect(),
-        }
+    /// Sections of a solid of revolution: the values of three keys.
+    pub(super) fn sections(&mut self, table: FileTable<'_, '_>, names: [&str; 3]) -> Vec<[Mm; 3]> {
+        let mut size = |section, name| Mm(self.number(section, name).unwrap_or_default());
+        table.tables("section").into_iter().map(|section| names.map(|name| size(section, name))).collect()
+    }
+
+    fn carried(&mut self, table: FileTable<'_, '_>) -> Option<CarriedSpec> {
+        let top = Mm(self.number(table, "top")?);
+        Some(CarriedSpec { top, sections: self.sections(table, ["length", "upper", "lower"]) })
     }
 
     /// Direction of a rotary axis, of length 1. Where the file gives none, the letter determines the axis: X, Y or Z.
-    fn direction(&mut self, name: &str, table: &RotaryTable) -> [f64; 3] {
+    fn direction(&mut self, name: &str, table: FileTable<'_, '_>) -> [f64; 3] {
         let usual = ["A", "B", "C"].map(|letter| if letter == name { 1.0 } else { 0.0 });
-        let Some(given) = &table.direction else { return usual };
+        let Some(given) = table.numbers("direction") else { return usual };
         match Vector3::from(*given.get_ref()).try_normalize(NO_DIRECTION) {
             Some(direction) if direction.iter().all(|x| x.is_finite()) => direction.into(),
             _ => {
@@ -272,36 +177,37 @@ impl LibraryReader<'_> {
         }
     }
 
-    /// The two rotary axes of a machine file, first the axis next to the tool, and which carries what.
-    fn rotary_axes<'t>(&mut self, table: &'t MachineFile) -> Option<(MachineKind, [(&'t str, &'t RotaryTable); 2])> {
-        let kind = MachineKind::ALL.into_iter().find(|kind| kind.name() == table.kind.get_ref());
-        let Some(kind) = kind else {
+    /// Which rotary axes carry what.
+    fn machine_kind(&mut self, text: &SpannedText) -> Option<MachineKind> {
+        let kind = MachineKind::ALL.into_iter().find(|kind| kind.name() == text.get_ref());
+        if kind.is_none() {
             let known = MachineKind::ALL.map(|kind| format!("\"{}\"", kind.name())).join(", ");
             self.fault(
-                self.span(&table.kind),
-                format!("`{}` is not a kind of machine", table.kind.get_ref()),
+                self.span(text),
+                format!("`{}` is not a kind of machine", text.get_ref()),
                 format!("one of {known} is expected"),
                 "write table-table if both rotary axes carry the part, head-head if both carry the tool, head-table if each carries one",
             );
-            return None;
-        };
-        let axes = &table.axes;
-        let present = [("A", &axes.a), ("B", &axes.b), ("C", &axes.c)];
-        let present: Vec<(&str, &RotaryTable)> =
-            present.into_iter().filter_map(|(n, t)| Some((n, t.as_ref()?))).collect();
+        }
+        kind
+    }
+
+    /// The two rotary axes of a machine file, first the axis next to the tool.
+    fn rotary_axes<'t, 'i>(&mut self, table: FileTable<'t, 'i>) -> Option<[RotaryTable<'t, 'i>; 2]> {
+        let axes = table.table("axes")?;
+        let present: Vec<_> = ROTARY.into_iter().filter_map(|name| Some((name, axes.table(name)?))).collect();
         // Without `order`, the letters decide: the axis next to the tool is A or B on usual machines.
-        let Ok(pair) = <[(&str, &RotaryTable); 2]>::try_from(present) else { return None };
-        let Some(order) = &table.order else { return Some((kind, pair)) };
-        let names: Vec<&str> = order.iter().map(|name| name.get_ref().as_str()).collect();
+        let pair: [RotaryTable<'_, '_>; 2] = present.try_into().ok()?;
+        let Some(order) = table.texts_of::<2>("order") else { return Some(pair) };
+        let names = order.each_ref().map(|name| name.get_ref().as_str());
         let [(first, _), (second, _)] = pair;
         if names == [first, second] {
-            Some((kind, pair))
+            Some(pair)
         } else if names == [second, first] {
-            Some((kind, [pair[1], pair[0]]))
+            Some([pair[1], pair[0]])
         } else {
-            let span = order.first().map_or(self.span(&table.kind), |name| self.span(name));
             self.fault(
-                span,
+                self.span(&order[0]),
                 "`order` does not name both rotary axes".to_owned(),
                 format!("\"{first}\" and \"{second}\" are expected"),
                 "name the axis next to the tool first, then the axis next to the part",
@@ -311,20 +217,14 @@ impl LibraryReader<'_> {
     }
 
     /// Control cycle, s.
-    fn cycle(&mut self, text: &Option<SpannedText>, assumed: &mut Vec<String>) -> f64 {
-        match text {
-            Some(text) => self.quantity(text, Dimension::TIME, CYCLE[0], CYCLE[1]) * 60.0,
+    fn cycle(&mut self, table: FileTable<'_, '_>, assumed: &mut Vec<String>) -> f64 {
+        match self.number(table, "cycle") {
+            Some(minutes) => minutes * 60.0,
             None => {
                 assumed.push(format!("control cycle {} s, the default", trim(DEFAULT_CYCLE, 6)));
                 DEFAULT_CYCLE
             }
         }
-    }
-
-    /// Power of the spindle, kW.
-    fn power(&mut self, text: &SpannedText) -> f64 {
-        let [least, most] = limits::POWER.map(|kilowatt| kilowatt * KILOWATT);
-        self.quantity(text, Dimension::POWER, least, most) / KILOWATT
     }
 
     /// How the control plans speeds.
@@ -366,9 +266,9 @@ impl LibraryReader<'_> {
     }
 
     /// Retract height, within the travel of Z.
-    fn retract(&mut self, table: &Option<RetractTable>, [low, top]: [Mm; 2], assumed: &mut Vec<String>) -> Mm {
-        match table {
-            Some(t) => self.place(&t.z, "retract height", [low.get(), top.get()], ["the travel of Z"; 2]),
+    fn retract(&mut self, table: FileTable<'_, '_>, [low, top]: [Mm; 2], assumed: &mut Vec<String>) -> Mm {
+        match table.table("retract").and_then(|retract| retract.text("z")) {
+            Some(z) => self.place(&z, "retract height", [low.get(), top.get()], ["the travel of Z"; 2]),
             None => {
                 let top_text = trim(top.get(), 6);
                 assumed.push(format!("retract to the upper end of the travel of Z, {top_text} mm, the default"));
@@ -377,13 +277,14 @@ impl LibraryReader<'_> {
         }
     }
 
-    fn rotary(&mut self, name: &str, table: &RotaryTable) -> RotarySpec {
-        let iso = match table.sense.get_ref().as_str() {
+    fn rotary(&mut self, (name, table): RotaryTable<'_, '_>) -> Option<RotarySpec> {
+        let sense = table.text("sense")?;
+        let iso = match sense.get_ref().as_str() {
             "iso" => true,
             "opposite" => false,
             other => {
                 self.fault(
-                    self.span(&table.sense),
+                    self.span(&sense),
                     format!("`{other}` is not a sense of a rotary axis"),
                     "\"iso\" or \"opposite\" is expected".to_owned(),
                     "write \"iso\" if a positive word turns the tool right-handed relative to the part, otherwise \"opposite\"",
@@ -391,19 +292,67 @@ impl LibraryReader<'_> {
                 true
             }
         };
-        let (travel, modulo) = self.turns(name, table, self.span(&table.sense));
-        RotarySpec {
+        let (travel, modulo) = self.turns(name, table, self.span(&sense))?;
+        Some(RotarySpec {
             name: name.to_owned(),
             direction: self.direction(name, table),
             travel: travel.map(Rad),
             modulo,
-            clamp: table.clamp.as_ref().map(|words| self.clamp(name, words)),
-            speed: self.quantity(&table.speed, Dimension::TURNING, 1e-3, 1e6) / 60.0,
-            acceleration: self.quantity(&table.acceleration, Dimension::TURNING_ACCELERATION, 1e-3, 1e9) / 3600.0,
-            jerk: self.jerk(&table.jerk, Dimension::TURNING_JERK),
+            clamp: table.texts_of("clamp").map(|words| self.clamp(name, &words)),
+            speed: self.number(table, "speed")? / 60.0,
+            acceleration: self.number(table, "acceleration")? / 3600.0,
+            jerk: self.jerk(&table.text("jerk"), Dimension::TURNING_JERK),
             iso,
-            point: self.point(&table.point),
-        }
+            point: self.point(table, "point")?,
+        })
+    }
+
+    /// What the file says beside its rotary axes.
+    fn spec(
+        &mut self,
+        name: &str,
+        table: FileTable<'_, '_>,
+        (kind, axes): ((MachineKind, Span), [RotaryTable<'_, '_>; 2]),
+    ) -> Option<MachineSpec> {
+        let mut assumed: Vec<String> =
+            table.texts("assumed").unwrap_or_default().into_iter().map(Spanned::into_inner).collect();
+        let own_words = self.own_words(&table.texts("own-words").unwrap_or_default(), &mut assumed);
+        let cycle = self.cycle(table, &mut assumed);
+        let planning = self.planning(&table.text("planning"));
+        let of_axes = table.table("axes")?;
+        let [x, y, z] = LINEAR.map(|name| of_axes.table(name));
+        let linear = [(LINEAR[0], x?), (LINEAR[1], y?), (LINEAR[2], z?)];
+        assumed.extend(silent_jerks(linear.into_iter().chain(axes)));
+        let linear = linear.map(|(_, axis)| self.linear(axis));
+        let linear = [linear[0]?, linear[1]?, linear[2]?];
+        let retract = self.retract(table, linear[2].travel, &mut assumed);
+        let home = self.home(table.table("home"), &linear, retract);
+        let help = "lengths are measured to the tip, or to the centre of the ball or of the corner radius";
+        let points = LengthTo::ALL.map(|point| (point, point.name()));
+        let length_to = self.named(&table.text("tool-length"), ("tool-length", help), points);
+        let [first, second] = axes.map(|axis| self.rotary(axis));
+        let (part, spindle) = (table.table("part")?, table.table("spindle")?);
+        Some(MachineSpec {
+            name: name.to_owned(),
+            linear,
+            retract,
+            home,
+            length_to,
+            kind,
+            rotary: [first?, second?],
+            part_origin: (self.point(part, "origin")?, part.span("origin", self.source)?),
+            part_axes: self.part_axes(part),
+            part_direction: part.has("direction"),
+            spindle: self.pair(spindle, "speed")?.map(Rpm),
+            power: self.number(spindle, "power").map(|power| power / KILOWATT),
+            rapid: MmPerMin(self.number(table, "rapid")?),
+            cycle,
+            planning,
+            table: table.table("table").and_then(|table| self.carried(table)),
+            fixture: table.table("fixture").and_then(|table| self.carried(table)),
+            own_words,
+            assumed,
+        })
     }
 }
 
@@ -419,9 +368,9 @@ fn base(due: Dimension) -> &'static str {
 }
 
 /// The diagnostic for a machine without exactly two rotary axes.
-fn no_rotary_pair(name: &str, axes: &AxesTable, file: &str) -> Diag {
-    let has = |axis: &Option<RotaryTable>, name| axis.as_ref().map(|_| name);
-    let has: Vec<&str> = [has(&axes.a, "A"), has(&axes.b, "B"), has(&axes.c, "C")].into_iter().flatten().collect();
+fn no_rotary_pair(name: &str, table: FileTable<'_, '_>, file: &str) -> Diag {
+    let axes = table.table("axes");
+    let has: Vec<&str> = ROTARY.into_iter().filter(|name| axes.is_some_and(|axes| axes.has(name))).collect();
     let count = match &has[..] {
         [] => "no rotary axis".to_owned(),
         [one] => format!("the rotary axis {one} alone"),
@@ -432,15 +381,8 @@ fn no_rotary_pair(name: &str, axes: &AxesTable, file: &str) -> Diag {
 }
 
 /// Names the axes whose entries in the file have no jerk.
-fn silent_jerks(table: &AxesTable, [first, second]: [(&str, &RotaryTable); 2]) -> Option<String> {
-    let jerks = [
-        ("X", &table.x.jerk),
-        ("Y", &table.y.jerk),
-        ("Z", &table.z.jerk),
-        (first.0, &first.1.jerk),
-        (second.0, &second.1.jerk),
-    ];
-    let silent: Vec<&str> = jerks.into_iter().filter(|j| j.1.is_none()).map(|j| j.0).collect();
+fn silent_jerks<'a>(axes: impl Iterator<Item = RotaryTable<'a, 'a>>) -> Option<String> {
+    let silent: Vec<&str> = axes.filter(|axis| !axis.1.has("jerk")).map(|axis| axis.0).collect();
     (!silent.is_empty()).then(|| format!("no limit of the jerk of {}, the default", silent.join(", ")))
 }
 
@@ -453,46 +395,17 @@ pub(super) fn machine(
     sink: &mut Sink,
 ) -> Option<MachineSpec> {
     let file = sources.get(source)?;
-    let table: MachineFile = library_form::read(LibraryFile::Machine, source, sources, Some(asked), sink)?;
-    let mut reader = LibraryReader { source, sink, faults: false };
-    let Some((kind, axes)) = reader.rotary_axes(&table) else {
-        if !reader.faults {
-            sink.push(no_rotary_pair(name, &table.axes, &file.name).label(asked, "used here"));
-        }
-        return None;
-    };
-    let mut assumed = table.assumed.clone();
-    let own_words = reader.own_words(&table.own_words, &mut assumed);
-    let cycle = reader.cycle(&table.cycle, &mut assumed);
-    let planning = reader.planning(&table.planning);
-    assumed.extend(silent_jerks(&table.axes, axes));
-    let linear = [reader.linear(&table.axes.x), reader.linear(&table.axes.y), reader.linear(&table.axes.z)];
-    let retract = reader.retract(&table.retract, linear[2].travel, &mut assumed);
-    let home = reader.home(&table.home, &linear, retract);
-    let help = "lengths are measured to the tip, or to the centre of the ball or of the corner radius";
-    let points = LengthTo::ALL.map(|point| (point, point.name()));
-    let length_to = reader.named(&table.tool_length, ("tool-length", help), points);
-    let rotary = axes.map(|(name, table)| reader.rotary(name, table));
-    let spec = MachineSpec {
-        name: name.to_owned(),
-        linear,
-        retract,
-        home,
-        length_to,
-        kind: (kind, reader.span(&table.kind)),
-        rotary,
-        part_origin: (reader.point(table.part.origin.get_ref()), reader.span(&table.part.origin)),
-        part_axes: reader.part_axes(&table.part),
-        part_direction: table.part.direction.is_some(),
-        spindle: reader.pair(&table.spindle.speed, Dimension::SPINDLE, 1e6).map(Rpm),
-        power: (table.spindle.power.as_ref()).map(|text| reader.power(text)),
-        rapid: MmPerMin(reader.quantity(&table.rapid, Dimension::FEED, 1.0, 1e6)),
-        cycle,
-        planning,
-        table: table.table.as_ref().map(|t| reader.carried(t)),
-        fixture: table.fixture.as_ref().map(|t| reader.carried(t)),
-        own_words,
-        assumed,
-    };
-    (!reader.faults).then_some(spec)
+    library_form::read(LibraryFile::Machine, source, sources, Some(asked), sink, |table, sink| {
+        let mut reader = LibraryReader { source, sink, faults: false };
+        let kind = table.text("kind")?;
+        let (kind, span) = (reader.machine_kind(&kind)?, reader.span(&kind));
+        let Some(axes) = reader.rotary_axes(table) else {
+            if !reader.faults {
+                sink.push(no_rotary_pair(name, table, &file.name).label(asked, "used here"));
+            }
+            return None;
+        };
+        let spec = reader.spec(name, table, ((kind, span), axes));
+        spec.filter(|_| !reader.faults)
+    })
 }

@@ -21,3 +21,29 @@ pub fn read_library_file(kind: LibraryFile, name: &str, text: &str, sink: &mut S
     }
     sources
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::files::shipped;
+
+    /// What the reader says of a shipped machine with a line in the place of another.
+    fn told(line: &str, other: &str) -> Vec<String> {
+        let text = shipped::MACHINES[0].1;
+        assert!(text.contains(line), "{line}");
+        let mut sink = Sink::default();
+        read_library_file(LibraryFile::Machine, "machine", &text.replacen(line, other, 1), &mut sink);
+        sink.diags().iter().flat_map(|diag| diag.labels.iter().map(|label| label.text.clone())).collect()
+    }
+
+    #[test]
+    fn ranges_are_told_in_the_unit_that_stands_there() {
+        let kind = "kind = \"table-table\"\n";
+        assert_eq!(told(kind, kind), [""; 0]);
+        assert_eq!(told(kind, &format!("{kind}cycle = \"0.01 s\"\n")), [""; 0]);
+        let cycle = told(kind, &format!("{kind}cycle = \"0.02 s\"\n"));
+        assert!(cycle.contains(&"a value from 0.000001 to 0.01 s is expected".to_owned()), "{cycle:?}");
+        let power = told("[spindle]\n", "[spindle]\npower = \"2000 kW\"\n");
+        assert!(power.contains(&"a value from 0.01 to 1000 kW is expected".to_owned()), "{power:?}");
+    }
+}

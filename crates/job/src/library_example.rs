@@ -1,7 +1,8 @@
 //! Examples of keys of library files, as the shipped files write them.
 
 use super::files::shipped;
-use super::library_schema::{FileKey, KeyForm, LibraryFile};
+use super::library_schema::LibraryFile;
+use super::property::{Form, Property};
 use super::quantity::Dimension;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -14,21 +15,21 @@ const MOST_KEYS: usize = 4;
 
 /// A key with a value, as a text for messages: `` `speed = "30 m/min"` ``, or the line of a table. `place` are the tables around the
 /// key: `axes.X`.
-pub(super) fn line(kind: LibraryFile, place: &str, key: &FileKey) -> String {
+pub(super) fn line(kind: LibraryFile, place: &str, key: &Property) -> String {
     let inside = if place.is_empty() { key.name.to_owned() } else { format!("{place}.{}", key.name) };
     match key.form {
-        KeyForm::Table(keys) if !short(keys) => format!("`[{inside}]` in a line of its own, and its keys below"),
-        KeyForm::Named(_) => format!("`[{inside}.NAME]` in a line of its own, and its keys below"),
+        Form::Table(keys) if !short(keys) => format!("`[{inside}]` in a line of its own, and its keys below"),
+        Form::Named(_) => format!("`[{inside}.NAME]` in a line of its own, and its keys below"),
         _ => format!("`{} = {}`", key.name, example(kind, place, key)),
     }
 }
 
 /// A value of a key: that of the first shipped file that has the key at this place, otherwise one of the right form.
-pub(super) fn example(kind: LibraryFile, place: &str, key: &FileKey) -> String {
+pub(super) fn example(kind: LibraryFile, place: &str, key: &Property) -> String {
     let inside = if place.is_empty() { key.name.to_owned() } else { format!("{place}.{}", key.name) };
     match key.form {
-        KeyForm::Table(keys) => return table(kind, &inside, keys),
-        KeyForm::Tables(keys) => return format!("[{}]", table(kind, &inside, keys)),
+        Form::Table(keys) => return table(kind, &inside, keys),
+        Form::Tables(keys) => return format!("[{}]", table(kind, &inside, keys)),
         _ => {}
     }
     let files = match kind {
@@ -77,35 +78,33 @@ fn below<'t, 'i>(value: &'t Spanned<DeValue<'i>>, rest: &[&str]) -> Option<&'t S
 }
 
 /// Whether a table fits into one line.
-fn short(keys: &[FileKey]) -> bool {
-    let plain = |key: &FileKey| {
-        !matches!(key.form, KeyForm::Table(_) | KeyForm::Named(_) | KeyForm::Tables(_) | KeyForm::Texts)
-    };
+fn short(keys: &[Property]) -> bool {
+    let plain = |key: &Property| !matches!(key.form, Form::Table(_) | Form::Named(_) | Form::Tables(_) | Form::Texts);
     keys.len() <= MOST_KEYS && keys.iter().all(plain)
 }
 
 /// A table in one line, with the keys that it must have.
-fn table(kind: LibraryFile, inside: &str, keys: &[FileKey]) -> String {
-    let required = keys.iter().filter(|key| key.required);
+fn table(kind: LibraryFile, inside: &str, keys: &[Property]) -> String {
+    let required = keys.iter().filter(|key| key.is_due());
     let entries: Vec<String> = required.map(|key| format!("{} = {}", key.name, example(kind, inside, key))).collect();
     format!("{{ {} }}", entries.join(", "))
 }
 
 /// A value of a form.
-fn made(form: KeyForm) -> String {
+fn made(form: Form) -> String {
     let quantity = |due: Dimension| format!("\"3 {}\"", due.usual_unit());
     let list = |one: &str, count: usize| format!("[{}]", vec![one; count].join(", "));
     match form {
-        KeyForm::Text => "\"...\"".to_owned(),
-        KeyForm::Texts => "[\"...\"]".to_owned(),
-        KeyForm::TextsOf(count) => list("\"...\"", count),
-        KeyForm::Quantity(due) => quantity(due),
-        KeyForm::Quantities(due, count) => list(&quantity(due), count),
-        KeyForm::Numbers(count) => list("0", count),
-        KeyForm::Word(words) => format!("\"{}\"", words().first().copied().unwrap_or_default()),
-        KeyForm::Whole => "4".to_owned(),
-        KeyForm::Flag => "true".to_owned(),
-        KeyForm::Table(_) | KeyForm::Named(_) => "{ }".to_owned(),
-        KeyForm::Tables(_) => "[{ }]".to_owned(),
+        Form::Text(_) | Form::Words(_) => "\"...\"".to_owned(),
+        Form::Texts => "[\"...\"]".to_owned(),
+        Form::TextsOf(count) => list("\"...\"", count),
+        Form::Quantity(due, _) => quantity(due),
+        Form::Quantities(due, _, count) => list(&quantity(due), count),
+        Form::Numbers(count) => list("0", count),
+        Form::Word(words) => format!("\"{}\"", words().first().copied().unwrap_or_default()),
+        Form::Whole(..) => "4".to_owned(),
+        Form::Flag => "true".to_owned(),
+        Form::Table(_) | Form::Named(_) => "{ }".to_owned(),
+        Form::Tables(_) => "[{ }]".to_owned(),
     }
 }

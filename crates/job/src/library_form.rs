@@ -3,13 +3,14 @@
 
 use super::eval::nearest;
 use super::library_example::{example, line};
-use super::library_schema::{FileKey, KeyForm, LibraryFile};
+use super::library_schema::LibraryFile;
+use super::library_table::FileTable;
 use super::other_names::meant;
+use super::property::{Form, Property};
 use super::quantity::{Dimension, library_units};
 use base::source::{SourceId, SourceMap, Span};
 use diagnostics::codes::job as codes;
 use diagnostics::{Diag, Sink};
-use serde::de::DeserializeOwned;
 use std::collections::BTreeSet;
 use std::ops::Range;
 use toml::Spanned;
@@ -18,32 +19,29 @@ use toml::de::{DeTable, DeValue};
 /// Most faults of form that are told of one file. A file with more is of another kind.
 const MOST_FAULTS: usize = 8;
 
-/// Reads a library file that is already in the source map as the table of its reader. `asked` is its place in the job. All faults
+/// Reads a library file that is already in the source map, with the reader of its kind. `asked` is its place in the job. All faults
 /// of its form go to the sink.
-pub(super) fn read<T: DeserializeOwned>(
+pub(super) fn read<T>(
     kind: LibraryFile,
     source: SourceId,
     sources: &SourceMap,
     asked: Option<Span>,
     sink: &mut Sink,
+    reader: impl FnOnce(FileTable<'_, '_>, &mut Sink) -> Option<T>,
 ) -> Option<T> {
     let file = sources.get(source)?;
-    let mut form = Form { kind, source, text: &file.text, faults: Vec::new(), strays: Vec::new(), gaps: Vec::new() };
-    let read = match DeTable::parse(&file.text) {
+    let mut walk = Walk { kind, source, text: &file.text, faults: Vec::new(), strays: Vec::new(), gaps: Vec::new() };
+    match DeTable::parse(&file.text) {
         Ok(table) => {
-            form.table("", table.get_ref(), 0..0, kind.keys(), &[]);
-            form.close();
-            let none = form.faults.is_empty();
-            none.then(|| T::deserialize(toml::de::Deserializer::from(table)))
+            walk.table("", table.get_ref(), 0..0, kind.keys(), &[]);
+            walk.close();
+            if walk.faults.is_empty() {
+                return reader(FileTable { keys: kind.keys(), values: table.get_ref() }, sink);
+            }
         }
-        Err(error) => Some(Err(error)),
-    };
-    match read {
-        Some(Ok(table)) => return Some(table),
-        Some(Err(error)) => form.not_toml(&error, &file.name),
-        None => {}
+        Err(error) => walk.not_toml(&error, &file.name),
     }
-    for fault in form.faults.into_iter().take(MOST_FAULTS) {
+    for fault in walk.faults.into_iter().take(MOST_FAULTS) {
         let diag = fault.told(&file.text);
         sink.push(match asked {
             Some(asked) => diag.label(asked, "used here"),
@@ -78,11 +76,11 @@ impl Fault {
 struct Gap {
     place: String,
     at: Range<usize>,
-    keys: Vec<&'static FileKey>,
+    keys: Vec<&'static Property>,
 }
 
 /// The walk over a file.
-struct Form<'a> {
+struct Walk<'a> {
     kind: LibraryFile,
     source: SourceId,
     text: &'a str,
@@ -97,11 +95,11 @@ struct Form<'a> {
 struct Given<'v, 'i> {
     /// Tables around the key: `axes.X`.
     place: &'v str,
-    key: &'static FileKey,
+    key: &'static Property,
     value: &'v Spanned<DeValue<'i>>,
 }
 
-impl Form<'_> {
+impl Walk<'_> {
     fn fault(&mut self, cause: String, at: Range<usize>, message: String, label: String, help: String) {
         if let Some(known) = self.faults.iter_mut().find(|fault| fault.cause == cause) {
             known.more.push(at.start);
@@ -152,7 +150,7 @@ impl Form<'_> {
         place: &str,
         table: &DeTable<'_>,
         at: Range<usize>,
-        keys: &'static [FileKey],
+        keys: &'static [Property],
         as_well: &[&DeTable<'_>],
     ) {
         let known: Vec<&str> = keys.iter().map(|key| key.name).collect();
@@ -172,20 +170,26 @@ impl Form<'_> {
             let others: Vec<&DeTable<'_>> = others.filter_map(|(_, value)| value.as_table()).collect();
             self.value(Given { place, key, value }, &others);
         }
-        let has = |key: &FileKey| {
+        let has = |key: &Property| {
             let within = |table: &DeTable<'_>| table.iter().any(|(name, _)| name.get_ref() == key.name);
             within(table)
                 || as_well.iter().any(|other| within(other))
                 || meant.iter().any(|(near, _)| *near == key.name)
         };
-        let missing: Vec<&FileKey> = keys.iter().filter(|key| key.required && !has(key)).collect();
+        let missing: Vec<&Property> = keys.iter().filter(|key| key.is_due() && !has(key)).collect();
         if !missing.is_empty() {
             self.gaps.push(Gap { place: place.to_owned(), at, keys: missing });
         }
     }
 
     /// A key that a table does not have.
-    fn unknown(&mut self, place: &str, (name, at): (&str, Range<usize>), near: Option<&str>, keys: &'static [FileKey]) {
+    fn unknown(
+        &mut self,
+        place: &str,
+        (name, at): (&str, Range<usize>),
+        near: Option<&str>,
+        keys: &'static [Property],
+    ) {
         let whole = self.kind.keys();
         // A section of a holder has no name of its own: its keys come from nowhere else.
         let listed = keys.iter().any(|key| key.name == "lower");
@@ -221,7 +225,7 @@ impl Form<'_> {
     }
 
     /// The help for a key that is known by another name: with its value, where the word is of another system.
-    fn renamed(&self, place: &str, name: &str, near: &str, keys: &'static [FileKey]) -> String {
+    fn renamed(&self, place: &str, name: &str, near: &str, keys: &'static [Property]) -> String {
         let key = keys.iter().find(|key| key.name == near);
         match key.filter(|_| meant(name, &[near]).is_some()) {
             Some(key) => format!("write {}", line(self.kind, place, key)),
@@ -235,7 +239,8 @@ impl Form<'_> {
             let keys: Vec<_> = keys.into_iter().filter(|key| !self.strays.iter().any(|s| s == key.name)).collect();
             let Some(first) = keys.first() else { continue };
             let names = keys.iter().map(|key| format!("`{}`", key.name)).collect::<Vec<_>>().join(", ");
-            let meaning = first.meaning.trim_end_matches('.');
+            let meaning = first.description();
+            let meaning = meaning.trim_end_matches('.');
             let help =
                 format!("add {}: {}{}", line(self.kind, &place, first), meaning[..1].to_lowercase(), &meaning[1..]);
             let help = if keys.len() > 1 { format!("{help}; {}", self.shown()) } else { help };
@@ -249,8 +254,8 @@ impl Form<'_> {
         let Given { place, key, value } = given;
         let inside = if place.is_empty() { key.name.to_owned() } else { format!("{place}.{}", key.name) };
         match (key.form, value.get_ref()) {
-            (KeyForm::Table(keys), DeValue::Table(table)) => self.table(&inside, table, value.span(), keys, as_well),
-            (KeyForm::Named(keys), DeValue::Table(table)) => {
+            (Form::Table(keys), DeValue::Table(table)) => self.table(&inside, table, value.span(), keys, as_well),
+            (Form::Named(keys), DeValue::Table(table)) => {
                 for (name, value) in table {
                     match value.get_ref() {
                         DeValue::Table(table) => {
@@ -260,8 +265,8 @@ impl Form<'_> {
                     }
                 }
             }
-            (KeyForm::Named(_), DeValue::Array(_)) => self.nameless(&inside, value.span()),
-            (KeyForm::Tables(keys), DeValue::Array(items)) if !items.is_empty() => {
+            (Form::Named(_), DeValue::Array(_)) => self.nameless(&inside, value.span()),
+            (Form::Tables(keys), DeValue::Array(items)) if !items.is_empty() => {
                 for item in items {
                     match item.get_ref() {
                         DeValue::Table(table) => self.table(&inside, table, item.span(), keys, &[]),
@@ -269,25 +274,24 @@ impl Form<'_> {
                     }
                 }
             }
-            (KeyForm::Quantity(due), DeValue::Integer(_) | DeValue::Float(_)) => self.bare(given, due),
-            (KeyForm::Quantities(due, count), DeValue::Array(items))
+            (Form::Quantity(due, _), DeValue::Integer(_) | DeValue::Float(_)) => self.bare(given, due),
+            (Form::Quantities(due, _, count), DeValue::Array(items))
                 if items.len() == count && items.iter().all(|item| is_text(item) || is_number(item)) =>
             {
                 if items.iter().any(is_number) {
                     self.bare(given, due);
                 }
             }
-            (KeyForm::Texts, DeValue::Array(items)) => {
+            (Form::Texts, DeValue::Array(items)) => {
                 if let Some(item) = items.iter().find(|item| !is_text(item)) {
                     self.wrong_form(given, item);
                 }
             }
-            (KeyForm::TextsOf(count), DeValue::Array(items)) if items.len() == count && items.iter().all(is_text) => {}
-            (KeyForm::Numbers(count), DeValue::Array(items)) if items.len() == count && items.iter().all(is_number) => {
-            }
-            (KeyForm::Text | KeyForm::Word(_) | KeyForm::Quantity(_), DeValue::String(_))
-            | (KeyForm::Flag, DeValue::Boolean(_)) => {}
-            (KeyForm::Whole, DeValue::Integer(n)) if u32::from_str_radix(n.as_str(), n.radix()).is_ok() => {}
+            (Form::TextsOf(count), DeValue::Array(items)) if items.len() == count && items.iter().all(is_text) => {}
+            (Form::Numbers(count), DeValue::Array(items)) if items.len() == count && items.iter().all(is_number) => {}
+            (Form::Text(_) | Form::Word(_) | Form::Quantity(..), DeValue::String(_))
+            | (Form::Flag, DeValue::Boolean(_)) => {}
+            (Form::Whole(..), DeValue::Integer(n)) if u32::from_str_radix(n.as_str(), n.radix()).is_ok() => {}
             _ => self.wrong_form(given, value),
         }
     }
@@ -319,7 +323,7 @@ impl Form<'_> {
     fn wrong_form(&mut self, Given { place, key, value }: Given<'_, '_>, part: &Spanned<DeValue<'_>>) {
         let due = due(key.form);
         let is = match (key.form, value.get_ref()) {
-            (KeyForm::Whole, DeValue::Integer(_) | DeValue::Float(_)) => {
+            (Form::Whole(..), DeValue::Integer(_) | DeValue::Float(_)) => {
                 self.text.get(value.span()).unwrap_or("this number").to_owned()
             }
             (_, DeValue::Array(items)) if part.span() == value.span() => match items.len() {
@@ -385,14 +389,14 @@ fn similar<'k>(name: &str, known: &[&'k str]) -> Option<&'k str> {
 }
 
 /// The table that has a key of this name: `spindle`, or nothing for the file itself. Names of a shop's own stand as `NAME`.
-fn place_of(name: &str, keys: &[FileKey], place: &str) -> Option<String> {
+fn place_of(name: &str, keys: &[Property], place: &str) -> Option<String> {
     if keys.iter().any(|key| key.name == name) {
         return Some(place.to_owned());
     }
-    let inside = |key: &FileKey| if place.is_empty() { key.name.to_owned() } else { format!("{place}.{}", key.name) };
+    let inside = |key: &Property| if place.is_empty() { key.name.to_owned() } else { format!("{place}.{}", key.name) };
     keys.iter().find_map(|key| match key.form {
-        KeyForm::Table(keys) => place_of(name, keys, &inside(key)),
-        KeyForm::Named(keys) => place_of(name, keys, &format!("{}.NAME", inside(key))),
+        Form::Table(keys) => place_of(name, keys, &inside(key)),
+        Form::Named(keys) => place_of(name, keys, &format!("{}.NAME", inside(key))),
         _ => None,
     })
 }
@@ -419,24 +423,24 @@ fn kind_of(value: &DeValue<'_>) -> &'static str {
 }
 
 /// What a key takes, in words.
-fn due(form: KeyForm) -> String {
+fn due(form: Form) -> String {
     match form {
-        KeyForm::Text => "a text in quotes".to_owned(),
-        KeyForm::Texts => "a list of texts".to_owned(),
-        KeyForm::TextsOf(count) => format!("a list of {count} texts"),
-        KeyForm::Quantity(due) => format!("{} in quotes", due.name()),
-        KeyForm::Quantities(due, count) => format!("a list of {count} values, each {} in quotes", due.name()),
-        KeyForm::Numbers(count) => format!("a list of {count} numbers"),
-        KeyForm::Word(words) => {
+        Form::Text(_) | Form::Words(_) => "a text in quotes".to_owned(),
+        Form::Texts => "a list of texts".to_owned(),
+        Form::TextsOf(count) => format!("a list of {count} texts"),
+        Form::Quantity(due, _) => format!("{} in quotes", due.name()),
+        Form::Quantities(due, _, count) => format!("a list of {count} values, each {} in quotes", due.name()),
+        Form::Numbers(count) => format!("a list of {count} numbers"),
+        Form::Word(words) => {
             let words: Vec<String> = words().iter().map(|word| format!("\"{word}\"")).collect();
             match &words[..] {
                 [one] => one.clone(),
                 more => format!("one of {}", more.join(", ")),
             }
         }
-        KeyForm::Whole => "a whole number without quotes".to_owned(),
-        KeyForm::Flag => "`true` or `false` without quotes".to_owned(),
-        KeyForm::Table(_) | KeyForm::Named(_) => "a table".to_owned(),
-        KeyForm::Tables(_) => "a list of tables".to_owned(),
+        Form::Whole(..) => "a whole number without quotes".to_owned(),
+        Form::Flag => "`true` or `false` without quotes".to_owned(),
+        Form::Table(_) | Form::Named(_) => "a table".to_owned(),
+        Form::Tables(_) => "a list of tables".to_owned(),
     }
 }

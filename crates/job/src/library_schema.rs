@@ -1,7 +1,9 @@
 //! Keys of the files of the library as JSON schemas, for editors that complete and check TOML. A test compares the keys with
 //! those that the readers of the files know.
 
-use super::quantity::{Dimension, library_units};
+use super::property::{Form, Property, Range, Without, typed};
+use super::quantity::{Dimension, KILOWATT, library_units};
+use super::{limits, tool_model};
 use five_axis::control::{LengthTo, ModuloWay};
 use serde_json::{Map, Value, json};
 use wheel::control::{Orientation, SplineForm};
@@ -26,7 +28,7 @@ impl LibraryFile {
     }
 
     /// The keys at the top of the file.
-    pub(super) fn keys(self) -> &'static [FileKey] {
+    pub(super) fn keys(self) -> &'static [Property] {
         match self {
             Self::Machine => MACHINE,
             Self::Tools => TOOLS,
@@ -35,265 +37,228 @@ impl LibraryFile {
     }
 }
 
-/// What stands behind a key.
-#[derive(Clone, Copy)]
-pub(super) enum KeyForm {
-    /// A text.
-    Text,
-    /// A list of texts.
-    Texts,
-    /// A text with a number and a unit of this dimension.
-    Quantity(Dimension),
-    /// So many of them.
-    Quantities(Dimension, usize),
-    /// So many numbers.
-    Numbers(usize),
-    /// One of these words.
-    Word(fn() -> Vec<&'static str>),
-    /// A whole number.
-    Whole,
-    /// `true` or `false`.
-    Flag,
-    /// So many texts.
-    TextsOf(usize),
-    /// A table.
-    Table(&'static [FileKey]),
-    /// Tables by names of their own.
-    Named(&'static [FileKey]),
-    /// A list of tables.
-    Tables(&'static [FileKey]),
-}
+/// Largest length in library files, mm.
+const LONGEST: f64 = 100_000.0;
 
-/// A key of a table.
-#[derive(Clone, Copy)]
-pub(super) struct FileKey {
-    pub(super) name: &'static str,
-    pub(super) form: KeyForm,
-    pub(super) required: bool,
-    pub(super) meaning: &'static str,
-}
+/// Largest size of tables and fixtures, mm: their surfaces are sampled.
+const MOST_CARRIED: f64 = 1000.0;
 
 /// A key that a table must have.
-const fn must(name: &'static str, form: KeyForm, meaning: &'static str) -> FileKey {
-    FileKey { name, form, required: true, meaning }
+const fn must(name: &'static str, form: Form, meaning: &'static str) -> Property {
+    typed(name, form, Without::Required, meaning)
 }
 
 /// A key that a table may have.
-const fn may(name: &'static str, form: KeyForm, meaning: &'static str) -> FileKey {
-    FileKey { name, form, required: false, meaning }
+const fn may(name: &'static str, form: Form, meaning: &'static str) -> Property {
+    typed(name, form, Without::Nothing, meaning)
 }
 
-const LENGTH: KeyForm = KeyForm::Quantity(Dimension::LENGTH);
-const ANGLE: KeyForm = KeyForm::Quantity(Dimension::ANGLE);
+const fn quantity_of(due: Dimension, least: f64, most: f64) -> Form {
+    Form::Quantity(due, Range::Between(least, most))
+}
 
-const ABOUT: FileKey = may("about", KeyForm::Text, "A line for the reader of the file.");
+/// A place along an axis.
+const PLACE: Form = Form::Quantity(Dimension::LENGTH, Range::Within(LONGEST));
+const POINT: Form = Form::Quantities(Dimension::LENGTH, Range::Within(LONGEST), 3);
+const SPEED: Form = quantity_of(Dimension::FEED, 1.0, 1e6);
+const POWER: Form = quantity_of(Dimension::POWER, limits::POWER[0] * KILOWATT, limits::POWER[1] * KILOWATT);
+const TURN: Form = quantity_of(Dimension::ANGLE, limits::TURN[0], limits::TURN[1]);
+const TEXT: Form = Form::Text("a text");
 
-const LINEAR: &[FileKey] = &[
-    must("travel", KeyForm::Quantities(Dimension::LENGTH, 2), "Both ends of the travel; of Z those of the gauge line."),
-    must("speed", KeyForm::Quantity(Dimension::FEED), "Largest speed."),
-    must("acceleration", KeyForm::Quantity(Dimension::ACCELERATION), "Largest acceleration."),
-    may("jerk", KeyForm::Text, "Largest jerk such as \"50 m/s3\", or \"unlimited\"; without it unlimited."),
+const ABOUT: Property = may("about", TEXT, "A line for the reader of the file.");
+
+const LINEAR: &[Property] = &[
+    must(
+        "travel",
+        Form::Quantities(Dimension::LENGTH, Range::Within(LONGEST), 2),
+        "Both ends of the travel; of Z those of the gauge line.",
+    ),
+    must("speed", SPEED, "Largest speed."),
+    must("acceleration", quantity_of(Dimension::ACCELERATION, 3600.0, 3.6e9), "Largest acceleration."),
+    may("jerk", TEXT, "Largest jerk such as \"50 m/s3\", or \"unlimited\"; without it unlimited."),
 ];
 
-const ROTARY: &[FileKey] = &[
-    may("travel", KeyForm::Quantities(Dimension::ANGLE, 2), "Both ends of the travel; none with `modulo = true`."),
-    may("modulo", KeyForm::Flag, "True for an axis without limits, whose words the control takes modulo 360 deg."),
+const ROTARY: &[Property] = &[
+    may(
+        "travel",
+        Form::Quantities(Dimension::ANGLE, Range::Within(1e5), 2),
+        "Both ends of the travel; none with `modulo = true`.",
+    ),
+    may("modulo", Form::Flag, "True for an axis without limits, whose words the control takes modulo 360 deg."),
     may(
         "way",
-        KeyForm::Word(|| ModuloWay::ALL.map(ModuloWay::name).to_vec()),
+        Form::Word(|| ModuloWay::ALL.map(ModuloWay::name).to_vec()),
         "The way that the control takes, with `modulo = true`.",
     ),
-    may("clamp", KeyForm::TextsOf(2), "M words that clamp and unclamp the axis."),
-    must("speed", KeyForm::Quantity(Dimension::TURNING), "Largest speed."),
-    must("acceleration", KeyForm::Quantity(Dimension::TURNING_ACCELERATION), "Largest acceleration."),
-    may("jerk", KeyForm::Text, "Largest jerk such as \"200 rad/s3\", or \"unlimited\"; without it unlimited."),
+    may("clamp", Form::TextsOf(2), "M words that clamp and unclamp the axis."),
+    must("speed", quantity_of(Dimension::TURNING, 1e-3, 1e6), "Largest speed."),
+    must("acceleration", quantity_of(Dimension::TURNING_ACCELERATION, 1e-3, 1e9), "Largest acceleration."),
+    may("jerk", TEXT, "Largest jerk such as \"200 rad/s3\", or \"unlimited\"; without it unlimited."),
     must(
         "sense",
-        KeyForm::Word(|| vec!["iso", "opposite"]),
+        Form::Word(|| vec!["iso", "opposite"]),
         "iso: a positive word turns the tool right-handed against the part.",
     ),
     may(
         "direction",
-        KeyForm::Numbers(3),
+        Form::Numbers(3),
         "Direction in the machine frame with all axes at zero; without it by the letter.",
     ),
-    must(
-        "point",
-        KeyForm::Quantities(Dimension::LENGTH, 3),
-        "A point of the axis in the machine frame, all axes at zero.",
-    ),
+    must("point", POINT, "A point of the axis in the machine frame, all axes at zero."),
 ];
 
-const SECTION: &[FileKey] = &[
-    must("length", LENGTH, "Length along the axis."),
-    must("lower", LENGTH, "Diameter at the lower end."),
-    must("upper", LENGTH, "Diameter at the upper end."),
+/// A section of a holder, or of table and fixture.
+const fn section(least: f64) -> [Property; 3] {
+    let size = quantity_of(Dimension::LENGTH, least, MOST_CARRIED);
+    [
+        must("length", size, "Length along the axis."),
+        must("lower", size, "Diameter at the lower end."),
+        must("upper", size, "Diameter at the upper end."),
+    ]
+}
+
+const CARRIED: &[Property] = &[
+    must("top", Form::Quantity(Dimension::LENGTH, Range::Within(MOST_CARRIED)), "Height of the top."),
+    must("section", Form::Tables(&section(0.01)), "Sections downwards from the top."),
 ];
 
-const CARRIED: &[FileKey] = &[
-    must("top", LENGTH, "Height of the top."),
-    must("section", KeyForm::Tables(SECTION), "Sections downwards from the top."),
+const AXES: &[Property] = &[
+    must("X", Form::Table(LINEAR), "Linear axis X."),
+    must("Y", Form::Table(LINEAR), "Linear axis Y."),
+    must("Z", Form::Table(LINEAR), "Linear axis Z."),
+    may("A", Form::Table(ROTARY), "Rotary axis A."),
+    may("B", Form::Table(ROTARY), "Rotary axis B."),
+    may("C", Form::Table(ROTARY), "Rotary axis C."),
 ];
 
-const AXES: &[FileKey] = &[
-    must("X", KeyForm::Table(LINEAR), "Linear axis X."),
-    must("Y", KeyForm::Table(LINEAR), "Linear axis Y."),
-    must("Z", KeyForm::Table(LINEAR), "Linear axis Z."),
-    may("A", KeyForm::Table(ROTARY), "Rotary axis A."),
-    may("B", KeyForm::Table(ROTARY), "Rotary axis B."),
-    may("C", KeyForm::Table(ROTARY), "Rotary axis C."),
-];
-
-const MACHINE: &[FileKey] = &[
+const MACHINE: &[Property] = &[
     must(
         "kind",
-        KeyForm::Word(|| vec!["table-table", "head-table", "head-head"]),
+        Form::Word(|| vec!["table-table", "head-table", "head-head"]),
         "What the rotary axes carry: part or tool.",
     ),
     may(
         "order",
-        KeyForm::TextsOf(2),
+        Form::TextsOf(2),
         "Names of the rotary axes, first the one next to the tool; without it by the alphabet.",
     ),
     ABOUT,
-    may("assumed", KeyForm::Texts, "What nobody measured; the setup sheet lists it."),
-    may("own-words", KeyForm::Texts, "M words of the machine builder that frames of a post may have."),
-    must("axes", KeyForm::Table(AXES), "The axes: X, Y, Z and two of A, B, C."),
+    may("assumed", Form::Texts, "What nobody measured; the setup sheet lists it."),
+    may("own-words", Form::Texts, "M words of the machine builder that frames of a post may have."),
+    must("axes", Form::Table(AXES), "The axes: X, Y, Z and two of A, B, C."),
     must(
         "part",
-        KeyForm::Table(&[
-            must("origin", KeyForm::Quantities(Dimension::LENGTH, 3), "Origin of the part, all axes at zero."),
-            may("direction", KeyForm::Numbers(3), "Where Z of the part points, all axes at zero; without it along Z."),
-            may(
-                "x-direction",
-                KeyForm::Numbers(3),
-                "Where X of the part points, all axes at zero; without it along X.",
-            ),
+        Form::Table(&[
+            must("origin", POINT, "Origin of the part, all axes at zero."),
+            may("direction", Form::Numbers(3), "Where Z of the part points, all axes at zero; without it along Z."),
+            may("x-direction", Form::Numbers(3), "Where X of the part points, all axes at zero; without it along X."),
         ]),
         "Where the part is.",
     ),
     must(
         "spindle",
-        KeyForm::Table(&[
-            must("speed", KeyForm::Quantities(Dimension::SPINDLE, 2), "Least and largest speed."),
-            may("power", KeyForm::Quantity(Dimension::POWER), "Power at the cutter; without it no limit."),
+        Form::Table(&[
+            must("speed", Form::Quantities(Dimension::SPINDLE, Range::Within(1e6), 2), "Least and largest speed."),
+            may("power", POWER, "Power at the cutter; without it no limit."),
         ]),
         "The spindle.",
     ),
     may(
         "retract",
-        KeyForm::Table(&[must("z", LENGTH, "Height of the gauge line.")]),
+        Form::Table(&[must("z", PLACE, "Height of the gauge line.")]),
         "Where tools change; without it the upper end of the travel of Z.",
     ),
     may(
         "home",
-        KeyForm::Table(&[may("x", LENGTH, "X."), may("y", LENGTH, "Y."), may("z", LENGTH, "Z of the gauge line.")]),
+        Form::Table(&[may("x", PLACE, "X."), may("y", PLACE, "Y."), may("z", PLACE, "Z of the gauge line.")]),
         "Where the machine parks at the end of a program.",
     ),
     may(
         "tool-length",
-        KeyForm::Word(|| LengthTo::ALL.map(LengthTo::name).to_vec()),
+        Form::Word(|| LengthTo::ALL.map(LengthTo::name).to_vec()),
         "What lengths in the tool table refer to; without it the tip.",
     ),
-    must("rapid", KeyForm::Quantity(Dimension::FEED), "Speed of the tip at rapid."),
+    must("rapid", SPEED, "Speed of the tip at rapid."),
     may(
         "cycle",
-        KeyForm::Quantity(Dimension::TIME),
+        quantity_of(Dimension::TIME, 1e-6 / 60.0, 1e-2 / 60.0),
         "Time between two positions that the control gives; without it 0.002 s.",
     ),
-    may("planning", KeyForm::Word(|| vec!["linuxcnc-2.9"]), "Trajectory planner of the control, where it is known."),
-    may("table", KeyForm::Table(CARRIED), "The table, a solid of revolution; heights in the machine frame."),
-    may("fixture", KeyForm::Table(CARRIED), "The fixture, a solid of revolution; heights in the part frame."),
+    may("planning", Form::Word(|| vec!["linuxcnc-2.9"]), "Trajectory planner of the control, where it is known."),
+    may("table", Form::Table(CARRIED), "The table, a solid of revolution; heights in the machine frame."),
+    may("fixture", Form::Table(CARRIED), "The fixture, a solid of revolution; heights in the part frame."),
 ];
 
-const TOOL: &[FileKey] = &[
-    must(
-        "kind",
-        KeyForm::Word(|| vec!["flat", "ball", "bull", "tapered-ball", "barrel", "lollipop"]),
-        "Form of the cutter.",
-    ),
-    must("diameter", LENGTH, "Diameter; of a tapered ball that of the ball."),
-    may("corner", LENGTH, "bull: radius of the corner."),
-    may("angle", ANGLE, "tapered-ball: between side and tool axis."),
-    may("barrel", LENGTH, "barrel: radius of the side."),
-    may("tip", LENGTH, "barrel: radius of the ball at the tip."),
-    may("neck", LENGTH, "lollipop: diameter of the neck."),
-    may("neck-end", LENGTH, "lollipop: from the tip to the end of the neck; without it the reach."),
-    must("flutes", KeyForm::Whole, "Number of cutting edges."),
-    may("flute", LENGTH, "Length of the cutting edges, from the tip; required but for a lollipop."),
-    may("shank", LENGTH, "Diameter of the shank; without it the diameter."),
-    must("reach", LENGTH, "From the tip to the holder: the stick-out."),
-    may("holder", KeyForm::Text, "Name of a holder."),
-    may("max-chip", LENGTH, "Largest feed per tooth."),
-    may("max-depth", LENGTH, "Largest depth of a slot."),
-    may("max-rate", KeyForm::Quantity(Dimension::REMOVAL_RATE), "Largest removal rate; without it no limit."),
-    may("plunge-width", LENGTH, "Width, from the rim, that the teeth of the end cut."),
-    may("ramp", ANGLE, "Largest angle at which the tool goes down sideways in material."),
-];
-
-const TOOLS: &[FileKey] = &[
+const TOOLS: &[Property] = &[
     ABOUT,
     may(
         "holder",
-        KeyForm::Named(&[ABOUT, must("section", KeyForm::Tables(SECTION), "Sections upwards from the nose.")]),
+        Form::Named(&[ABOUT, must("section", Form::Tables(&section(0.001)), "Sections upwards from the nose.")]),
         "Holders by their names.",
     ),
-    may("tool", KeyForm::Named(TOOL), "Tools by their names."),
+    may("tool", Form::Named(tool_model::KEYS), "Tools by their names."),
 ];
 
-const POST: &[FileKey] = &[
-    must("dialect", KeyForm::Text, "Dialect: the words and the reader of the control."),
+/// Digits behind the point.
+const DECIMALS: &[Property] = &[
+    must("length", Form::Whole(2, 6), "Digits of lengths."),
+    must("angle", Form::Whole(2, 7), "Digits of angles."),
+    must("vector", Form::Whole(4, 9), "Digits of vectors."),
+    must("feed", Form::Whole(0, 4), "Digits of feeds."),
+];
+
+const POST: &[Property] = &[
+    must("dialect", TEXT, "Dialect: the words and the reader of the control."),
     ABOUT,
-    may("line-end", KeyForm::Word(|| LineEnd::ALL.map(LineEnd::name).to_vec()), "End of lines; without it lf."),
-    may("block-numbers", KeyForm::Whole, "Step of block numbers; 0 for none."),
-    may("program-number", KeyForm::Whole, "Number of the program; without it 1001."),
-    must(
-        "orientation",
-        KeyForm::Word(|| Orientation::ALL.map(Orientation::name).to_vec()),
-        "How the tool direction is stated.",
-    ),
-    may("orientation-tolerance", ANGLE, "Largest error of the tool direction through smoothing."),
-    may("work-offset", KeyForm::Text, "Work offset that holds the part origin; without it that of the shipped files."),
-    must(
-        "decimals",
-        KeyForm::Table(&[
-            must("length", KeyForm::Whole, "Digits of lengths."),
-            must("angle", KeyForm::Whole, "Digits of angles."),
-            must("vector", KeyForm::Whole, "Digits of vectors."),
-            must("feed", KeyForm::Whole, "Digits of feeds."),
-        ]),
-        "Digits behind the point.",
+    may("line-end", Form::Word(|| LineEnd::ALL.map(LineEnd::name).to_vec()), "End of lines; without it lf."),
+    may(
+        "block-numbers",
+        Form::Whole(limits::BLOCK_NUMBERS[0], limits::BLOCK_NUMBERS[1]),
+        "Step of block numbers; 0 for none.",
     ),
     may(
+        "program-number",
+        Form::Whole(limits::PROGRAM_NUMBERS[0], limits::PROGRAM_NUMBERS[1]),
+        "Number of the program; without it 1001.",
+    ),
+    must(
+        "orientation",
+        Form::Word(|| Orientation::ALL.map(Orientation::name).to_vec()),
+        "How the tool direction is stated.",
+    ),
+    may("orientation-tolerance", TURN, "Largest error of the tool direction through smoothing."),
+    may("work-offset", TEXT, "Work offset that holds the part origin; without it that of the shipped files."),
+    must("decimals", Form::Table(DECIMALS), "Digits behind the point."),
+    may(
         "splines",
-        KeyForm::Word(|| SplineForm::ALL.map(SplineForm::name).to_vec()),
+        Form::Word(|| SplineForm::ALL.map(SplineForm::name).to_vec()),
         "Kind of spline blocks, where the control has them.",
     ),
     must(
         "smoothing",
-        KeyForm::Table(&[
-            must("finish", KeyForm::Text, "Words for finishing."),
-            must("rough", KeyForm::Text, "Words for roughing."),
-            must("off", KeyForm::Text, "Words that switch smoothing off."),
+        Form::Table(&[
+            must("finish", TEXT, "Words for finishing."),
+            must("rough", TEXT, "Words for roughing."),
+            must("off", TEXT, "Words that switch smoothing off."),
         ]),
         "Smoothing of the path.",
     ),
     must(
         "transformation",
-        KeyForm::Table(&[
-            must("angles", KeyForm::Text, "Words for positions of the rotary axes; empty where there are none."),
-            must("vectors", KeyForm::Text, "Words for vectors; empty where there are none."),
+        Form::Table(&[
+            must("angles", TEXT, "Words for positions of the rotary axes; empty where there are none."),
+            must("vectors", TEXT, "Words for vectors; empty where there are none."),
         ]),
         "Words that switch tool centre point control on.",
     ),
     must(
         "frames",
-        KeyForm::Table(&[
-            may("start", KeyForm::Texts, "Before the head."),
-            must("head", KeyForm::Texts, "Head of the program."),
-            must("operation-start", KeyForm::Texts, "Start of each operation."),
-            must("operation-end", KeyForm::Texts, "End of each operation."),
-            must("end", KeyForm::Texts, "End of the program."),
+        Form::Table(&[
+            may("start", Form::Texts, "Before the head."),
+            must("head", Form::Texts, "Head of the program."),
+            must("operation-start", Form::Texts, "Start of each operation."),
+            must("operation-end", Form::Texts, "End of each operation."),
+            must("end", Form::Texts, "End of the program."),
         ]),
         "Lines beside the moves, with fields in braces.",
     ),
@@ -311,14 +276,14 @@ pub fn library_schema(kind: LibraryFile) -> Value {
     schema
 }
 
-fn table(keys: &[FileKey]) -> Value {
+fn table(keys: &[Property]) -> Value {
     let mut properties = Map::new();
     for key in keys {
         let mut value = form(key.form);
-        value["description"] = json!(key.meaning);
+        value["description"] = json!(key.description());
         properties.insert(key.name.to_owned(), value);
     }
-    let required: Vec<&str> = keys.iter().filter(|key| key.required).map(|key| key.name).collect();
+    let required: Vec<&str> = keys.iter().filter(|key| key.is_due()).map(|key| key.name).collect();
     json!({ "type": "object", "properties": properties, "required": required, "additionalProperties": false })
 }
 
@@ -334,19 +299,19 @@ fn several(item: &Value, count: usize) -> Value {
     json!({ "type": "array", "items": item, "minItems": count, "maxItems": count })
 }
 
-fn form(form: KeyForm) -> Value {
+fn form(form: Form) -> Value {
     match form {
-        KeyForm::Text => json!({ "type": "string" }),
-        KeyForm::Texts => json!({ "type": "array", "items": { "type": "string" } }),
-        KeyForm::TextsOf(count) => several(&json!({ "type": "string" }), count),
-        KeyForm::Quantity(dimension) => quantity(dimension),
-        KeyForm::Quantities(dimension, count) => several(&quantity(dimension), count),
-        KeyForm::Numbers(count) => several(&json!({ "type": "number" }), count),
-        KeyForm::Word(words) => json!({ "type": "string", "enum": words() }),
-        KeyForm::Whole => json!({ "type": "integer", "minimum": 0 }),
-        KeyForm::Flag => json!({ "type": "boolean" }),
-        KeyForm::Table(keys) => table(keys),
-        KeyForm::Named(keys) => json!({ "type": "object", "additionalProperties": table(keys) }),
-        KeyForm::Tables(keys) => json!({ "type": "array", "items": table(keys), "minItems": 1 }),
+        Form::Text(_) | Form::Words(_) => json!({ "type": "string" }),
+        Form::Texts => json!({ "type": "array", "items": { "type": "string" } }),
+        Form::TextsOf(count) => several(&json!({ "type": "string" }), count),
+        Form::Quantity(dimension, _) => quantity(dimension),
+        Form::Quantities(dimension, _, count) => several(&quantity(dimension), count),
+        Form::Numbers(count) => several(&json!({ "type": "number" }), count),
+        Form::Word(words) => json!({ "type": "string", "enum": words() }),
+        Form::Whole(..) => json!({ "type": "integer", "minimum": 0 }),
+        Form::Flag => json!({ "type": "boolean" }),
+        Form::Table(keys) => table(keys),
+        Form::Named(keys) => json!({ "type": "object", "additionalProperties": table(keys) }),
+        Form::Tables(keys) => json!({ "type": "array", "items": table(keys), "minItems": 1 }),
     }
 }

@@ -30,11 +30,11 @@ pub(super) const POWER: [f64; 2] = [0.01, 1000.0];
 
 /// Half angles of tapered cutters, rad. Below 0.1 deg the cutter is a cylinder within its tolerance. A side steeper
 /// than 45 deg to the axis would be a point mill, which the contact search does not support.
-pub(super) const TAPER: [f64; 2] = [0.001_745, 0.785];
+pub(super) const TAPER: [f64; 2] = [0.1f64.to_radians(), 45f64.to_radians()];
 
 /// Angles at which a tool may go down while it moves sideways, rad: from 0.1 deg, since paths keep their tolerance only, to
 /// straight down.
-pub(super) const RAMP: [f64; 2] = [0.001_745, std::f64::consts::FRAC_PI_2];
+pub(super) const RAMP: [f64; 2] = [0.1f64.to_radians(), 90f64.to_radians()];
 
 /// Numbers of flutes.
 pub(super) const FLUTES: [u32; 2] = [1, 20];
@@ -44,3 +44,12 @@ pub(super) const LEAST_FILLET: f64 = 0.01;
 
 /// Largest fillet radius, mm.
 pub(super) const LARGEST_FILLET: f64 = 1000.0;
+
+/// Steps of block numbers; 0 is none.
+pub(super) const BLOCK_NUMBERS: [u32; 2] = [0, 1000];
+
+/// Program numbers of controls that call programs by number.
+pub(super) const PROGRAM_NUMBERS: [u32; 2] = [1, 99_999_999];
+
+/// Orientation tolerances, rad.
+pub(super) const TURN: [f64; 2] = [1e-4f64.to_radians(), 0.1f64.to_radians()];

@@ -1,7 +1,9 @@
 //! Keys of machine files about rotary axes without limits, clamps, and what posts use.
 
-use super::library::{HomeTable, LibraryReader, NO_DIRECTION, PartTable, RotaryTable, SpannedText};
+use super::library::{LibraryReader, NO_DIRECTION};
+use super::library_table::{FileTable, SpannedText};
 use super::model::LinearSpec;
+use super::property::Range;
 use super::quantity::{Dimension, Quantity};
 use base::source::Span;
 use base::units::{Mm, trim};
@@ -14,15 +16,20 @@ const AT_RIGHT_ANGLES: f64 = 1e-3;
 
 impl LibraryReader<'_> {
     /// Where the machine parks: within the travel, and not below the retract height.
-    pub(super) fn home(&mut self, table: &Option<HomeTable>, linear: &[LinearSpec; 3], retract: Mm) -> [Option<Mm>; 3] {
-        let Some(HomeTable { x, y, z }) = table else { return [None; 3] };
+    pub(super) fn home(
+        &mut self,
+        table: Option<FileTable<'_, '_>>,
+        linear: &[LinearSpec; 3],
+        retract: Mm,
+    ) -> [Option<Mm>; 3] {
+        let Some(table) = table else { return [None; 3] };
         let [of_x, of_y, of_z] = linear.map(|axis| axis.travel.map(Mm::get));
         let keys = [
-            (x, of_x, ["the travel of X"; 2]),
-            (y, of_y, ["the travel of Y"; 2]),
-            (z, [retract.get(), of_z[1]], ["the retract height", "the travel of Z"]),
+            ("x", of_x, ["the travel of X"; 2]),
+            ("y", of_y, ["the travel of Y"; 2]),
+            ("z", [retract.get(), of_z[1]], ["the retract height", "the travel of Z"]),
         ];
-        keys.map(|(text, within, of)| Some(self.place(text.as_ref()?, "home", within, of)))
+        keys.map(|(key, within, of)| Some(self.place(&table.text(key)?, "home", within, of)))
     }
 
     /// A place of an axis between two others.
@@ -39,19 +46,20 @@ impl LibraryReader<'_> {
             );
             return Mm(0.0);
         }
-        Mm(self.quantity(text, Dimension::LENGTH, low, high))
+        Mm(self.quantity(text, Dimension::LENGTH, Range::Between(low, high)))
     }
 
     /// Directions of X and Z of the part, where the file states one of them. Without `x-direction` X of the part lies along
     /// X of the machine as far as Z permits; for Z along X of the machine it lies along Z of the machine.
-    pub(super) fn part_axes(&mut self, table: &PartTable) -> Option<[[f64; 3]; 2]> {
-        let z = match &table.direction {
+    pub(super) fn part_axes(&mut self, table: FileTable<'_, '_>) -> Option<[[f64; 3]; 2]> {
+        let stated = table.numbers("direction");
+        let z = match &stated {
             Some(given) => self.part_direction("direction", given)?,
             None => Vector3::z(),
         };
         let across = |v: Vector3<f64>| (v - z * z.dot(&v)).try_normalize(AT_RIGHT_ANGLES);
-        let Some(given) = &table.x_direction else {
-            table.direction.as_ref()?;
+        let Some(given) = &table.numbers("x-direction") else {
+            stated?;
             // The second is what the first comes to where Z is turned to X.
             let x = across(Vector3::x()).or_else(|| across(Vector3::z() * -z.x.signum()))?;
             return Some([x.into(), z.into()]);
@@ -105,12 +113,17 @@ impl LibraryReader<'_> {
     }
 
     /// Travel of a rotary axis, and for an axis modulo 360 deg, which has no limits, the way of the control.
-    pub(super) fn turns(&mut self, name: &str, table: &RotaryTable, axis: Span) -> ([f64; 2], Option<ModuloWay>) {
+    pub(super) fn turns(
+        &mut self,
+        name: &str,
+        table: FileTable<'_, '_>,
+        axis: Span,
+    ) -> Option<([f64; 2], Option<ModuloWay>)> {
         let endless = [f64::NEG_INFINITY, f64::INFINITY];
-        let modulo = table.modulo.as_ref().filter(|m| *m.get_ref());
-        match (&table.travel, modulo) {
-            (Some(travel), None) => {
-                if let Some(way) = &table.way {
+        let (modulo, way) = (table.flag("modulo").filter(|m| *m.get_ref()), table.text("way"));
+        Some(match (table.has("travel"), modulo) {
+            (true, None) => {
+                if let Some(way) = &way {
                     self.fault(
                         self.span(way),
                         format!("axis {name} has a `way`, but its words are not modulo 360 deg"),
@@ -118,12 +131,12 @@ impl LibraryReader<'_> {
                         "remove the line, or write `modulo = true` instead of `travel`",
                     );
                 }
-                (self.pair(travel.get_ref(), Dimension::ANGLE, 1e5), None)
+                (self.pair(table, "travel")?, None)
             }
-            (None, Some(modulo)) => {
-                if table.way.is_none() {
+            (false, Some(modulo)) => {
+                if way.is_none() {
                     self.fault(
-                        self.span(modulo),
+                        self.span(&modulo),
                         format!("the way that the control takes to a word of {name} is not given"),
                         "`way` is missing".to_owned(),
                         "write `way = \"shortest\"` if the control takes the shorter way, \"direct\" if it never passes 0 deg, \
@@ -131,19 +144,19 @@ impl LibraryReader<'_> {
                     );
                 }
                 let help = "the manual of the control says how a rotary axis goes to an absolute word";
-                let way = self.named(&table.way, ("way", help), ModuloWay::ALL.map(|way| (way, way.name())));
+                let way = self.named(&way, ("way", help), ModuloWay::ALL.map(|way| (way, way.name())));
                 (endless, Some(way))
             }
-            (Some(_), Some(modulo)) => {
+            (true, Some(modulo)) => {
                 self.fault(
-                    self.span(modulo),
+                    self.span(&modulo),
                     format!("axis {name} has a `travel` and is modulo 360 deg"),
                     "an axis whose words the control reduces modulo 360 deg has no limits".to_owned(),
                     "remove `travel`, or `modulo` for an axis with limits",
                 );
                 (endless, None)
             }
-            (None, None) => {
+            (false, None) => {
                 self.fault(
                     axis,
                     format!("axis {name} has no `travel`"),
@@ -152,7 +165,7 @@ impl LibraryReader<'_> {
                 );
                 (endless, None)
             }
-        }
+        })
     }
 
     /// Words that clamp and unclamp an axis: two different M words.

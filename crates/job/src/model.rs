@@ -4,12 +4,12 @@ pub use super::blade_model::{
     AnglesAtSpan, AnglesSpec, CamberSpec, CurveSpec, DistributionSpec, EdgePlace, Looks, MeridianPlace, SpanSpec,
 };
 use super::quantity::Quantity;
+pub use super::tool_model::{CutterKind, LoadLimits, ToolSpec};
 use base::source::Span;
-use base::units::{Mm, Mm3PerMin, MmPerMin, Rad, Rpm};
+use base::units::{Mm, MmPerMin, Rad, Rpm};
 use blade::{EdgeForm, LoopEdges};
 use five_axis::control::{LengthTo, ModuloWay, Planning};
 use std::collections::BTreeMap;
-use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
 use tool_stock::stock::Mesh;
 pub use wheel::contract::ContractKind;
@@ -420,176 +420,6 @@ pub struct ClampingSpec {
     pub diameter: Option<Mm>,
     /// Place in the job; `None` where the job gives none.
     pub span: Option<Span>,
-}
-
-/// Shape of a cutter's end.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum CutterKind {
-    /// Flat.
-    Flat,
-    /// Ball.
-    Ball,
-    /// Bull nose, with its corner radius.
-    Bull(Mm),
-    /// Tapered ball, with the angle between axis and side.
-    TaperedBall(Rad),
-    /// Barrel: an arc of a large radius between a ball tip and the largest diameter.
-    Barrel {
-        /// Radius of the arc.
-        barrel: Mm,
-        /// Radius of the ball tip.
-        tip: Mm,
-    },
-    /// Lollipop: a ball on a thinner neck.
-    Lollipop {
-        /// Diameter of the neck.
-        neck: Mm,
-        /// Height over the tip at which the neck ends and the shank begins.
-        neck_end: Mm,
-    },
-}
-
-impl CutterKind {
-    /// Keyword of the language.
-    pub fn keyword(self) -> &'static str {
-        match self {
-            Self::Flat => "flat",
-            Self::Ball => "ball",
-            Self::Bull(_) => "bull",
-            Self::TaperedBall(_) => "tapered-ball",
-            Self::Barrel { .. } => "barrel",
-            Self::Lollipop { .. } => "lollipop",
-        }
-    }
-
-    /// Radius of the rounding between end and side of a tool with this radius, mm; `None` for other shapes than flat, ball
-    /// and bull.
-    pub fn corner(self, radius: f64) -> Option<f64> {
-        match self {
-            Self::Flat => Some(0.0),
-            Self::Ball => Some(radius),
-            Self::Bull(corner) => Some(corner.get()),
-            _ => None,
-        }
-    }
-
-    /// Least height over the tip to which the flutes must extend, in mm, and the name of this place; for a lollipop of
-    /// this diameter, the end of its flutes. Formulas: tangent circles, and the chord of the neck in the ball.
-    pub fn least_flute(self, diameter: Mm) -> (f64, &'static str) {
-        let radius = diameter.get() / 2.0;
-        let leg = |long: f64, short: f64| ((long - short) * (long + short)).max(0.0).sqrt();
-        match self {
-            Self::Flat => (0.0, "tip"),
-            Self::Ball | Self::TaperedBall(_) => (radius, "full radius of the ball"),
-            Self::Bull(corner) => (corner.get(), "end of the corner"),
-            Self::Barrel { barrel, tip } => {
-                (tip.get() + leg(barrel.get() - tip.get(), barrel.get() - radius), "largest diameter")
-            }
-            Self::Lollipop { neck, .. } => (radius + leg(radius, neck.get() / 2.0), "neck"),
-        }
-    }
-}
-
-/// A tool.
-#[derive(Clone, Debug)]
-pub struct ToolSpec {
-    /// Name in the job.
-    pub name: String,
-    /// Number in the magazine.
-    pub number: u32,
-    /// Shape of the end.
-    pub kind: CutterKind,
-    /// Cutting diameter: the largest one; for a tapered ball, the diameter of the ball.
-    pub diameter: Mm,
-    /// Teeth.
-    pub flutes: u32,
-    /// Length of the flutes from the tip; a lollipop has flutes up to its neck.
-    pub flute: Mm,
-    /// Shank diameter.
-    pub shank: Mm,
-    /// Distance from the tip to the holder.
-    pub reach: Mm,
-    /// Holder by name and sections: length, lower and upper diameter.
-    pub holder: Option<(String, Vec<[Mm; 3]>)>,
-    /// Stated limits of its load.
-    pub limits: LoadLimits,
-    /// Its item.
-    pub span: Span,
-}
-
-/// Limits of the load that a job or a library states for a tool.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct LoadLimits {
-    /// `max-chip`: largest feed per tooth.
-    pub chip: Option<Mm>,
-    /// `max-depth`: largest depth of cut at full width.
-    pub depth: Option<Mm>,
-    /// `max-rate`: largest removal rate.
-    pub rate: Option<Mm3PerMin>,
-    /// `plunge-width`: width from the rim towards the axis that the teeth of its end cut.
-    pub plunge: Option<Mm>,
-    /// `ramp`: largest angle against the plane of its end at which it goes down through material.
-    pub ramp: Option<Rad>,
-}
-
-/// Depth of the hollow in the middle of an end without teeth there, as a share of the radius of the flat part of the end.
-const HOLLOW: f64 = 0.5;
-
-impl ToolSpec {
-    /// Width, from the rim towards the axis, that the teeth of its end cut in a stroke along the axis: the stated one, or
-    /// the corner and half of the flat part of the end. So a ball cuts at its centre. `None` for other shapes than flat,
-    /// ball and bull.
-    pub fn plunge_width(&self) -> Option<Mm> {
-        let radius = 0.5 * self.diameter.get();
-        let corner = self.kind.corner(radius)?;
-        Some(self.limits.plunge.unwrap_or(Mm(0.5 * (radius + corner))))
-    }
-
-    /// Largest distance between neighbouring strokes along the axis, mm: half of the diameter for a tool that cuts at its
-    /// centre. Otherwise the flat part of the width that its teeth cut, so that the middle of its end goes down over the
-    /// floor of the stroke before. `None` as for [`Self::plunge_width`]; zero or less where the tool cannot plunge.
-    pub fn largest_plunge_step(&self) -> Option<f64> {
-        let (radius, width) = (0.5 * self.diameter.get(), self.plunge_width()?.get());
-        let corner = self.kind.corner(radius)?;
-        Some(if width >= radius { radius } else { width - corner })
-    }
-
-    /// Largest angle against the plane of its end at which the tool may go down while it moves sideways through material: the
-    /// stated one, or what the middle of the end without teeth permits. Over the width of the middle, 2 c, the tool goes
-    /// down by 2 c tan a; material as high as that fills the hollow of the middle at most. So a tool that cuts at its centre
-    /// may go straight down.
-    pub fn largest_ramp(&self) -> Rad {
-        let radius = 0.5 * self.diameter.get();
-        let middle = radius - self.plunge_width().map_or(radius, Mm::get);
-        let flat = (radius - self.kind.corner(radius).unwrap_or(radius)).max(middle);
-        let by_middle = if middle > 0.0 { libm::atan2(HOLLOW * flat, 2.0 * middle) } else { FRAC_PI_2 };
-        self.limits.ramp.unwrap_or(Rad(by_middle))
-    }
-
-    /// Largest feed per tooth, mm: the stated one, or a share of the diameter that falls with the stick-out, less in a
-    /// material that is harder to cut than aluminium.
-    pub fn largest_chip(&self, material: Option<Material>) -> Mm {
-        self.limits.chip.unwrap_or_else(|| self.share([0.03, 0.0225, 0.015], material))
-    }
-
-    /// Largest depth of cut at full width, mm, as for [`Self::largest_chip`].
-    pub fn largest_depth(&self, material: Option<Material>) -> Mm {
-        self.limits.depth.unwrap_or_else(|| self.share([1.0, 0.75, 0.5], material))
-    }
-
-    /// A share of the diameter: for a stick-out of up to 4 diameters, of up to 8 diameters, and of more.
-    fn share(&self, shares: [f64; 3], material: Option<Material>) -> Mm {
-        let stick_out = self.reach.get() / self.diameter.get();
-        let [short, middle, long] = shares;
-        let share = if stick_out <= 4.0 {
-            short
-        } else if stick_out <= 8.0 {
-            middle
-        } else {
-            long
-        };
-        Mm(share * self.diameter.get() * material.map_or(1.0, Material::share))
-    }
 }
 
 /// An operation.

@@ -1,32 +1,24 @@
-//! Post files: TOML through serde, with the properties of the `post` item of a job over them.
+//! Post files, with the properties of the `post` item of a job over them.
 
 use super::eval::nearest;
-use super::library::{LibraryReader, SpannedText};
+use super::library::LibraryReader;
 use super::library_form;
 use super::library_schema::LibraryFile;
+use super::library_table::{FileTable, SpannedText};
+use super::limits;
 use super::properties::{Properties, Range, name_of};
+use super::property::Form;
 use super::quantity::Dimension;
 use super::vocabulary::{self, TopicKind};
 use base::source::{SourceId, SourceMap, Span};
 use diagnostics::codes::job as codes;
 use diagnostics::{Diag, Sink};
-use serde::Deserialize;
 use syntax::ast::{Block, Value};
-use toml::Spanned;
 use wheel::control::{Control, Decimals, Orientation, PathForm, Sectors, SplineForm};
 use wheel::post_file::{Field, Frame, LineEnd, PostFile, Template, TemplateFault};
 
-/// Largest step of block numbers, and largest program number of controls that call programs by number.
-const LARGEST: [u32; 2] = [1000, 99_999_999];
-
 /// Number of a program where neither job nor post file gives one.
 const USUAL_NUMBER: u32 = 1001;
-
-/// Least and most digits behind the point of lengths, angles, vectors and feeds.
-const DIGITS: [[usize; 2]; 4] = [[2, 6], [2, 7], [4, 9], [0, 4]];
-
-/// Orientation tolerances, degrees.
-const TURNS: [f64; 2] = [1e-4, 0.1];
 
 /// Most characters of a template. Names and numbers of a program add some; controls take 120 characters without doubt.
 const LONGEST: usize = 120;
@@ -34,74 +26,21 @@ const LONGEST: usize = 120;
 /// Most lines of a frame.
 const MOST_LINES: usize = 100;
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
-struct PostTable {
-    dialect: SpannedText,
-    #[serde(default)]
-    #[expect(dead_code, reason = "for the reader of the file")]
-    about: String,
-    line_end: Option<SpannedText>,
-    block_numbers: Option<Spanned<u32>>,
-    program_number: Option<Spanned<u32>>,
-    orientation: SpannedText,
-    orientation_tolerance: Option<SpannedText>,
-    work_offset: Option<SpannedText>,
-    decimals: DecimalsTable,
-    splines: Option<SpannedText>,
-    smoothing: SmoothingTable,
-    transformation: TransformationTable,
-    frames: FramesTable,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct DecimalsTable {
-    length: Spanned<usize>,
-    angle: Spanned<usize>,
-    vector: Spanned<usize>,
-    feed: Spanned<usize>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct SmoothingTable {
-    finish: SpannedText,
-    rough: SpannedText,
-    off: SpannedText,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct TransformationTable {
-    angles: SpannedText,
-    vectors: SpannedText,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
-struct FramesTable {
-    #[serde(default)]
-    start: Vec<SpannedText>,
-    head: Vec<SpannedText>,
-    operation_start: Vec<SpannedText>,
-    operation_end: Vec<SpannedText>,
-    end: Spanned<Vec<SpannedText>>,
-}
-
 impl LibraryReader<'_> {
     /// A whole number in its range.
-    fn whole<T: Copy + PartialOrd + std::fmt::Display>(&mut self, value: &Spanned<T>, [least, most]: [T; 2]) -> T {
+    fn whole(&mut self, table: FileTable<'_, '_>, name: &str) -> Option<u32> {
+        let value = table.whole(name)?;
+        let Form::Whole(least, most) = table.get(name)?.0.form else { return None };
         let given = *value.get_ref();
-        if given < least || given > most {
+        if !(least..=most).contains(&given) {
             self.fault(
-                self.span(value),
+                self.span(&value),
                 format!("{given} is out of range"),
                 format!("a value from {least} to {most} is expected"),
                 "correct the value",
             );
         }
-        given
+        Some(given)
     }
 
     /// One of some words.
@@ -196,14 +135,55 @@ impl LibraryReader<'_> {
         }
     }
 
-    fn decimals(&mut self, table: &DecimalsTable) -> Decimals {
-        let [length, angle, vector, feed] = [&table.length, &table.angle, &table.vector, &table.feed];
-        Decimals {
-            length: self.whole(length, DIGITS[0]),
-            angle: self.whole(angle, DIGITS[1]),
-            vector: self.whole(vector, DIGITS[2]),
-            feed: self.whole(feed, DIGITS[3]),
-        }
+    fn decimals(&mut self, table: FileTable<'_, '_>) -> Option<Decimals> {
+        let mut digits = |name| Some(self.whole(table, name)? as usize);
+        Some(Decimals {
+            length: digits("length")?,
+            angle: digits("angle")?,
+            vector: digits("vector")?,
+            feed: digits("feed")?,
+        })
+    }
+
+    /// Templates of a table, by the names of their keys.
+    fn templates<const N: usize>(&mut self, table: FileTable<'_, '_>, names: [&str; N]) -> [Template; N] {
+        let fields = inner_fields();
+        names.map(|name| table.text(name).map(|text| self.template(&text, &fields)).unwrap_or_default())
+    }
+
+    fn post(&mut self, name: &str, asked: Option<Span>, table: FileTable<'_, '_>) -> Option<PostFile> {
+        let (dialect, orientation) = (table.text("dialect")?, table.text("orientation")?);
+        let frames = table.table("frames")?;
+        let post = PostFile {
+            name: name.to_owned(),
+            span: asked,
+            dialect: dialect.get_ref().clone(),
+            dialect_span: self.span(&dialect),
+            line_end: (table.text("line-end"))
+                .and_then(|text| self.word(&text, "an end of lines", &LineEnd::ALL, LineEnd::name))
+                .unwrap_or(LineEnd::Lf),
+            block_numbers: self.whole(table, "block-numbers").unwrap_or(0),
+            program_number: self.whole(table, "program-number").unwrap_or(USUAL_NUMBER),
+            control: Control {
+                orientation: self
+                    .word(&orientation, "a way to state the tool direction", &Orientation::ALL, Orientation::name)
+                    .unwrap_or(Orientation::Angles),
+                orientation_tolerance: self.number(table, "orientation-tolerance"),
+                sectors: Sectors::Inline,
+                decimals: self.decimals(table.table("decimals")?)?,
+                path: PathForm::Lines,
+                splines: (table.text("splines"))
+                    .and_then(|text| self.word(&text, "a kind of spline blocks", &SplineForm::ALL, SplineForm::name)),
+            },
+            offset: table.text("work-offset").map(|text| (text.get_ref().clone(), self.span(&text))),
+            splines_span: table.text("splines").map(|text| self.span(&text)),
+            smoothing: self.templates(table.table("smoothing")?, ["finish", "rough", "off"]),
+            transformation: self.templates(table.table("transformation")?, ["angles", "vectors"]),
+            frames: Frame::ALL.map(|frame| self.frame(frame, &frames.texts(frame.key()).unwrap_or_default())),
+            end_span: frames.span(Frame::End.key(), self.source)?,
+        };
+        self.has_words(&post, &orientation);
+        Some(post)
     }
 }
 
@@ -221,50 +201,11 @@ pub(super) fn read(
     asked: Option<Span>,
     sink: &mut Sink,
 ) -> Option<PostFile> {
-    let table: PostTable = library_form::read(LibraryFile::Post, source, sources, asked, sink)?;
-    let mut reader = LibraryReader { source, sink, faults: false };
-    let fields = inner_fields();
-    let frames = &table.frames;
-    let lines = [&frames.start, &frames.head, &frames.operation_start, &frames.operation_end, frames.end.get_ref()];
-    let [least, most] = TURNS.map(f64::to_radians);
-    let post = PostFile {
-        name: name.to_owned(),
-        span: asked,
-        dialect: table.dialect.get_ref().clone(),
-        dialect_span: reader.span(&table.dialect),
-        line_end: match &table.line_end {
-            Some(text) => reader.word(text, "an end of lines", &LineEnd::ALL, LineEnd::name).unwrap_or(LineEnd::Lf),
-            None => LineEnd::Lf,
-        },
-        block_numbers: table.block_numbers.as_ref().map_or(0, |n| reader.whole(n, [0, LARGEST[0]])),
-        program_number: table.program_number.as_ref().map_or(USUAL_NUMBER, |n| reader.whole(n, [1, LARGEST[1]])),
-        control: Control {
-            orientation: reader
-                .word(&table.orientation, "a way to state the tool direction", &Orientation::ALL, Orientation::name)
-                .unwrap_or(Orientation::Angles),
-            orientation_tolerance: table
-                .orientation_tolerance
-                .as_ref()
-                .map(|text| reader.quantity(text, Dimension::ANGLE, least, most)),
-            sectors: Sectors::Inline,
-            decimals: reader.decimals(&table.decimals),
-            path: PathForm::Lines,
-            splines: table
-                .splines
-                .as_ref()
-                .and_then(|text| reader.word(text, "a kind of spline blocks", &SplineForm::ALL, SplineForm::name)),
-        },
-        offset: table.work_offset.as_ref().map(|text| (text.get_ref().clone(), reader.span(text))),
-        splines_span: table.splines.as_ref().map(|text| reader.span(text)),
-        smoothing: [&table.smoothing.finish, &table.smoothing.rough, &table.smoothing.off]
-            .map(|text| reader.template(text, &fields)),
-        transformation: [&table.transformation.angles, &table.transformation.vectors]
-            .map(|text| reader.template(text, &fields)),
-        frames: std::array::from_fn(|k| reader.frame(Frame::ALL[k], lines[k])),
-        end_span: reader.span(&frames.end),
-    };
-    reader.has_words(&post, &table.orientation);
-    (!reader.faults).then_some(post)
+    library_form::read(LibraryFile::Post, source, sources, asked, sink, |table, sink| {
+        let mut reader = LibraryReader { source, sink, faults: false };
+        let post = reader.post(name, asked, table);
+        post.filter(|_| !reader.faults)
+    })
 }
 
 /// A post file that ships with the compiler; `None` for a name without a file.
@@ -290,16 +231,23 @@ pub(super) fn with_properties(
         post.control.orientation = orientation;
         refuse_without_words(&post, head, properties.sink);
     }
-    let [least, most] = TURNS.map(f64::to_radians);
+    let [least, most] = limits::TURN;
     let range = Range::Between(least, most);
     let example = "orientation-tolerance 0.02 deg";
     if let Some((turn, _)) = properties.number("orientation-tolerance", Dimension::ANGLE, range, example) {
         post.control.orientation_tolerance = Some(turn);
     }
-    if let Some((step, _)) = properties.count("block-numbers", 0, LARGEST[0], "block-numbers 10") {
+    if let Some((step, _)) =
+        properties.count("block-numbers", limits::BLOCK_NUMBERS[0], limits::BLOCK_NUMBERS[1], "block-numbers 10")
+    {
         post.block_numbers = step;
     }
-    if let Some((number, _)) = properties.count("program-number", 1, LARGEST[1], "program-number 1001") {
+    if let Some((number, _)) = properties.count(
+        "program-number",
+        limits::PROGRAM_NUMBERS[0],
+        limits::PROGRAM_NUMBERS[1],
+        "program-number 1001",
+    ) {
         post.program_number = number;
     }
     if let Some((word, values)) = properties.take("work-offset") {

@@ -2,9 +2,11 @@
 
 use super::library::LINUXCNC;
 use super::model::{
-    AnglesAtSpan, AnglesSpec, BladeForm, BladeSpec, CamberSpec, CurveSpec, CutterKind, DistributionSpec, EdgePlace,
-    FaceForm, FaceSpec, Job, Looks, MeridianPlace, OperationKind, RevolvedSpec, RotarySpec,
+    AnglesAtSpan, AnglesSpec, BladeForm, BladeSpec, CamberSpec, CurveSpec, DistributionSpec, EdgePlace, FaceForm,
+    FaceSpec, Job, Looks, MeridianPlace, OperationKind, RevolvedSpec, RotarySpec,
 };
+use super::property::Property;
+use super::tool_model::PROPERTIES;
 use base::units::{Mm, Rad, trim};
 use blade::angles::EdgeShape;
 use blade::{EdgeForm, LOOP_EDGES};
@@ -260,23 +262,10 @@ fn faces(out: &mut String, faces: &[FaceSpec; 2]) {
 
 fn tools(out: &mut String, job: &Job) {
     for t in &job.tools {
-        let _ =
-            writeln!(out, "tool {} = {}\n  number {}\n  diameter {}", t.name, t.kind.keyword(), t.number, t.diameter);
-        match t.kind {
-            CutterKind::Bull(corner) => _ = writeln!(out, "  corner {corner}"),
-            CutterKind::TaperedBall(angle) => _ = writeln!(out, "  angle {angle}"),
-            CutterKind::Barrel { barrel, tip } => _ = writeln!(out, "  barrel {barrel}\n  tip {tip}"),
-            CutterKind::Lollipop { neck, neck_end } => _ = writeln!(out, "  neck {neck}\n  neck-end {neck_end}"),
-            CutterKind::Flat | CutterKind::Ball => {}
+        let _ = writeln!(out, "tool {} = {}", t.name, t.kind.keyword());
+        for Property { name, .. } in PROPERTIES {
+            t.text(name, job.stock.material).map(|value| writeln!(out, "  {name} {value}"));
         }
-        let _ = writeln!(out, "  flutes {}\n  flute {}\n  shank {}\n  reach {}", t.flutes, t.flute, t.shank, t.reach);
-        let material = job.stock.material;
-        let _ = writeln!(out, "  max-chip {}\n  max-depth {}", t.largest_chip(material), t.largest_depth(material));
-        t.limits.rate.map(|rate| writeln!(out, "  max-rate {rate}"));
-        if let Some(width) = t.plunge_width() {
-            let _ = writeln!(out, "  plunge-width {width}");
-        }
-        let _ = writeln!(out, "  ramp {}", t.largest_ramp());
         let Some((name, sections)) = &t.holder else { continue };
         let _ = writeln!(out, "  holder {name}");
         for [length, lower, upper] in sections {

@@ -3,6 +3,8 @@
 
 use super::eval::{LetScope, mismatch, nc_entry, nearest, suggest, unknown, unknown_unit};
 use super::other_names::instead;
+pub(super) use super::property::Range;
+use super::property::{Form, Property, Without};
 use super::quantity::Dimension;
 use super::vocabulary;
 use base::source::Span;
@@ -25,17 +27,6 @@ pub(super) struct Properties<'a, 'c> {
     pub(super) sink: &'c mut Sink,
 }
 
-/// Bounds of a number; the texts go into the message.
-#[derive(Clone, Copy)]
-pub(super) enum Range {
-    /// Between two bounds.
-    Between(f64, f64),
-    /// From zero to the bound.
-    NotNegative(f64),
-    /// From the negative bound to the bound.
-    Within(f64),
-}
-
 /// What stands behind a label: `0.2 mm`, or `0.2 mm .. 0.4 mm`.
 #[derive(Clone, Copy)]
 pub(super) struct LabelledValue<'a> {
@@ -43,29 +34,6 @@ pub(super) struct LabelledValue<'a> {
     pub(super) first: &'a Expr,
     /// The second value of a range.
     pub(super) second: Option<&'a Expr>,
-}
-
-impl Range {
-    /// Whether a value in base units is in the range.
-    pub(super) fn holds(self, value: f64) -> bool {
-        match self {
-            Self::Between(min, max) => (min..=max).contains(&value),
-            Self::NotNegative(max) => (0.0..=max).contains(&value),
-            Self::Within(max) => value.abs() <= max,
-        }
-    }
-
-    /// The range in words.
-    pub(super) fn text(self, due: Dimension) -> String {
-        let unit = due.usual_unit();
-        let unit = if unit.is_empty() { String::new() } else { format!(" {unit}") };
-        let bound = |value: f64| due.bound(value);
-        match self {
-            Self::Between(min, max) => format!("from {} to {}{unit}", bound(min), bound(max)),
-            Self::NotNegative(max) => format!("from 0 to {}{unit}", bound(max)),
-            Self::Within(max) => format!("from -{} to {}{unit}", bound(max), bound(max)),
-        }
-    }
 }
 
 /// Marks a further unknown property in the message about the first one, where both have the same cause.
@@ -311,6 +279,24 @@ impl<'a, 'c> Properties<'a, 'c> {
             return None;
         }
         self.number(name, due, range, example)
+    }
+
+    /// The number of a property of the table, in base units. Outer `None`: faulty, or missing though required; inner `None`:
+    /// not given, or no number.
+    pub(super) fn read(&mut self, property: &Property) -> Option<Option<f64>> {
+        let (name, example) = (property.name, property.written());
+        if !self.has(name) {
+            if property.without == Without::Required {
+                self.missing(name, &example);
+                return None;
+            }
+            return Some(None);
+        }
+        match property.form {
+            Form::Quantity(due, range) => self.number(name, due, range, &example).map(|found| Some(found.0)),
+            Form::Whole(least, most) => self.count(name, least, most, &example).map(|found| Some(f64::from(found.0))),
+            _ => Some(None),
+        }
     }
 
     /// True when the property is given and not yet removed.

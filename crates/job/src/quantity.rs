@@ -66,10 +66,15 @@ impl Dimension {
         powers.map(|(n, p)| if p == 1 { (*n).to_owned() } else { format!("{n}^{p}") }).collect::<Vec<_>>().join(" ")
     }
 
-    /// How messages write a bound that is given in base units: that of an angle, given in radians, in degrees.
+    /// How messages write a bound that is given in base units: where they name a usual unit that is no base unit, in this unit.
     pub fn bound(self, value: f64) -> String {
-        // Bounds of angles are round in degrees, not in radians.
-        if self == Self::ANGLE { trim(value.to_degrees(), 2) } else { value.to_string() }
+        match self {
+            // Bounds of angles are round in degrees, not in radians.
+            Self::ANGLE => trim(value.to_degrees(), 2),
+            Self::TIME => trim(value * 60.0, 6),
+            Self::POWER => trim(value / KILOWATT, 2),
+            _ => value.to_string(),
+        }
     }
 
     /// The unit that a message suggests where the unit is missing.

@@ -2,14 +2,13 @@
 
 use super::context::{Context, head};
 use super::eval::{suggest, unknown};
-use super::limits;
-use super::model::{CutterKind, LoadLimits, OperationSpec, ToolSpec};
-use super::properties::{Properties, Range};
-use super::quantity::Dimension;
-use super::tool_file::{ToolLibrary, shape_fault};
+use super::model::{OperationSpec, ToolSpec};
+use super::properties::Properties;
+use super::tool_file::ToolLibrary;
+use super::tool_model::{PROPERTIES, Sizes, shape_fault};
 use super::vocabulary::{self, TopicKind};
 use base::source::Span;
-use base::units::{Mm, Mm3PerMin, Rad};
+use base::units::Mm;
 use diagnostics::codes::job as codes;
 use diagnostics::{Diag, Sink};
 use std::collections::{BTreeMap, BTreeSet};
@@ -99,15 +98,6 @@ pub(super) fn warn_unused(tools: &[Declared], operations: &[OperationSpec], sink
     }
 }
 
-/// Ranges that job and library share.
-const LENGTH: Range = range(limits::LENGTH);
-const DIAMETER: Range = range(limits::DIAMETER);
-const CORNER: Range = range(limits::CORNER);
-
-const fn range([least, largest]: [f64; 2]) -> Range {
-    Range::Between(least, largest)
-}
-
 /// A name that no tool has: `t1` becomes `t2`, `t3` and so on.
 fn free_name(name: &str, file: &File) -> String {
     let stem = name.trim_end_matches(|c: char| c.is_ascii_digit());
@@ -146,44 +136,18 @@ fn shape(
     }
     let owner = format!("tool {}", name.text);
     let mut p = Properties::new(owner, head, block, &known(&kind.text), &mut cx.scope, cx.sink);
-    let diameter = p.required("diameter", Dimension::LENGTH, DIAMETER, "diameter 6 mm");
-    let cutter = cutter(&kind.text, &mut p);
-    let number = p.has("number").then(|| p.count("number", 1, 9999, "number 1"));
-    if !p.has("flutes") {
-        p.missing("flutes", "flutes 4");
-    }
-    let flutes = p.count("flutes", limits::FLUTES[0], limits::FLUTES[1], "flutes 4");
-    let flute = flute(name, kind, &mut p);
-    let reach = p.required("reach", Dimension::LENGTH, LENGTH, "reach 40 mm");
-    let shank = p.has("shank").then(|| p.number("shank", Dimension::LENGTH, DIAMETER, "shank 6 mm"));
-    let holder = holder(library, &mut p);
-    let limits = load_limits(&mut p);
-    let (diameter, reach) = (Mm(diameter?.0), Mm(reach?.0));
-    let cutter = match cutter? {
-        CutterKind::Lollipop { neck, neck_end } if neck_end.get() == f64::INFINITY => {
-            CutterKind::Lollipop { neck, neck_end: reach }
+    let mut sizes = Sizes::default();
+    let mut whole = true;
+    for property in PROPERTIES.iter().filter(|property| property.is_of(&kind.text)) {
+        match p.read(property) {
+            Some(Some(value)) => sizes.add(property.name, value),
+            Some(None) => {}
+            None => whole = false,
         }
-        cutter => cutter,
-    };
-    let spec = ToolSpec {
-        name: name.text.clone(),
-        number: match number {
-            Some(number) => number?.0,
-            None => 0,
-        },
-        kind: cutter,
-        diameter,
-        flutes: flutes?.0,
-        flute: flute?.unwrap_or_else(|| Mm(cutter.least_flute(diameter).0)),
-        shank: match shank {
-            Some(shank) => Mm(shank?.0),
-            None => diameter,
-        },
-        reach,
-        holder: holder?,
-        limits: limits?,
-        span: head,
-    };
+    }
+    no_flute(name, kind, &mut p);
+    let holder = holder(library, &mut p)?;
+    let spec = ToolSpec { holder, span: head, ..ToolSpec::of(&kind.text, &sizes).filter(|_| whole)? };
     if let Some(fault) = shape_fault(&spec) {
         let named = |entry: &&Entry| fault.contains(entry.name.text.as_str());
         let faulty = block.entries.iter().filter(named).min_by_key(|entry| fault.find(entry.name.text.as_str()));
@@ -199,60 +163,10 @@ fn shape(
     Some(spec)
 }
 
-/// The limits of the load that a job states.
-fn load_limits(p: &mut Properties<'_, '_>) -> Option<LoadLimits> {
-    let chip =
-        p.has("max-chip").then(|| p.number("max-chip", Dimension::LENGTH, range(limits::CHIP), "max-chip 0.1 mm"));
-    let depth = p.has("max-depth").then(|| p.number("max-depth", Dimension::LENGTH, LENGTH, "max-depth 12 mm"));
-    let rate = p
-        .has("max-rate")
-        .then(|| p.number("max-rate", Dimension::REMOVAL_RATE, range(limits::RATE), "max-rate 120 cm3/min"));
-    let plunge =
-        p.has("plunge-width").then(|| p.number("plunge-width", Dimension::LENGTH, LENGTH, "plunge-width 1.5 mm"));
-    let ramp = p.has("ramp").then(|| p.number("ramp", Dimension::ANGLE, range(limits::RAMP), "ramp 3 deg"));
-    let stated = |x: Option<Option<(f64, Span)>>| match x {
-        Some(found) => found.map(|f| Some(f.0)),
-        None => Some(None),
-    };
-    Some(LoadLimits {
-        chip: stated(chip)?.map(Mm),
-        depth: stated(depth)?.map(Mm),
-        rate: stated(rate)?.map(Mm3PerMin),
-        plunge: stated(plunge)?.map(Mm),
-        ramp: stated(ramp)?.map(Rad),
-    })
-}
-
-/// The cutter with the sizes of its kind. A neck without `neck-end` extends to infinity.
-fn cutter(kind: &str, p: &mut Properties<'_, '_>) -> Option<CutterKind> {
-    match kind {
-        "flat" => Some(CutterKind::Flat),
-        "ball" => Some(CutterKind::Ball),
-        "bull" => p.required("corner", Dimension::LENGTH, CORNER, "corner 1 mm").map(|c| CutterKind::Bull(Mm(c.0))),
-        "barrel" => {
-            let barrel = p.required("barrel", Dimension::LENGTH, LENGTH, "barrel 85 mm");
-            let tip = p.required("tip", Dimension::LENGTH, CORNER, "tip 2 mm");
-            barrel.zip(tip).map(|(barrel, tip)| CutterKind::Barrel { barrel: Mm(barrel.0), tip: Mm(tip.0) })
-        }
-        "lollipop" => {
-            let neck = p.required("neck", Dimension::LENGTH, DIAMETER, "neck 4 mm");
-            // Without `neck-end` the neck extends to the holder; its height is known after the reach is read.
-            let end = match p.has("neck-end") {
-                true => p.number("neck-end", Dimension::LENGTH, LENGTH, "neck-end 20 mm").map(|e| e.0),
-                false => Some(f64::INFINITY),
-            };
-            neck.zip(end).map(|(neck, end)| CutterKind::Lollipop { neck: Mm(neck.0), neck_end: Mm(end) })
-        }
-        _ => p
-            .required("angle", Dimension::ANGLE, range(limits::TAPER), "angle 3 deg")
-            .map(|a| CutterKind::TaperedBall(Rad(a.0))),
-    }
-}
-
-/// Outer `None`: faulty; inner `None`: the tool is a lollipop, whose flutes end at the neck.
-fn flute(name: &Name, kind: &Name, p: &mut Properties<'_, '_>) -> Option<Option<Mm>> {
+/// Refuses `flute` of a lollipop, whose flutes end at the neck.
+fn no_flute(name: &Name, kind: &Name, p: &mut Properties<'_, '_>) {
     if kind.text != "lollipop" {
-        return p.required("flute", Dimension::LENGTH, LENGTH, "flute 30 mm").map(|f| Some(Mm(f.0)));
+        return;
     }
     if let Some((word, _)) = p.take("flute") {
         p.sink.push(
@@ -264,7 +178,6 @@ fn flute(name: &Name, kind: &Name, p: &mut Properties<'_, '_>) -> Option<Option<
             .help("remove `flute`; `neck` determines where the ball ends"),
         );
     }
-    Some(None)
 }
 
 /// Outer `None`: faulty; inner `None`: the tool has no holder.

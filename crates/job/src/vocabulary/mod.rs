@@ -6,37 +6,11 @@ mod operations;
 mod part;
 mod tools;
 
+use super::property::property;
+pub use super::property::{Form, Property, Without};
 use super::quantity::{Dimension, JOB_UNITS};
 use std::fmt::Write as _;
 use wheel::contract::ContractKind;
-
-/// What holds where a job does not give a property.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Without {
-    /// The job must give it.
-    Required,
-    /// This value, as a job would write it.
-    Is(&'static str),
-    /// In words.
-    Means(&'static str),
-}
-
-/// A property of a topic.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Property {
-    /// Name.
-    pub name: &'static str,
-    /// Its value: form, range, words in backticks.
-    pub value: &'static str,
-    /// What holds without it.
-    pub without: Without,
-    /// Meaning.
-    pub meaning: &'static str,
-}
-
-const fn property(name: &'static str, value: &'static str, without: Without, meaning: &'static str) -> Property {
-    Property { name, value, without, meaning }
-}
 
 /// What a topic is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -62,7 +36,7 @@ impl TopicKind {
 }
 
 /// An item, a block, a kind of tool or of operation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Topic {
     /// Its word.
     pub name: &'static str,
@@ -99,7 +73,7 @@ pub fn topic(kind: TopicKind, name: &str) -> Option<&'static Topic> {
 impl Topic {
     /// Its properties.
     pub fn all(&self) -> impl Iterator<Item = &'static Property> {
-        self.properties.iter().copied().flatten()
+        self.properties.iter().copied().flatten().filter(|p| p.is_of(self.name))
     }
 
     /// The property with this name.
@@ -118,22 +92,6 @@ pub(super) fn properties(kind: TopicKind, name: &str) -> Vec<&'static str> {
     topic(kind, name).into_iter().flat_map(Topic::all).map(|p| p.name).collect()
 }
 
-impl Property {
-    /// Name, value, default and meaning.
-    pub fn text(&self) -> String {
-        format!("`{}`: {}\n\n{}", self.name, self.form(), self.meaning)
-    }
-
-    /// Value and default in one line: `LENGTH from 0 to 100 mm; without it 2 mm`.
-    fn form(&self) -> String {
-        match self.without {
-            Without::Required => format!("{}; required", self.value),
-            Without::Is(value) => format!("{}; without it {value}", self.value),
-            Without::Means(words) => format!("{}; without it {words}", self.value),
-        }
-    }
-}
-
 /// The text on a word: of each topic and property with this name, or of a unit. `None` for other words.
 pub fn explain(word: &str) -> Option<String> {
     let mut pages: Vec<String> = topics().filter(|t| t.name == word).map(page).collect();
@@ -141,16 +99,14 @@ pub fn explain(word: &str) -> Option<String> {
     let mut known: Vec<(&Property, Vec<&str>)> = Vec::new();
     for topic in topics() {
         let Some(property) = topic.property(word) else { continue };
-        match known.iter_mut().find(|(other, _)| *other == property) {
+        match known.iter_mut().find(|(other, _)| other.text() == property.text()) {
             Some((_, of)) => of.push(topic.name),
             None => known.push((property, vec![topic.name])),
         }
     }
-    pages.extend(
-        known.into_iter().map(|(p, of)| {
-            format!("`{}`, a property of {}\n\n  {}\n  {}\n", p.name, of.join(", "), p.form(), p.meaning)
-        }),
-    );
+    pages.extend(known.into_iter().map(|(p, of)| {
+        format!("`{}`, a property of {}\n\n  {}\n  {}\n", p.name, of.join(", "), p.value_and_default(), p.meaning)
+    }));
     pages.extend(ContractKind::ALL.into_iter().filter(|k| k.quantity() == word).take(1).map(quantity));
     pages.extend(JOB_UNITS.iter().find(|u| u.0 == word).map(|u| unit(word, u.2)));
     (!pages.is_empty()).then(|| pages.join("\n"))
@@ -175,7 +131,7 @@ fn page(topic: &Topic) -> String {
     }
     for p in topic.all() {
         // Writing to a string does not fail.
-        let _ = writeln!(text, "  {:<width$}  {}\n  {:<width$}  {}", p.name, p.form(), "", p.meaning);
+        let _ = writeln!(text, "  {:<width$}  {}\n  {:<width$}  {}", p.name, p.value_and_default(), "", p.meaning);
     }
     text.push_str("\nExample:\n\n");
     for line in topic.example.lines() {
@@ -233,8 +189,9 @@ pub fn reference() -> String {
                     Without::Required => "required".to_owned(),
                     Without::Is(value) => format!("`{value}`"),
                     Without::Means(words) => words.to_owned(),
+                    Without::Nothing => "-".to_owned(),
                 };
-                let _ = writeln!(text, "| `{}` | {} | {without} | {} |", p.name, p.value, p.meaning);
+                let _ = writeln!(text, "| `{}` | {} | {without} | {} |", p.name, p.value(), p.meaning);
             }
         }
     }
