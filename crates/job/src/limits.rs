@@ -1,11 +1,15 @@
 //! Least and largest sizes in job and library files: sizes that machines and tools have. A size far below all other
 //! sizes of a job would be lost in rounding.
 
-/// Slowest feed, mm/min: the F word of a control has three decimals, and a cut of a metre takes a week at this feed.
-pub(super) const LEAST_FEED: f64 = 0.1;
+use super::property::Range;
 
-/// Largest feed, mm/min; machines limit it further.
-pub(super) const LARGEST_FEED: f64 = 1e5;
+/// Feeds, mm/min; machines limit them further. The F word of a control has three decimals, and a cut of a metre takes a week at
+/// the slowest one.
+pub(super) const FEED: Range = Range::Between(0.1, 1e5);
+
+/// Arcs of engagement that loops may have, rad. Below the first one the loops lie too near to each other; above the second one a
+/// loop is no longer much less than a slot.
+pub(super) const ENGAGEMENT: Range = Range::Between(20f64.to_radians(), 120f64.to_radians());
 
 /// Slowest spindle, rpm.
 pub(super) const LEAST_SPINDLE: f64 = 1.0;

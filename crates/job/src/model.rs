@@ -494,7 +494,3 @@ pub struct AllowedSpec {
 pub const DEFAULT_CHORD: Mm = Mm(0.001);
 /// Chord tolerance in roughing where the job gives none.
 pub const DEFAULT_CHORD_ROUGH: Mm = Mm(0.01);
-/// Feed of links where the operation gives none.
-pub const DEFAULT_LINK_FEED: MmPerMin = MmPerMin(1000.0);
-/// Lead-in and lead-out where the operation gives none.
-pub const DEFAULT_LEAD: Mm = Mm(2.0);

@@ -4,11 +4,12 @@ use super::context::{Context, head};
 use super::eval::{mismatch, suggest, unknown};
 use super::finishing::{blades, chosen, faces, flank, levels, milling_of, point_axes};
 use super::limits;
-use super::model::{DEFAULT_LEAD, DEFAULT_LINK_FEED, MachineSpec, OperationKind, OperationSpec, ToolSpec};
+use super::model::{MachineSpec, OperationKind, OperationSpec, ToolSpec};
 pub(super) use super::properties::named;
 use super::properties::{LabelledValue, Properties, Range};
 use super::quantity::Dimension;
 use super::tools::Declared;
+use super::vocabulary::operations::{LEAD_IN, LEAD_OUT, LINK_FEED};
 use super::vocabulary::{self, TopicKind};
 use base::source::Span;
 use base::units::{Mm, MmPerMin, Rpm, length, trim};
@@ -37,9 +38,6 @@ const LEAST_SCALLOP: f64 = 1e-4;
 /// Thicknesses of rest machining, mm. The ends of the stock are known to a micrometre and paths to their tolerances;
 /// stock above the upper limit does not count as a rest.
 const REST: Range = Range::Between(0.02, 10.0);
-
-/// Feeds, mm/min; machines limit them further.
-const FEED: Range = Range::Between(limits::LEAST_FEED, limits::LARGEST_FEED);
 
 /// What operations take from part and stock.
 pub(super) struct Workpiece {
@@ -204,11 +202,10 @@ impl OperationReader<'_> {
 
     /// Feed of links, or its default.
     pub(super) fn link_feed(&self, p: &mut Properties<'_, '_>) -> Option<MmPerMin> {
-        if !p.has("link-feed") {
-            return Some(DEFAULT_LINK_FEED);
+        match p.read(&LINK_FEED)? {
+            Some(feed) => self.within_axes(LINK_FEED.name, feed, p),
+            None => LINK_FEED.default().map(MmPerMin),
         }
-        p.number("link-feed", Dimension::FEED, FEED, "link-feed 1000 mm/min")
-            .and_then(|f| self.within_axes("link-feed", f, p))
     }
 
     fn tool(&mut self, kind: &Name, p: &mut Properties<'_, '_>) -> Option<(usize, Span)> {
@@ -335,8 +332,8 @@ impl OperationReader<'_> {
                 return None;
             }
         };
-        if !FEED.holds(feed) {
-            p.out_of_range(expr.span, "feed", &FEED.text(Dimension::FEED));
+        if !limits::FEED.holds(feed) {
+            p.out_of_range(expr.span, "feed", &limits::FEED.text(Dimension::FEED));
             return None;
         }
         let feed = self.within_axes("feed", (feed, expr.span), p)?;
@@ -595,11 +592,8 @@ fn vane_allowance(of: LabelledValue<'_>, p: &mut Properties<'_, '_>) -> Option<V
 
 /// Lengths of both leads, or their defaults.
 pub(super) fn leads(p: &mut Properties<'_, '_>) -> [Option<Mm>; 2] {
-    ["lead-in", "lead-out"].map(|name| {
-        if !p.has(name) {
-            return Some(DEFAULT_LEAD);
-        }
-        let range = Range::NotNegative(100.0);
-        p.number(name, Dimension::LENGTH, range, &format!("{name} 2 mm")).map(|l| Mm(l.0))
+    [LEAD_IN, LEAD_OUT].map(|lead| {
+        let length = p.read(&lead)?.map(|given| given.0);
+        length.or_else(|| lead.default()).map(Mm)
     })
 }

@@ -281,9 +281,9 @@ impl<'a, 'c> Properties<'a, 'c> {
         self.number(name, due, range, example)
     }
 
-    /// The number of a property of the table, in base units. Outer `None`: faulty, or missing though required; inner `None`:
-    /// not given, or no number.
-    pub(super) fn read(&mut self, property: &Property) -> Option<Option<f64>> {
+    /// The number of a property of the table, in base units, and its place. Outer `None`: faulty, or missing though required;
+    /// inner `None`: not given, or no number.
+    pub(super) fn read(&mut self, property: &Property) -> Option<Option<(f64, Span)>> {
         let (name, example) = (property.name, property.written());
         if !self.has(name) {
             if property.without == Without::Required {
@@ -293,8 +293,8 @@ impl<'a, 'c> Properties<'a, 'c> {
             return Some(None);
         }
         match property.form {
-            Form::Quantity(due, range) => self.number(name, due, range, &example).map(|found| Some(found.0)),
-            Form::Whole(least, most) => self.count(name, least, most, &example).map(|found| Some(f64::from(found.0))),
+            Form::Quantity(due, range) => self.number(name, due, range, &example).map(Some),
+            Form::Whole(least, most) => self.count(name, least, most, &example).map(|(n, at)| Some((n.into(), at))),
             _ => Some(None),
         }
     }

@@ -1,7 +1,7 @@
 //! A property of a block, or a key of a library file: name, form, default and meaning, declared once. Readers of blocks and of
 //! files, vocabulary, reference page and JSON schemas take them from here.
 
-use super::quantity::Dimension;
+use super::quantity::{Dimension, Quantity};
 use base::units::trim;
 
 /// Bounds of a number, in base units; the texts go into messages.
@@ -138,6 +138,12 @@ impl Property {
     /// Whether each block or table must have it.
     pub(super) fn is_due(&self) -> bool {
         self.without == Without::Required && self.of.is_empty()
+    }
+
+    /// The value that holds without it, in base units, where that is a number.
+    pub(super) fn default(&self) -> Option<f64> {
+        let Without::Is(value) = self.without else { return None };
+        Quantity::read(value).map(|quantity| quantity.value)
     }
 
     /// The property with a value, as a job writes it.

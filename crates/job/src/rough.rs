@@ -1,10 +1,12 @@
 //! The operation `rough`: one item of the job, one operation for each of its tools.
 
 use super::context::{Context, head};
+use super::limits;
 use super::model::{CutterKind, OperationKind, OperationSpec, ToolSpec};
 use super::operations::{LEAST_DEPTH, OperationReader, ROUGHS, allowances, leads};
 use super::properties::{Properties, Range, named};
 use super::quantity::Dimension;
+use super::vocabulary::operations::ENGAGEMENT;
 use super::vocabulary::{self, TopicKind};
 use base::units::{Mm, Rad};
 use diagnostics::{Diag, codes::job as codes};
@@ -14,10 +16,6 @@ use wheel::method::{Levels, Milling, Slots};
 /// Default of `rest over` for the tools after the first: this share of the diameter, at most [`REST`].
 const REST_SHARE: f64 = 0.1;
 const REST: f64 = 0.2;
-
-/// Arcs of engagement that loops may have, degrees. Below the first one the loops lie too near to each other; above the
-/// second one a loop is no longer much less than a slot.
-const ENGAGEMENT: [f64; 2] = [20.0, 120.0];
 
 /// Step of the tool down or across, which has a default for each tool.
 struct StepSize {
@@ -143,11 +141,7 @@ fn has_ball(tool: &ToolSpec) -> bool {
 /// Whether loops make the slots, and their arc of engagement where the job gives one.
 fn slots(p: &mut Properties<'_, '_>) -> Option<(bool, Option<Rad>)> {
     let trochoidal = named(p, "slots", &Slots::NAMES, |name| name)? != Slots::NAMES[0];
-    if !p.has("engagement") {
-        return Some((trochoidal, None));
-    }
-    let range = Range::Between(ENGAGEMENT[0].to_radians(), ENGAGEMENT[1].to_radians());
-    let (arc, span) = p.required("engagement", Dimension::ANGLE, range, "engagement 60 deg")?;
+    let Some((arc, span)) = p.read(&ENGAGEMENT)? else { return Some((trochoidal, None)) };
     if !trochoidal {
         p.sink.push(
             Diag::error(codes::WRONG_FORM, "only `slots trochoidal` has the property `engagement`")
@@ -161,7 +155,7 @@ fn slots(p: &mut Properties<'_, '_>) -> Option<(bool, Option<Rad>)> {
 
 /// Arc of engagement of a line beside a straight cut, within the arcs that loops may have.
 fn beside(stepover: Mm, tool: &ToolSpec) -> Rad {
-    let [least, most] = ENGAGEMENT.map(f64::to_radians);
+    let [least, most] = limits::ENGAGEMENT.bounds();
     Rad(libm::acos(1.0 - 2.0 * stepover.get() / tool.diameter.get()).clamp(least, most))
 }
 

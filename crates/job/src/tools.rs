@@ -140,7 +140,7 @@ fn shape(
     let mut whole = true;
     for property in PROPERTIES.iter().filter(|property| property.is_of(&kind.text)) {
         match p.read(property) {
-            Some(Some(value)) => sizes.add(property.name, value),
+            Some(Some((value, _))) => sizes.add(property.name, value),
             Some(None) => {}
             None => whole = false,
         }

@@ -2,7 +2,7 @@
 //! accepts from these tables; `explain`, the hover of editors and the reference page print them.
 
 mod items;
-mod operations;
+pub(crate) mod operations;
 mod part;
 mod tools;
 

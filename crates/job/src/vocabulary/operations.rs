@@ -1,7 +1,38 @@
 //! Operations and their properties.
 
 use super::Without::{Is, Means, Required};
-use super::{Property, Topic, TopicKind, property, topic_of};
+use super::{Dimension, Form, Property, Topic, TopicKind, property, topic_of};
+use crate::limits;
+use crate::property::{Range, typed};
+use wheel::method::{AxisMethod, Conflict, ErrorSide, FaceOrder, FlankMethod, Levels, Lines, Milling, Slots, Spacing};
+
+/// Feed of links.
+pub(crate) const LINK_FEED: Property = typed(
+    "link-feed",
+    Form::Quantity(Dimension::FEED, limits::FEED),
+    Is("1000 mm/min"),
+    "Feed of the tip between passes near the part.",
+)
+.like("1000 mm/min");
+
+const LEAD: Form = Form::Quantity(Dimension::LENGTH, Range::NotNegative(100.0));
+
+/// Way before each pass.
+pub(crate) const LEAD_IN: Property =
+    typed("lead-in", LEAD, Is("2 mm"), "Way before each pass, outside of the part.").like("2 mm");
+
+/// Way behind each pass.
+pub(crate) const LEAD_OUT: Property =
+    typed("lead-out", LEAD, Is("2 mm"), "Way behind each pass, outside of the part.").like("2 mm");
+
+/// Arc of engagement of loops.
+pub(crate) const ENGAGEMENT: Property = typed(
+    "engagement",
+    Form::Quantity(Dimension::ANGLE, limits::ENGAGEMENT),
+    Means("that of a line beside the slot"),
+    "Largest arc of engagement of the loops, with `slots trochoidal`.",
+)
+.like("60 deg");
 
 const TOOL: &[Property] = &[property("tool", "name of a tool", Required, "The tool of the operation.")];
 
@@ -25,9 +56,9 @@ const COMMON: &[Property] = &[
         Required,
         "Feed of the tip while cutting. Each tool has a largest feed per tooth.",
     ),
-    property("link-feed", "mm/min", Is("1000 mm/min"), "Feed of the tip between passes near the part."),
-    property("lead-in", "length from 0 to 100 mm", Is("2 mm"), "Way before each pass, outside of the part."),
-    property("lead-out", "length from 0 to 100 mm", Is("2 mm"), "Way behind each pass, outside of the part."),
+    LINK_FEED,
+    LEAD_IN,
+    LEAD_OUT,
     property(
         "rest",
         "`off`, or `over` with a length from 0.02 to 10 mm",
@@ -62,38 +93,38 @@ const BLADES: &[Property] = &[property(
 const SCALLOP: &[Property] =
     &[property("scallop", "length from 0.1 um to the radius", Required, "Height of the ridges between two lines.")];
 
-const METHOD: &[Property] = &[property(
+const METHOD: &[Property] = &[typed(
     "method",
-    "`corridor`, `blend`, `xu` or `ruling`",
+    Form::Word(|| AxisMethod::ALL.map(AxisMethod::name).to_vec()),
     Means("`corridor`; `blend` for cutters without a ball"),
     "How tool axes are chosen: a smooth way through all axes that are free (`corridor`), the rulings of both walls with one tilt for \
      each line (`blend`), the greedy choice of Xu 2013 (`xu`), the ruling itself (`ruling`).",
 )];
 
-const LINES: &[Property] = &[property(
+const LINES: &[Property] = &[typed(
     "lines",
-    "`zigzag` or `one-way`",
+    Form::Word(|| Lines::ALL.map(Lines::name).to_vec()),
     Is("zigzag"),
     "Direction of the lines: every other line backwards, or all in one direction.",
 )];
 
-const LINES_ROUND: &[Property] = &[property(
+const LINES_ROUND: &[Property] = &[typed(
     "lines",
-    "`zigzag`, `one-way` or `spiral`",
+    Form::Word(|| Lines::ROUND.map(Lines::name).to_vec()),
     Is("zigzag"),
     "Direction of the lines: every other line backwards, all in one direction, or one line round the vane.",
 )];
 
-const MILLING: &[Property] = &[property(
+const MILLING: &[Property] = &[typed(
     "milling",
-    "`climb` or `conventional`",
+    Form::Word(|| Milling::ALL.map(Milling::name).to_vec()),
     Is("climb"),
     "Sense of milling. `point` and `fillet` keep it only with lines that all run in one direction.",
 )];
 
-const ORDER: &[Property] = &[property(
+const ORDER: &[Property] = &[typed(
     "order",
-    "`faces` or `levels`",
+    Form::Word(|| FaceOrder::ALL.map(FaceOrder::name).to_vec()),
     Is("faces"),
     "One face after the other, or both faces level by level, so that thin blades stay stiff.",
 )];
@@ -125,26 +156,21 @@ pub(super) const TOPICS: &[Topic] = &[
                 ),
             ],
             ALLOWANCE,
-            &[property(
+            &[typed(
                 "levels",
-                "`from-hub`, `from-shroud` or `morph`",
+                Form::Word(|| Levels::ALL.map(Levels::name).to_vec()),
                 Is("from-hub"),
                 "Levels at constant height over the hub, at constant depth under the shroud, or at equal shares of the height.",
             )],
             MILLING,
             &[
-                property(
+                typed(
                     "slots",
-                    "`full` or `trochoidal`",
+                    Form::Word(|| Slots::NAMES.to_vec()),
                     Is("full"),
                     "How a slot is opened: at full width, or by loops.",
                 ),
-                property(
-                    "engagement",
-                    "angle from 20 to 120 deg",
-                    Means("that of a line beside the slot"),
-                    "Largest arc of engagement of the loops, with `slots trochoidal`.",
-                ),
+                ENGAGEMENT,
             ],
         ],
     ),
@@ -211,9 +237,9 @@ pub(super) const TOPICS: &[Topic] = &[
             FACES,
             BLADES,
             &[
-                property(
+                typed(
                     "method",
-                    "`minimax`, `two-point` or `one-point`",
+                    Form::Word(|| FlankMethod::ALL.map(FlankMethod::name).to_vec()),
                     Is("minimax"),
                     "How axes are found: the least largest error of the swept tool, or the offsets of Wei 2021 (formulas 10 to 12).",
                 ),
@@ -223,15 +249,15 @@ pub(super) const TOPICS: &[Topic] = &[
                     Means("`auto` with `minimax`, 1 otherwise"),
                     "Passes from tip to root of a face.",
                 ),
-                property(
+                typed(
                     "side",
-                    "`both` or `excess`",
+                    Form::Word(|| ErrorSide::ALL.map(ErrorSide::name).to_vec()),
                     Is("both"),
                     "Whether the error may lie on both sides of the surface, or only outside of it.",
                 ),
-                property(
+                typed(
                     "conflict",
-                    "`balance`, `gouge-free` or `contact-both`",
+                    Form::Word(|| Conflict::ALL.map(Conflict::name).to_vec()),
                     Is("balance"),
                     "What counts where face and floor cannot both be reached.",
                 ),
@@ -301,9 +327,9 @@ pub(super) const TOPICS: &[Topic] = &[
             TOOL,
             COMMON,
             SCALLOP,
-            &[property(
+            &[typed(
                 "spacing",
-                "`constant-scallop` or `equal-division`",
+                Form::Word(|| Spacing::ALL.map(Spacing::name).to_vec()),
                 Is("constant-scallop"),
                 "Distance of the lines: everywhere what the scallop height allows, or equal shares of the width (Wei 2021, formula 13).",
             )],
