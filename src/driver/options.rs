@@ -1,0 +1,108 @@
+//! Options of a run, and its outcome.
+
+use super::{Emit, EmitForm};
+use ::report::step::StepProtocol;
+use base::source::{SourceMap, Span};
+use diagnostics::Sink;
+use diagnostics::junit::Judged;
+use std::path::PathBuf;
+use verify::certificate::{ContractReport, OperationReport};
+
+/// Options that a compilation and a check of NC text share.
+#[derive(Clone, Debug, Default)]
+pub struct RunOptions {
+    /// Folder with `machines` and `tools`, searched before any other.
+    pub library: Option<PathBuf>,
+    /// Folder with curve files, in addition to the folder of the job.
+    pub curves: Option<PathBuf>,
+    /// Dialect instead of the job's.
+    pub post: Option<String>,
+    /// Name of the machine file instead of the job's.
+    pub machine: Option<String>,
+    /// File to write the report to, also when a contract fails.
+    pub report: Option<PathBuf>,
+    /// Edge of the cells of the stock simulation, mm, instead of the default.
+    pub stock_cell: Option<f64>,
+    /// Folder for a mesh of the stock after each operation.
+    pub stock: Option<PathBuf>,
+    /// Memory that planning may use, bytes, instead of the default.
+    pub memory: Option<f64>,
+    /// Whether all figures of the proof are printed.
+    pub details: bool,
+}
+
+/// How the part is written for other programs.
+#[derive(Clone, Copy, Debug)]
+pub struct PartOptions {
+    /// Protocol of a STEP file.
+    pub protocol: StepProtocol,
+    /// Largest chord error of triangles, mm.
+    pub chord: f64,
+    /// Number of sections of a blade.
+    pub sections: usize,
+}
+
+impl Default for PartOptions {
+    fn default() -> Self {
+        Self { protocol: StepProtocol::default(), chord: 0.01, sections: 11 }
+    }
+}
+
+/// Options of a compilation.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Job file; of no effect with a stage file.
+    pub job: PathBuf,
+    /// Stage file to go on from, in the place of a job.
+    pub from: Option<PathBuf>,
+    /// File to write the NC text to.
+    pub output: Option<PathBuf>,
+    /// File to write a picture of part and paths to.
+    pub picture: Option<PathBuf>,
+    /// File to write the source map of the NC text to.
+    pub source_map: Option<PathBuf>,
+    /// File to write the setup sheet to: HTML where its name ends so, otherwise Markdown; other endings are refused.
+    pub setup_sheet: Option<PathBuf>,
+    /// File to write the certificate to.
+    pub certificate: Option<PathBuf>,
+    /// Stage value to print; the compilation stops after this stage.
+    pub emit: Option<Emit>,
+    /// How a stage value is written.
+    pub form: EmitForm,
+    /// How the part is written.
+    pub part: PartOptions,
+    /// Shared options.
+    pub run: RunOptions,
+}
+
+/// Result of a run.
+#[derive(Debug, Default)]
+pub struct Outcome {
+    /// All texts of the run.
+    pub sources: SourceMap,
+    /// All diagnostics.
+    pub sink: Sink,
+    /// The stage value to print, as text.
+    pub emitted: Option<String>,
+    /// Contracts that were judged, including those that failed.
+    pub contracts: Vec<ContractReport>,
+    /// Operations that were judged, each with its place in the job. An item with several tools is as many operations.
+    pub operations: Vec<(Span, OperationReport)>,
+    /// Name of an operation, and a decision of its planning.
+    pub notes: Vec<(String, String)>,
+    /// Files that the front end looked for and did not find: one that is made later is another job.
+    pub looked_for: Vec<PathBuf>,
+}
+
+impl Outcome {
+    /// The contracts as cases of a test report. Their names come from the job, so they are the same in every run.
+    pub fn judged(&self) -> Vec<Judged> {
+        let judged = |c: &ContractReport| Judged {
+            name: format!("{} {} {}", c.name(), c.relation, c.figures[0]),
+            found: c.figures[1].clone(),
+            span: c.span,
+            holds: c.holds,
+        };
+        self.contracts.iter().map(judged).collect()
+    }
+}
