@@ -3,6 +3,7 @@
 mod before_planning;
 mod certificate_figures;
 mod certificate_text;
+mod emitted;
 mod file_stamps;
 mod front;
 mod head;
@@ -47,10 +48,9 @@ use before_planning::{before_work, check_before_planning, find_post};
 use diagnostics::{Aborted, Diag, Sink, printable};
 use front::{MAX_JOB, read_job, start};
 use ir::Program;
-use ir::print::{self, Detail};
-use ir::stage_file::{PlannedMotion, StageValue};
+use ir::stage_file::StageValue;
 use plan::facts;
-use plan::passes::pipeline::{self, Plan};
+use plan::passes::pipeline;
 use std::path::Path;
 use verify::certificate::{Certificate, OperationReport};
 use written::{Written, meshes_written, save, save_refused, setup_sheet, source_map};
@@ -66,7 +66,7 @@ pub fn compile(options: &Options, stages: &mut Stages) -> Outcome {
 fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<(), Aborted> {
     let Some((program, start)) = start(options, stages, outcome)? else { return Ok(()) };
     let Outcome { sources, sink, emitted, contracts, operations, notes, .. } = outcome;
-    *emitted = emit_program(options, &program, sources, stages, sink)?;
+    *emitted = emitted::of_program(options, &program, sources, stages, sink)?;
     if emitted.is_some() {
         return Ok(());
     }
@@ -75,7 +75,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     let facts = if matches!(start, StageValue::Ir) { facts::check_with } else { |_: &_, _: &_, _: &mut _| () };
     let (post, mut outputs) = check_before_planning(options, &program, facts, sources, stages, sink)?;
     let plan = stages.watched("plan", |progress| pipeline::run_from(&program, start, progress, sink))?;
-    *emitted = emit_plan(options, &program, &plan, sources, sink)?;
+    *emitted = emitted::of_plan(options, &program, &plan, sources, sink)?;
     if emitted.is_some() {
         return Ok(());
     }
@@ -153,49 +153,6 @@ fn or_reported<T>(made: Result<T, Diag>, sink: &mut Sink) -> Result<T, Aborted> 
     made.map_err(|fault| {
         sink.push(fault);
         Aborted
-    })
-}
-
-/// What is to be printed of the program, or what was written of it; `None` where the run goes on.
-fn emit_program(
-    options: &Options,
-    program: &Program,
-    sources: &SourceMap,
-    stages: &mut Stages,
-    sink: &mut Sink,
-) -> Result<Option<String>, Aborted> {
-    match (options.emit, options.form) {
-        (Some(Emit::Ir), EmitForm::Text) => Ok(Some(print::program(program))),
-        (Some(Emit::Ir), EmitForm::Json) => {
-            stage_file::write(options, program, &StageValue::Ir, sources, sink).map(Some)
-        }
-        (Some(Emit::Part(form)), _) => part_file::write(options, form, program, sources, stages, sink).map(Some),
-        _ => Ok(None),
-    }
-}
-
-/// The stage value of planning that is to be printed, or what was written of it; `None` where the run goes on.
-fn emit_plan(
-    options: &Options,
-    program: &Program,
-    plan: &Plan,
-    sources: &SourceMap,
-    sink: &mut Sink,
-) -> Result<Option<String>, Aborted> {
-    if options.form == EmitForm::Json {
-        let value = match options.emit {
-            Some(Emit::Cc) => StageValue::Cc(plan.cc.clone()),
-            Some(Emit::Cl) => StageValue::Cl(plan.cl.clone()),
-            Some(Emit::Motion) => StageValue::Motion(PlannedMotion::new(&plan.cl, plan.motion.clone())),
-            _ => return Ok(None),
-        };
-        return stage_file::write(options, program, &value, sources, sink).map(Some);
-    }
-    Ok(match options.emit {
-        Some(Emit::Cc) => Some(print::cc(program, &plan.cc, Detail::Full)),
-        Some(Emit::Cl) => Some(print::cl(program, &plan.cl, Detail::Full)),
-        Some(Emit::Motion) => Some(print::motion(program, &plan.motion, Detail::Full)),
-        _ => None,
     })
 }
 

@@ -3,7 +3,7 @@
 use super::reading;
 use super::{DiskFiles, Emit, Options, Outcome, Stages, or_reported, shown_path, stage_file};
 use ::syntax::ast::{File, ItemKind};
-use base::source::SourceFile;
+use base::source::{SourceFile, SourceId};
 use diagnostics::codes::{files, syntax};
 use diagnostics::{Aborted, Diag, Sink};
 use ir::Program;
@@ -59,7 +59,10 @@ pub fn front(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> R
         job.post.span = None;
     }
     if options.emit == Some(Emit::Job) {
-        *emitted = Some(job::print::print(&job));
+        let text = job::print::print(&job);
+        // A text of this printer has a usual form.
+        let usual = ::syntax::format(&text, SourceId::default(), &mut Sink::default());
+        *emitted = Some(usual.unwrap_or(text));
         return Ok(None);
     }
 

@@ -8,6 +8,8 @@ use impellerc::plan::passes::pipeline::{self, Plan};
 use impellerc::tool_stock::stock::Field;
 use impellerc::verify::stock::{Settings, StockReport, simulate};
 use impellerc::verify::{Certificate, Verified, certify_with, verify};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
@@ -20,11 +22,22 @@ pub struct Compiled {
     pub certificate: Certificate,
 }
 
+/// Writes a stage value as data, reads it, and writes it again: the same bytes. So every plan of a test program does.
+fn comes_back<T: Serialize + DeserializeOwned>(stage: &str, value: &T) {
+    let text = serde_json::to_string(value).unwrap();
+    let again: T = serde_json::from_str(&text).unwrap_or_else(|fault| panic!("{stage}: {fault}"));
+    assert!(serde_json::to_string(&again).unwrap() == text, "{stage} is another value when it is read");
+}
+
 impl Compiled {
     /// Plans and verifies.
     pub fn new(program: Program) -> Self {
         let mut sink = Sink::default();
         let plan = pipeline::run(&program, &mut sink).unwrap_or_else(|_| panic!("no plan: {:#?}", sink.diags()));
+        comes_back("ir", &program);
+        comes_back("cc", &plan.cc);
+        comes_back("cl", &plan.cl);
+        comes_back("motion", &plan.motion);
         let (motion, certificate) = verify(&program, plan.motion.clone(), &mut sink)
             .unwrap_or_else(|_| panic!("no certificate: {:#?}", sink.diags()));
         Self { program, plan, motion, certificate }

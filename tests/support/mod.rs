@@ -190,7 +190,7 @@ pub fn tool(name: &str, number: u32, cutter: Cutter, flute: f64, reach: f64) -> 
         number,
         flutes: 4,
         max_chip: Mm(0.06 * radius),
-        max_depth: Mm(f64::INFINITY),
+        max_depth: Mm(1e6),
         max_rate: None,
         plunge_width: Some(Mm(radius)),
         ramp: Rad(std::f64::consts::FRAC_PI_2),

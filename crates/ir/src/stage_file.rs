@@ -20,7 +20,6 @@ use base::source::{Origin, SourceFile, SourceMap, Span};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::error::Category;
-use std::io;
 
 /// Name of the format.
 pub const FORMAT: &str = "impellerc-stage";
@@ -214,11 +213,7 @@ pub fn write(sources: &SourceMap, program: &Program, value: &StageValue) -> Resu
 fn text(sources: &SourceMap, program: &Program, stage: StageName, value: impl Serialize) -> Result<String, String> {
     let sources = sources.files().iter().map(StoredSource::from).collect();
     let file = Writing { format: FORMAT, version: VERSION, stage, sources, program, value };
-    let mut bytes = Vec::new();
-    let mut serializer = serde_json::Serializer::with_formatter(&mut bytes, Lines::default());
-    file.serialize(&mut serializer).map_err(|error| error.to_string())?;
-    bytes.push(b'\n');
-    String::from_utf8(bytes).map_err(|error| error.to_string())
+    serde_json::to_string(&file).map(|json| in_lines(&json)).map_err(|error| error.to_string())
 }
 
 /// True for a text that begins like a stage file.
@@ -325,48 +320,25 @@ fn damaged(text: &str, error: &serde_json::Error) -> StageFault {
     StageFault::Damaged { at, reason }
 }
 
-/// Layout of the JSON: entries down to a depth of [`LINES`] stand on lines of their own, without indentation, so that a message can
+/// The same JSON with the entries down to a depth of [`LINES`] on lines of their own, without indentation, so that a message can
 /// show the line of a fault and a comparison those that differ.
-#[derive(Default)]
-struct Lines {
-    depth: usize,
-}
-
-impl Lines {
-    fn entry<W: ?Sized + io::Write>(&self, writer: &mut W, first: bool) -> io::Result<()> {
-        if !first {
-            writer.write_all(b",")?;
+fn in_lines(json: &str) -> String {
+    let mut out = String::with_capacity(json.len() + json.len() / 16);
+    let (mut depth, mut quoted, mut escaped) = (0_usize, false, false);
+    for c in json.chars() {
+        let closes = !quoted && matches!(c, ']' | '}');
+        depth -= usize::from(closes);
+        out.push(c);
+        if quoted {
+            (quoted, escaped) = (escaped || c != '"', !escaped && c == '\\');
+            continue;
         }
-        if self.depth <= LINES { writer.write_all(b"\n") } else { Ok(()) }
+        quoted = c == '"';
+        depth += usize::from(matches!(c, '[' | '{'));
+        if matches!(c, '[' | '{' | ',') && depth <= LINES {
+            out.push('\n');
+        }
     }
-}
-
-impl serde_json::ser::Formatter for Lines {
-    fn begin_array<W: ?Sized + io::Write>(&mut self, writer: &mut W) -> io::Result<()> {
-        self.depth += 1;
-        writer.write_all(b"[")
-    }
-
-    fn end_array<W: ?Sized + io::Write>(&mut self, writer: &mut W) -> io::Result<()> {
-        self.depth -= 1;
-        writer.write_all(b"]")
-    }
-
-    fn begin_array_value<W: ?Sized + io::Write>(&mut self, writer: &mut W, first: bool) -> io::Result<()> {
-        self.entry(writer, first)
-    }
-
-    fn begin_object<W: ?Sized + io::Write>(&mut self, writer: &mut W) -> io::Result<()> {
-        self.depth += 1;
-        writer.write_all(b"{")
-    }
-
-    fn end_object<W: ?Sized + io::Write>(&mut self, writer: &mut W) -> io::Result<()> {
-        self.depth -= 1;
-        writer.write_all(b"}")
-    }
-
-    fn begin_object_key<W: ?Sized + io::Write>(&mut self, writer: &mut W, first: bool) -> io::Result<()> {
-        self.entry(writer, first)
-    }
+    out.push('\n');
+    out
 }
