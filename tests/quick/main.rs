@@ -65,6 +65,7 @@ mod platform;
 mod plunge;
 mod post_files;
 mod posts;
+mod printed_jobs;
 mod progress;
 mod quirks;
 mod ramp;

@@ -215,7 +215,7 @@ fn a_file_may_state_the_edges() {
         k if (count / 2..count / 2 + 2).contains(&k) => ",trailing-edge",
         _ => "",
     });
-    assert!(good && job.contains("trailing-edge points ") && job.contains("    leading-edge points "), "{job}");
+    assert!(good && job.contains("trailing-edge points ") && job.contains(": leading-edge points "), "{job}");
     let refused = [
         (with_edges(|number, _| if number < 4 { ",leading-edge" } else { "" }), "`trailing-edge` of"),
         (with_edges(|number, _| if number % 9 < 3 { ",leading-edge" } else { ",trailing-edge" }), "`leading-edge` of"),

@@ -25,6 +25,8 @@ use wheel::post_file::PostFile;
 pub struct Job {
     /// Machine.
     pub machine: MachineSpec,
+    /// Names of the tool libraries.
+    pub libraries: Vec<String>,
     /// Part.
     pub part: PartSpec,
     /// Blank.
@@ -55,6 +57,8 @@ pub struct PartialJob {
     pub values: BTreeMap<String, Quantity>,
     /// Machine, where it is readable.
     pub machine: Option<MachineSpec>,
+    /// Names of the tool libraries.
+    pub libraries: Vec<String>,
     /// Part, where it is readable.
     pub part: Option<PartSpec>,
     /// Blank, where it is readable.
@@ -81,7 +85,19 @@ impl PartialJob {
     /// The job, where the text has no fault.
     pub fn job(self) -> Option<Job> {
         let Self {
-            machine, part, stock, tools, operations, contracts, allowed, chord, chord_rough, post, whole, ..
+            machine,
+            libraries,
+            part,
+            stock,
+            tools,
+            operations,
+            contracts,
+            allowed,
+            chord,
+            chord_rough,
+            post,
+            whole,
+            ..
         } = self;
         if !whole {
             return None;
@@ -94,6 +110,7 @@ impl PartialJob {
         let clearance = Mm(bounds.reduce(f64::max).unwrap_or(usual));
         Some(Job {
             machine: machine?,
+            libraries,
             part: part?,
             stock: stock?,
             tools: tools.into_iter().collect::<Option<Vec<ToolSpec>>>()?,
@@ -294,6 +311,8 @@ pub enum BladeForm {
 pub struct SectionsSpec {
     /// At least two.
     pub loops: Vec<LoopSpec>,
+    /// The file of all of them as the job names it, where they are from one.
+    pub file: Option<String>,
     /// Largest distance of a point to the fitted curve of its section.
     pub fit: Mm,
     /// Forms of the leading and of the trailing edge, where the job states them.

@@ -304,7 +304,7 @@ impl<'a> SectionsGiven<'a> {
     fn resolve(self, cx: &mut Context<'_>) -> Option<SectionsSpec> {
         let Self { word, values, fit, edges, pressure } = self;
         let mut loops: Vec<LoopSpec> = Vec::new();
-        for value in values {
+        for value in &values {
             match value {
                 Value::Loops { file, unit, span } => loops.extend(closed_from(file, unit.as_ref(), *span, cx)?),
                 Value::Loop(spline) => loops.push(closed(spline, format!("section {}", loops.len() + 1), cx)?),
@@ -326,7 +326,14 @@ impl<'a> SectionsGiven<'a> {
             );
             return None;
         }
-        Some(SectionsSpec { loops, fit: Mm(fit), edges, pressure, span: word.span })
+        let file = match values.as_slice() {
+            [Value::Loops { file, unit, .. }] => {
+                let unit = unit.as_ref().map_or_else(String::new, |unit| format!(" {}", unit.text));
+                Some(format!("loops from \"{}\"{unit}", file.text))
+            }
+            _ => None,
+        };
+        Some(SectionsSpec { loops, file, fit: Mm(fit), edges, pressure, span: word.span })
     }
 }
 

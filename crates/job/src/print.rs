@@ -1,102 +1,175 @@
-//! Text form of the job, with every default.
+//! Text form of the job: a job with every default, which means the same. What only the library holds, and defaults that no
+//! property states, are comments.
+//!
+//! Numbers have all their digits, so that the printed job is the same to the last bit. An angle is in degrees where that loses
+//! nothing, else in radians.
 
 use super::library::LINUXCNC;
 use super::model::{
     AnglesAtSpan, AnglesSpec, BladeForm, BladeSpec, CamberSpec, CurveSpec, DistributionSpec, EdgePlace, FaceForm,
-    FaceSpec, Job, Looks, MeridianPlace, OperationKind, RevolvedSpec, RotarySpec,
+    FaceSpec, Job, Looks, MeridianPlace, OperationKind, OperationSpec, RevolvedSpec, RotarySpec, SectionsSpec,
+    StockSpec,
 };
 use super::property::Property;
-use super::tool_model::PROPERTIES;
+use super::quantity::{angle, mm, short};
+use super::resolve::EDITION;
+use super::tool_model::{PROPERTIES, PropertyText, ToolSpec};
 use base::units::{Mm, Rad, trim};
+use blade::LOOP_EDGES;
 use blade::angles::EdgeShape;
-use blade::{EdgeForm, LOOP_EDGES};
 use five_axis::control::{LengthTo, Planning};
 use std::fmt::Write;
-use wheel::control::Sectors;
+use wheel::contract::{Bound, ContractKind};
 use wheel::method::FlankMethod;
-use wheel::operation::{Allowances, distinct, word};
-use wheel::part::{BladeId, FaceId};
+use wheel::operation::{Allowances, VaneAllowance, distinct, word};
+use wheel::part::{BladeId, FaceId, Fillet};
 use wheel::post_file::PostFile;
 
-/// The fillet of a blade as a value of the language.
-fn fillet(blade: &BladeSpec) -> String {
-    blade.fillet.as_ref().map_or_else(|| "0 mm".to_owned(), ToString::to_string)
+/// A share, in percent where that loses nothing.
+fn share(share: f64) -> String {
+    let percent = short(share, 100.0, |percent| percent / 100.0);
+    percent.map_or_else(|| share.to_string(), |percent| format!("{percent} %"))
+}
+
+/// A time given in seconds; the language counts in minutes.
+fn time(seconds: f64) -> String {
+    if seconds / 60.0 * 60.0 == seconds { format!("{seconds} s") } else { format!("{} min", seconds / 60.0) }
+}
+
+/// The fillet of a blade.
+fn fillet(fillet: Option<&Fillet>) -> String {
+    match fillet.map(Fillet::values) {
+        None => "0 mm".to_owned(),
+        Some([[_, radius]]) => mm(Mm(*radius)),
+        Some(values) => list(values, |radius| mm(Mm(radius))),
+    }
+}
+
+/// Values by shares.
+fn list(values: &[[f64; 2]], text: fn(f64) -> String) -> String {
+    let pair = |[at, value]: &[f64; 2]| format!("({}, {})", share(*at), text(*value));
+    format!("[{}]", values.iter().map(pair).collect::<Vec<_>>().join(" "))
+}
+
+/// A value that holds everywhere, or values by shares.
+fn distribution(given: &DistributionSpec, text: fn(f64) -> String) -> String {
+    match given.points.as_slice() {
+        [[_, everywhere]] => text(*everywhere),
+        points => list(points, text),
+    }
 }
 
 /// The job as text.
 pub fn print(job: &Job) -> String {
-    let mut out = String::new();
-    machine(&mut out, job);
-    let p = &job.part;
-    let main = p.main();
-    let _ = writeln!(out, "part {}\n  vanes {}\n  extend {}\n  fillet {}", p.name, p.vanes.0, p.extend, fillet(main));
-    if let Some(from) = &p.imported {
-        let _ = writeln!(out, "  imported {:?}, within {}", from.files, from.within);
-    }
-    blade_form(&mut out, &main.form);
-    for blade in &p.blades[1..] {
-        let _ = writeln!(out, "  splitter {}\n  angle {}\n  fillet {}", blade.name, blade.angle, fillet(blade));
-        blade_form(&mut out, &blade.form);
-    }
-    for (name, generator) in [("hub", &p.hub), ("shroud", &p.shroud)] {
-        match generator {
-            RevolvedSpec::OfBlade(curve) => {
-                let _ = writeln!(out, "  {name} revolve {}.{}", curve.face.name(), curve.end.name());
-            }
-            RevolvedSpec::Own(curve) => {
-                let _ = writeln!(out, "  {name} revolve spline of {} points", curve.points.len());
-                points(&mut out, &curve.points);
-            }
-        }
-    }
-    let s = &job.stock;
-    let _ = writeln!(out, "stock turned\n  over shroud {}\n  bore {}\n  back {}", s.over_shroud, s.bore, s.back);
-    let diameter = s.clamping.diameter.map_or_else(|| "any".to_owned(), |d| d.to_string());
-    let _ = writeln!(out, "  clamping below {}, diameter {diameter}", s.clamping.below);
-    if let Some(left) = &s.left {
-        let (triangles, volume) = (left.mesh.triangles.len(), left.mesh.volume());
-        let _ = writeln!(out, "  from {:?}: {triangles} triangles, {volume:.0} mm3", left.file);
-    }
-    if let Some(material) = s.material {
-        let _ = writeln!(out, "  material {}", material.name());
-    }
-    tools(&mut out, job);
+    let mut out = format!("edition {EDITION}\nuse machine {:?}\n", job.machine.name);
+    let mut facts = String::new();
+    machine(&mut facts, job);
+    out.extend(facts.lines().map(|line| format!("//{line}\n")));
+    out.extend(job.libraries.iter().map(|library| format!("use tools {library:?}\n")));
+    part(&mut out, job);
+    stock(&mut out, &job.stock);
+    job.tools.iter().for_each(|tool| self::tool(&mut out, job, tool));
     operations(&mut out, job);
-    let _ = writeln!(out, "tolerance chord {}, rough {}", job.chord, job.chord_rough);
-    let _ = writeln!(out, "clearance {}", job.clearance);
+    let _ = writeln!(out, "tolerance chord {}, rough {}", mm(job.chord), mm(job.chord_rough));
+    let _ = writeln!(out, "// clearance that planning keeps: {}", job.clearance);
     let operation = |o: &usize| job.operations.get(*o).map_or_else(String::new, |o| o.name.clone());
     for c in &job.contracts {
-        let default = if c.default { ", the default" } else { "" };
-        let _ = writeln!(out, "require {}{}{default}", c.kind.statement(c.bound), c.scope.text(operation));
+        let [before, behind] = if c.default { ["// ", ", the default"] } else { [""; 2] };
+        let _ = writeln!(out, "{before}require {}{}{behind}", statement(c.kind, c.bound), c.scope.text(operation));
     }
     for a in &job.allowed {
-        let _ = writeln!(out, "allow {}{} {:?}", a.kind.name(), a.scope.text(operation), a.reason);
+        let _ = writeln!(out, "allow {}{} \"{}\"", a.kind.name(), a.scope.text(operation), a.reason);
     }
     post(&mut out, &job.post);
     out
 }
 
-fn post(out: &mut String, post: &PostFile) {
-    let numbers = match post.block_numbers {
-        0 => "no block numbers".to_owned(),
-        step => format!("block numbers in steps of {step}"),
+/// A contract with its bound, without its scope.
+fn statement(kind: ContractKind, bound: Bound) -> String {
+    let bound = match bound {
+        Bound::Length(length) => mm(length),
+        Bound::Angle(Rad(rad)) => angle(rad),
+        Bound::Share(of) => share(of),
+        Bound::Time(seconds) => time(seconds.get()),
+        Bound::Volume(volume) => format!("{} mm3", volume.get()),
+        Bound::Rate(rate) => format!("{} mm3/min", rate.get()),
     };
-    let turn =
-        post.control.orientation_tolerance.map_or("by the flutes of each tool".to_owned(), |t| Rad(t).to_string());
-    let _ = writeln!(out, "post {}, dialect {}", post.name, post.dialect);
-    let _ = writeln!(out, "  orientation {}, orientation tolerance {turn}", post.control.orientation.name());
-    let _ =
-        writeln!(out, "  {numbers}, program number {}, lines end with {}", post.program_number, post.line_end.name());
-    if let Some(offset) = post.work_offset() {
-        let _ = writeln!(out, "  work offset {offset}");
+    let quantity = kind.quantity();
+    let rest = kind.name().strip_prefix(quantity).unwrap_or_default();
+    format!("{quantity} {} {bound}{rest}", kind.relation().sign())
+}
+
+fn part(out: &mut String, job: &Job) {
+    let p = &job.part;
+    let _ = writeln!(out, "part {} {{\n  vanes {}\n  extend {}", p.name, p.vanes.0, mm(p.extend));
+    if let Some(from) = &p.imported {
+        let _ = writeln!(out, "  imported \"{}\", within {}", from.files, mm(from.within));
     }
-    if post.control.sectors != Sectors::Inline {
-        let _ = writeln!(out, "  sectors {}", post.control.sectors.name());
+    for (k, blade) in p.blades.iter().enumerate() {
+        let _ = writeln!(out, "  {} {} {{", if k == 0 { "vane" } else { "splitter" }, blade.name);
+        blade_form(out, blade, &p.main().name);
+        if k > 0 {
+            let _ = writeln!(out, "    angle {}", angle(blade.angle.get()));
+        }
+        let _ = writeln!(out, "    fillet {}\n  }}", fillet(blade.fillet.as_ref()));
     }
+    for (name, generator) in [("hub", &p.hub), ("shroud", &p.shroud)] {
+        let _ = write!(out, "  {name} revolve ");
+        match generator {
+            RevolvedSpec::OfBlade(curve) => {
+                let _ = writeln!(out, "{}.{}.{}", p.main().name, curve.face.name(), curve.end.name());
+            }
+            RevolvedSpec::Own(curve) => spline(out, curve, "  "),
+        }
+    }
+    out.push_str("}\n");
+}
+
+fn stock(out: &mut String, stock: &StockSpec) {
+    let StockSpec { over_shroud, bore, back, clamping, left, material, .. } = stock;
+    let _ = writeln!(
+        out,
+        "stock turned {{\n  over shroud {}\n  bore {}\n  back {}",
+        mm(*over_shroud),
+        mm(*bore),
+        mm(*back)
+    );
+    match (clamping.span, clamping.diameter) {
+        (None, _) => _ = writeln!(out, "  // clamping below {}, of any diameter: the default", clamping.below),
+        (Some(_), None) => _ = writeln!(out, "  clamping {{ below {} }}", mm(clamping.below)),
+        (Some(_), Some(d)) => _ = writeln!(out, "  clamping {{ below {}  diameter {} }}", mm(clamping.below), mm(d)),
+    }
+    if let Some(left) = left {
+        let (triangles, volume) = (left.mesh.triangles.len(), left.mesh.volume());
+        let _ = writeln!(out, "  from \"{}\" // {triangles} triangles, {volume:.0} mm3", left.file);
+    }
+    material.map(|material| writeln!(out, "  material {}", material.name()));
+    out.push_str("}\n");
+}
+
+fn post(out: &mut String, post: &PostFile) {
+    let _ = writeln!(out, "post {} {{ // dialect {}", post.name, post.dialect);
+    let _ = writeln!(out, "  orientation {}", post.control.orientation.name());
+    match post.control.orientation_tolerance {
+        Some(rad) => _ = writeln!(out, "  orientation-tolerance {}", angle(rad)),
+        None => out.push_str("  // orientation-tolerance by the flutes of each tool\n"),
+    }
+    let _ = writeln!(out, "  block-numbers {}\n  program-number {}", post.block_numbers, post.program_number);
+    match post.work_offset() {
+        Some(offset) => _ = writeln!(out, "  work-offset \"{offset}\""),
+        None => out.push_str("  // work-offset: the usual one of the dialect\n"),
+    }
+    let _ = writeln!(
+        out,
+        "  line-end {}\n  path {}\n  sectors {}",
+        post.line_end.name(),
+        post.control.path.name(),
+        post.control.sectors.name()
+    );
     let d = post.control.decimals;
     let _ = writeln!(
         out,
-        "  digits behind the point: lengths {}, angles {}, vectors {}, feeds {}",
+        "  // digits behind the point: lengths {}, angles {}, vectors {}, feeds {}\n}}",
         d.length, d.angle, d.vector, d.feed
     );
 }
@@ -108,7 +181,6 @@ fn jerk(limit: f64, unit: &str) -> String {
 
 fn machine(out: &mut String, job: &Job) {
     let m = &job.machine;
-    let _ = writeln!(out, "machine {}", m.name);
     for (name, axis) in ["X", "Y", "Z"].iter().zip(&m.linear) {
         let [lo, hi] = axis.travel;
         let (acceleration, jerk) = (trim(axis.acceleration, 3), jerk(axis.jerk, "mm/s3"));
@@ -153,125 +225,172 @@ fn machine(out: &mut String, job: &Job) {
     }
 }
 
-fn points(out: &mut String, points: &[[f64; 3]]) {
+/// `spline` with the points of a curve, behind the word of the property.
+fn spline(out: &mut String, curve: &CurveSpec, indent: &str) {
+    out.push_str("spline ");
+    points(out, &curve.points, indent);
+    out.push('\n');
+}
+
+fn points(out: &mut String, points: &[[f64; 3]], indent: &str) {
+    out.push_str("[\n");
     for [x, y, z] in points {
-        let _ = writeln!(out, "    {} {} {} mm", trim(*x, 6), trim(*y, 6), trim(*z, 6));
+        let _ = writeln!(out, "{indent}  ({x}, {y}, {z})");
+    }
+    let _ = write!(out, "{indent}] mm");
+}
+
+fn blade_form(out: &mut String, blade: &BladeSpec, main: &str) {
+    match &blade.form {
+        BladeForm::Faces(given) => faces(out, given),
+        BladeForm::Sections(given) => sections(out, given),
+        BladeForm::Angles(given) => angles(out, given, main),
     }
 }
 
-fn blade_form(out: &mut String, form: &BladeForm) {
-    let sections = match form {
-        BladeForm::Faces(given) => return faces(out, given),
-        BladeForm::Sections(sections) => sections,
-        BladeForm::Angles(given) => return angles(out, given),
-    };
-    let _ = writeln!(out, "  fit {}", sections.fit);
-    for (name, form) in ["leading-edge", "trailing-edge"].iter().zip(sections.edges) {
-        let _ = writeln!(out, "  {name} {}", form.map_or("as found", EdgeForm::name));
-    }
-    let _ = writeln!(out, "  pressure {}", sections.pressure.map_or("as found", Looks::name));
-    for section in &sections.loops {
-        let _ = writeln!(out, "  loop {}", section.name);
-        for (word, [first, last]) in LOOP_EDGES.iter().zip(section.edges.into_iter().flatten()) {
-            let _ = writeln!(out, "    {word} points {} to {}", first + 1, last + 1);
-        }
-        points(out, &section.points);
+/// Where the pressure face looks.
+fn looks(out: &mut String, pressure: Option<Looks>) {
+    match pressure {
+        Some(looks) => _ = writeln!(out, "    pressure {}", looks.name()),
+        None => out.push_str("    // pressure as found\n"),
     }
 }
 
-/// Values by shares: percent and value.
-fn values(given: &DistributionSpec, value: fn(f64) -> String) -> String {
-    let one = |[share, given]: &[f64; 2]| format!("({} %, {})", trim(share * 100.0, 4), value(*given));
-    match given.points.as_slice() {
-        [[_, everywhere]] => value(*everywhere),
-        points => points.iter().map(one).collect::<Vec<_>>().join(" "),
-    }
-}
-
-fn angles(out: &mut String, given: &AnglesSpec) {
-    let percent = |share: f64| format!("{} %", trim(share * 100.0, 4));
-    let angle = |a| Rad(a).to_string();
-    let mm = |l| Mm(l).to_string();
-    let _ = writeln!(out, "  fit {}\n  pressure {}", given.fit, given.pressure.map_or("as found", Looks::name));
-    for (name, edge) in ["leading-edge", "trailing-edge"].iter().zip(given.edges) {
-        let _ = match edge {
-            EdgeShape::CutOff => writeln!(out, "  {name} cut-off"),
-            EdgeShape::Elliptic(ratio) => writeln!(out, "  {name} elliptic {ratio}"),
+fn sections(out: &mut String, given: &SectionsSpec) {
+    let _ = writeln!(out, "    fit {}", mm(given.fit));
+    for (name, form) in ["leading-edge", "trailing-edge"].iter().zip(given.edges) {
+        let _ = match form {
+            Some(form) => writeln!(out, "    {name} {}", form.name()),
+            None => writeln!(out, "    // {name} as found"),
         };
     }
+    looks(out, given.pressure);
+    out.push_str("    sections ");
+    // Only a file can state the points of the edges.
+    if let Some(file) = given.file.as_ref().filter(|_| given.loops.iter().any(|section| section.edges.is_some())) {
+        let _ = writeln!(out, "{file}");
+        for section in &given.loops {
+            for (word, [first, last]) in LOOP_EDGES.iter().zip(section.edges.into_iter().flatten()) {
+                let _ = writeln!(out, "    // {}: {word} points {} to {}", section.name, first + 1, last + 1);
+            }
+        }
+        return;
+    }
+    for (k, section) in given.loops.iter().enumerate() {
+        let comma = if k > 0 { ", " } else { "" };
+        let _ = write!(out, "{comma}loop ");
+        points(out, &section.points, "    ");
+    }
+    out.push('\n');
+}
+
+fn angles(out: &mut String, given: &AnglesSpec, main: &str) {
+    let length = |l| mm(Mm(l));
+    let _ = writeln!(out, "    fit {}", mm(given.fit));
+    for (name, edge) in ["leading-edge", "trailing-edge"].iter().zip(given.edges) {
+        let _ = match edge {
+            EdgeShape::CutOff => writeln!(out, "    {name} cut-off"),
+            EdgeShape::Elliptic(ratio) => writeln!(out, "    {name} elliptic {ratio}"),
+        };
+    }
+    let mut rows: &[_] = &[];
     match &given.camber {
         CamberSpec::OfMain { part } => {
+            let _ = writeln!(out, "    of {main}");
             for (name, [hub, shroud]) in ["from", "to"].iter().zip(part) {
-                let _ = writeln!(out, "  {name} of main: hub {}, shroud {}", percent(*hub), percent(*shroud));
+                let _ = writeln!(out, "    {name} hub {}, shroud {}", share(*hub), share(*shroud));
             }
         }
         CamberSpec::Own { angles, lean, edges } => {
-            for (name, place) in ["from", "to"].iter().zip(edges.iter()) {
-                match place {
-                    EdgePlace::Places(places, _) => {
-                        let [hub, shroud] = places.map(|place| match place {
-                            MeridianPlace::Share(share) => percent(share),
-                            MeridianPlace::Length(length) => length.to_string(),
-                        });
-                        let _ = writeln!(out, "  {name} hub {hub}, shroud {shroud}");
-                    }
-                    EdgePlace::Curve(curve) => {
-                        let _ = writeln!(out, "  {name} spline of {} points", curve.points.len());
-                        points(out, &curve.points);
-                    }
-                }
-            }
-            if let Some(lean) = lean {
-                let _ = writeln!(out, "  lean {}", values(lean, angle));
-            }
-            for row in angles {
-                let _ = match &row.says {
-                    AnglesAtSpan::Theta(theta) => {
-                        writeln!(out, "  span {} theta {}", percent(row.at), values(theta, angle))
-                    }
-                    AnglesAtSpan::Beta { beta, theta, end } => {
-                        let end = ["start", "end"][*end];
-                        let beta = values(beta, angle);
-                        writeln!(out, "  span {} beta to the meridian {beta}, {end} {}", percent(row.at), Rad(*theta))
-                    }
-                };
-            }
+            looks(out, given.pressure);
+            out.push_str("    beta-from meridian\n");
+            edge_places(out, edges);
+            lean.iter().for_each(|lean| _ = writeln!(out, "    lean {}", distribution(lean, angle)));
+            rows = angles;
         }
     }
-    for row in &given.thickness {
-        let _ = writeln!(out, "  span {} thickness {}", percent(row.at), values(&row.says, mm));
+    let thickness = given.thickness.as_slice();
+    if let [everywhere] = thickness {
+        let _ = writeln!(out, "    thickness {}", distribution(&everywhere.says, length));
+    }
+    let at_spans = if thickness.len() > 1 { thickness } else { &[] };
+    let mut spans: Vec<f64> = rows.iter().map(|row| row.at).chain(at_spans.iter().map(|row| row.at)).collect();
+    spans.sort_by(f64::total_cmp);
+    spans.dedup();
+    for at in spans {
+        let _ = write!(out, "    span {} {{", share(at));
+        if let Some(row) = rows.iter().find(|row| row.at == at) {
+            let _ = match &row.says {
+                AnglesAtSpan::Theta(theta) => write!(out, " theta {} ", distribution(theta, angle)),
+                AnglesAtSpan::Beta { beta, theta, end } => {
+                    let end = ["start", "end"][*end];
+                    write!(out, " beta {}  {end} {} ", distribution(beta, angle), angle(*theta))
+                }
+            };
+        }
+        if let Some(row) = at_spans.iter().find(|row| row.at == at) {
+            let _ = write!(out, " thickness {} ", distribution(&row.says, length));
+        }
+        out.push_str("}\n");
+    }
+}
+
+/// Where the meridional edges of a blade are.
+fn edge_places(out: &mut String, edges: &[EdgePlace; 2]) {
+    for (name, place) in ["from", "to"].iter().zip(edges) {
+        match place {
+            EdgePlace::Places(places, _) => {
+                let [hub, shroud] = places.map(|place| match place {
+                    MeridianPlace::Share(of) => share(of),
+                    MeridianPlace::Length(length) => mm(length),
+                });
+                let _ = writeln!(out, "    {name} hub {hub}, shroud {shroud}");
+            }
+            EdgePlace::Curve(curve) => {
+                let _ = write!(out, "    {name} ");
+                spline(out, curve, "    ");
+            }
+        }
     }
 }
 
 fn faces(out: &mut String, faces: &[FaceSpec; 2]) {
     for (name, face) in FaceId::NAMES.iter().zip(faces) {
-        let curve = |out: &mut String, end: &str, curve: &CurveSpec| {
-            let _ = writeln!(out, "  {name} {end}");
-            points(out, &curve.points);
-        };
-        curve(out, "tip", &face.tip);
-        curve(out, "root", &face.root);
-        if face.form != FaceForm::Ruled {
-            let _ = writeln!(out, "  {name} {}", face.form.name());
+        let _ = writeln!(out, "    {name} {} {{", face.form.name());
+        for (end, curve) in [("tip", &face.tip), ("root", &face.root)] {
+            let _ = write!(out, "      {end} ");
+            spline(out, curve, "      ");
         }
-        for (k, section) in face.sections.iter().enumerate() {
-            curve(out, &format!("section {}", k + 1), section);
+        if face.form == FaceForm::Lofted {
+            out.push_str("      sections ");
+            for (k, section) in face.sections.iter().enumerate() {
+                let comma = if k > 0 { ", " } else { "" };
+                let _ = write!(out, "{comma}spline ");
+                points(out, &section.points, "      ");
+            }
+            out.push('\n');
         }
+        out.push_str("    }\n");
     }
 }
 
-fn tools(out: &mut String, job: &Job) {
-    for t in &job.tools {
-        let _ = writeln!(out, "tool {} = {}", t.name, t.kind.keyword());
-        for Property { name, .. } in PROPERTIES {
-            t.text(name, job.stock.material).map(|value| writeln!(out, "  {name} {value}"));
-        }
-        let Some((name, sections)) = &t.holder else { continue };
-        let _ = writeln!(out, "  holder {name}");
+fn tool(out: &mut String, job: &Job, t: &ToolSpec) {
+    let _ = writeln!(out, "tool {} = {} {{", t.name, t.kind.keyword());
+    for Property { name, .. } in PROPERTIES {
+        let _ = match t.text(name, job.stock.material) {
+            Some(PropertyText::Stated(value)) => writeln!(out, "  {name} {value}"),
+            // What the job does not state counts otherwise than what it states.
+            Some(PropertyText::Default(value)) => writeln!(out, "  // {name} {value}, the default"),
+            None => Ok(()),
+        };
+    }
+    if let Some((name, sections)) = &t.holder {
+        let _ = writeln!(out, "  holder {name:?}");
         for [length, lower, upper] in sections {
-            let _ = writeln!(out, "    {length} long, diameter {lower} to {upper}");
+            let _ = writeln!(out, "  // {length} long, diameter {lower} to {upper}");
         }
     }
+    out.push_str("}\n");
 }
 
 /// The blades of surfaces, for a job whose sectors have several.
@@ -282,77 +401,97 @@ fn blades(out: &mut String, job: &Job, of_surfaces: impl Iterator<Item = BladeId
     }
 }
 
+/// What a larger tool of a floor leaves beside the vanes; it stands in one item with the smaller tools.
+fn larger(operation: &OperationSpec) -> Option<Mm> {
+    operation.kind.of_larger_tool()
+}
+
 fn operations(out: &mut String, job: &Job) {
-    for o in &job.operations {
-        let tool = job.tools.get(o.tool).map_or("?", |t| t.name.as_str());
-        let _ = writeln!(
-            out,
-            "operation {} {}\n  tool {tool}\n  speed {}\n  feed {}",
-            o.kind.keyword(),
-            o.name,
-            o.speed,
-            o.feed
-        );
-        let _ = writeln!(out, "  link-feed {}\n  lead-in {}\n  lead-out {}", o.link_feed, o.lead_in, o.lead_out);
-        let _ = writeln!(out, "  rest {}", o.rest.map_or_else(|| "off".to_owned(), |t| format!("over {t}")));
-        let sectors: Vec<String> = o.sectors.iter().map(|s| (s + 1).to_string()).collect();
+    // Tools of a floor from the larger ones to the one that finishes it are one item.
+    let items = job.operations.chunk_by(|before, _| larger(before).is_some());
+    for item in items {
+        let (Some(first), Some(last)) = (item.first(), item.last()) else { continue };
+        let of_all = |text: &dyn Fn(&OperationSpec) -> String| item.iter().map(text).collect::<Vec<_>>().join(", ");
+        let tools = of_all(&|o| job.tools.get(o.tool).map_or_else(String::new, |tool| tool.name.clone()));
+        let listed = item.len() > 1 || matches!(first.kind, OperationKind::Rough { .. });
+        let _ = writeln!(out, "operation {} {} {{", first.kind.keyword(), first.name);
+        let _ = writeln!(out, "  {} {tools}", if listed { "tools" } else { "tool" });
+        let speeds = of_all(&|o| format!("{} rpm", o.speed.get()));
+        let feeds = of_all(&|o| format!("{} mm/min", o.feed.get()));
+        let _ = writeln!(out, "  speed {speeds}\n  feed {feeds}\n  link-feed {} mm/min", first.link_feed.get());
+        let _ = writeln!(out, "  lead-in {}\n  lead-out {}", mm(first.lead_in), mm(first.lead_out));
+        let _ = writeln!(out, "  rest {}", first.rest.map_or_else(|| "off".to_owned(), |t| format!("over {}", mm(t))));
+        let sectors: Vec<String> = first.sectors.iter().map(|s| (s + 1).to_string()).collect();
         let _ = writeln!(out, "  sectors {}", sectors.join(", "));
-        if let Some(depth) = o.kind.step_down() {
-            let _ = writeln!(out, "  depth {depth}");
+        larger(first).map(|vane| writeln!(out, "  allowance vane {}", mm(vane)));
+        operation_kind(out, job, &last.kind);
+        out.push_str("}\n");
+    }
+}
+
+/// An allowance that grows towards the root, or is the same everywhere.
+fn allowance(vane: VaneAllowance) -> String {
+    if vane.growth() == 0.0 { mm(vane.tip()) } else { format!("{} .. {}", mm(vane.tip()), mm(vane.root())) }
+}
+
+/// The properties of a kind.
+fn operation_kind(out: &mut String, job: &Job, kind: &OperationKind) {
+    if let Some(depth) = kind.step_down() {
+        let _ = writeln!(out, "  depth {}", mm(depth));
+    }
+    if let Some(Allowances { vane, hub }) = kind.roughing() {
+        let _ = writeln!(out, "  allowance vane {}, hub {}", allowance(vane), mm(hub));
+    }
+    match kind {
+        OperationKind::Groove { .. } => {}
+        OperationKind::Expand { residual, .. } => {
+            let _ = writeln!(out, "  residual {}", mm(*residual));
         }
-        if let Some(Allowances { vane, hub }) = o.kind.roughing() {
-            let _ = writeln!(out, "  allowance vane {vane}, hub {hub}");
+        OperationKind::Rough { stepover, levels: form, milling, slots, .. } => {
+            let _ =
+                writeln!(out, "  stepover {}\n  levels {}\n  milling {}", mm(*stepover), form.name(), milling.name());
+            let _ = writeln!(out, "  slots {}", slots.name());
+            slots.engagement().map(|arc| writeln!(out, "  engagement {}", angle(arc.get())));
         }
-        match &o.kind {
-            OperationKind::Groove { .. } => {}
-            OperationKind::Expand { residual, .. } => {
-                let _ = writeln!(out, "  residual {residual}");
-            }
-            OperationKind::Rough { stepover, levels: form, milling, slots, .. } => {
-                let _ = writeln!(out, "  stepover {stepover}\n  levels {}\n  milling {}", form.name(), milling.name());
-                let _ = writeln!(out, "  slots {}", slots.name());
-                slots.engagement().map(|arc| writeln!(out, "  engagement {arc}"));
-            }
-            OperationKind::Plunge { stepover, .. } => {
-                let _ = writeln!(out, "  stepover {stepover}");
-            }
-            OperationKind::Flank { faces, flank } => {
-                blades(out, job, faces.iter().map(|face| face.blade));
-                let faces = distinct(faces.iter().map(|face| face.name()));
-                let (method, strips) = (flank.method.name(), flank.strips_text());
-                let _ = writeln!(out, "  faces {}\n  method {method}\n  strips {strips}", faces.join(", "));
-                if flank.method == FlankMethod::Minimax {
-                    let _ = writeln!(out, "  side {}\n  conflict {}", flank.side.name(), flank.conflict.name());
-                }
-                let _ = writeln!(out, "  milling {}\n  order {}", flank.milling.name(), flank.order.name());
-            }
-            OperationKind::Channel { scallop, spacing, lines, method, allowance_vane } => {
-                let _ = writeln!(out, "  scallop {scallop}\n  spacing {}", spacing.name());
-                let _ = writeln!(out, "  lines {}\n  method {}", lines.name(), method.name());
-                if let Some(vane) = allowance_vane {
-                    let _ = writeln!(out, "  allowance vane {vane}");
-                }
-            }
-            OperationKind::Point { surfaces, scallop, lines, milling, levels, method } => {
-                blades(out, job, surfaces.iter().filter_map(|s| word(*s)).map(|w| w.2));
-                let names = distinct(surfaces.iter().filter_map(|s| word(*s)).map(|w| w.1));
-                let property = match o.kind.keyword() {
-                    "edge" => Some("edges"),
-                    "tip" => None,
-                    _ => Some("faces"),
-                };
-                if let Some(property) = property {
-                    let _ = writeln!(out, "  {property} {}", names.join(", "));
-                }
-                let _ = writeln!(out, "  scallop {scallop}");
-                let _ = writeln!(out, "  lines {}\n  method {}", lines.name(), method.name());
-                if let Some(milling) = milling {
-                    let _ = writeln!(out, "  milling {}", milling.name());
-                }
-                if let Some(height) = levels {
-                    let _ = writeln!(out, "  order levels\n  depth {height}");
-                }
-            }
+        OperationKind::Plunge { stepover, .. } => {
+            let _ = writeln!(out, "  stepover {}", mm(*stepover));
         }
+        OperationKind::Flank { faces, flank } => {
+            blades(out, job, faces.iter().map(|face| face.blade));
+            let faces = distinct(faces.iter().map(|face| face.name()));
+            let (method, strips) = (flank.method.name(), flank.strips_text());
+            let _ = writeln!(out, "  faces {}\n  method {method}\n  strips {strips}", faces.join(", "));
+            if flank.method == FlankMethod::Minimax {
+                let _ = writeln!(out, "  side {}\n  conflict {}", flank.side.name(), flank.conflict.name());
+            }
+            let _ = writeln!(out, "  milling {}\n  order {}", flank.milling.name(), flank.order.name());
+        }
+        OperationKind::Channel { scallop, spacing, lines, method, .. } => {
+            let _ = writeln!(out, "  scallop {}\n  spacing {}", mm(*scallop), spacing.name());
+            let _ = writeln!(out, "  lines {}\n  method {}", lines.name(), method.name());
+        }
+        OperationKind::Point { .. } => in_lines(out, job, kind),
+    }
+}
+
+/// The properties of `point`, `fillet`, `edge` and `tip`.
+fn in_lines(out: &mut String, job: &Job, kind: &OperationKind) {
+    let OperationKind::Point { surfaces, scallop, lines, milling, levels, method } = kind else { return };
+    blades(out, job, surfaces.iter().filter_map(|s| word(*s)).map(|w| w.2));
+    let names = distinct(surfaces.iter().filter_map(|s| word(*s)).map(|w| w.1));
+    let property = match kind.keyword() {
+        "edge" => Some("edges"),
+        "tip" => None,
+        _ => Some("faces"),
+    };
+    if let Some(property) = property {
+        let _ = writeln!(out, "  {property} {}", names.join(", "));
+    }
+    let _ = writeln!(out, "  scallop {}\n  lines {}\n  method {}", mm(*scallop), lines.name(), method.name());
+    if let Some(milling) = milling {
+        let _ = writeln!(out, "  milling {}", milling.name());
+    }
+    if let Some(height) = levels {
+        let _ = writeln!(out, "  order levels\n  depth {}", mm(*height));
     }
 }

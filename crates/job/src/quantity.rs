@@ -1,6 +1,6 @@
 //! Numbers with a dimension, and the units of job and library files.
 
-use base::units::trim;
+use base::units::{Mm, trim};
 use std::fmt;
 
 /// Exponents of length, angle, time, turn, tooth and mass.
@@ -224,4 +224,24 @@ pub(super) fn library_units(dimension: Dimension) -> Vec<&'static str> {
 /// All unit names of the job language.
 pub fn unit_names() -> Vec<&'static str> {
     JOB_UNITS.iter().map(|u| u.0).collect()
+}
+
+/// Digits behind the point up to which a number in a unit is tried.
+const DIGITS: usize = 9;
+
+/// A length with all its digits.
+pub(super) fn mm(length: Mm) -> String {
+    format!("{} mm", length.get())
+}
+
+/// A number in a unit, where few digits of it give the value exactly.
+pub(super) fn short(value: f64, to_unit: f64, back: impl Fn(f64) -> f64) -> Option<String> {
+    let text = trim(value * to_unit, DIGITS);
+    text.parse::<f64>().ok().filter(|number| back(*number) == value).map(|_| text)
+}
+
+/// An angle.
+pub(super) fn angle(rad: f64) -> String {
+    let deg = short(rad, 1.0_f64.to_degrees(), |deg| deg * (std::f64::consts::PI / 180.0));
+    deg.map_or_else(|| format!("{rad} rad"), |deg| format!("{deg} deg"))
 }

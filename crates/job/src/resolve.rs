@@ -72,7 +72,26 @@ pub fn understand(file: &File, files: &mut dyn Files, sources: &mut SourceMap, s
     let whole = !cx.sink.has_errors() && !file.damaged && !file.faulty;
     let tools = tools.into_iter().map(|t| t.spec).collect();
     let values = cx.scope.values();
-    PartialJob { values, machine, part, stock, tools, operations, contracts, allowed, chord, chord_rough, post, whole }
+    let libraries = file.items.iter().filter_map(|item| match &item.kind {
+        ItemKind::Use { kind, what } if kind.text == "tools" => Some(what.text.clone()),
+        _ => None,
+    });
+    let libraries = libraries.collect();
+    PartialJob {
+        values,
+        machine,
+        libraries,
+        part,
+        stock,
+        tools,
+        operations,
+        contracts,
+        allowed,
+        chord,
+        chord_rough,
+        post,
+        whole,
+    }
 }
 
 /// The only item of a kind; reports a second one, and a missing one with an example.

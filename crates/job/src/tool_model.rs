@@ -6,7 +6,7 @@
 use super::limits;
 use super::property::Without::{Means, Required};
 use super::property::{Form, Property, Range, typed};
-use super::quantity::Dimension;
+use super::quantity::{Dimension, angle, mm};
 use base::source::Span;
 use base::units::{Mm, Mm3PerMin, Rad, trim};
 use std::f64::consts::FRAC_PI_2;
@@ -235,6 +235,15 @@ pub struct LoadLimits {
 /// Depth of the hollow in the middle of an end without teeth there, as a share of the radius of the flat part of the end.
 const HOLLOW: f64 = 0.5;
 
+/// The text of a property of a tool.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum PropertyText {
+    /// The job states it.
+    Stated(String),
+    /// What holds without it.
+    Default(String),
+}
+
 impl ToolSpec {
     /// The tool of a kind with these sizes, without name, holder and place; its number is 0 where none is given. `None` where
     /// a size is missing.
@@ -271,28 +280,42 @@ impl ToolSpec {
         })
     }
 
-    /// The value of a property, stated or by default, as a job writes it; `None` where the tool has none.
-    pub(super) fn text(&self, property: &str, material: Option<Material>) -> Option<String> {
-        Some(match (property, self.kind) {
+    /// The value of a property as a job writes it, with all its digits where it is stated; `None` where the tool has none.
+    pub(super) fn text(&self, property: &str, material: Option<Material>) -> Option<PropertyText> {
+        let of_kind = PROPERTIES.iter().find(|row| row.name == property)?.of;
+        if !of_kind.is_empty() && !of_kind.contains(&self.kind.keyword()) {
+            return None;
+        }
+        let limit = |stated: Option<String>, default: Option<String>| {
+            stated.map(PropertyText::Stated).or(default.map(PropertyText::Default))
+        };
+        let limits = &self.limits;
+        let stated = match (property, self.kind) {
             ("number", _) => self.number.to_string(),
-            ("diameter", _) => self.diameter.to_string(),
-            ("corner", CutterKind::Bull(corner)) => corner.to_string(),
-            ("angle", CutterKind::TaperedBall(angle)) => angle.to_string(),
-            ("barrel", CutterKind::Barrel { barrel, .. }) => barrel.to_string(),
-            ("tip", CutterKind::Barrel { tip, .. }) => tip.to_string(),
-            ("neck", CutterKind::Lollipop { neck, .. }) => neck.to_string(),
-            ("neck-end", CutterKind::Lollipop { neck_end, .. }) => neck_end.to_string(),
+            ("diameter", _) => mm(self.diameter),
+            ("corner", CutterKind::Bull(corner)) => mm(corner),
+            ("angle", CutterKind::TaperedBall(half)) => angle(half.get()),
+            ("barrel", CutterKind::Barrel { barrel, .. }) => mm(barrel),
+            ("tip", CutterKind::Barrel { tip, .. }) => mm(tip),
+            ("neck", CutterKind::Lollipop { neck, .. }) => mm(neck),
+            ("neck-end", CutterKind::Lollipop { neck_end, .. }) => mm(neck_end),
             ("flutes", _) => self.flutes.to_string(),
-            ("flute", _) => self.flute.to_string(),
-            ("shank", _) => self.shank.to_string(),
-            ("reach", _) => self.reach.to_string(),
-            ("max-chip", _) => self.largest_chip(material).to_string(),
-            ("max-depth", _) => self.largest_depth(material).to_string(),
-            ("max-rate", _) => self.limits.rate?.to_string(),
-            ("plunge-width", _) => self.plunge_width()?.to_string(),
-            ("ramp", _) => self.largest_ramp().to_string(),
+            ("flute", _) => mm(self.flute),
+            ("shank", _) => mm(self.shank),
+            ("reach", _) => mm(self.reach),
+            ("max-rate", _) => format!("{} mm3/min", limits.rate?.get()),
+            ("max-chip", _) => return limit(limits.chip.map(mm), Some(self.largest_chip(material).to_string())),
+            ("max-depth", _) => return limit(limits.depth.map(mm), Some(self.largest_depth(material).to_string())),
+            ("plunge-width", _) => {
+                return limit(limits.plunge.map(mm), self.plunge_width().map(|width| width.to_string()));
+            }
+            ("ramp", _) => {
+                let stated = limits.ramp.map(|ramp| angle(ramp.get()));
+                return limit(stated, Some(self.largest_ramp().to_string()));
+            }
             _ => return None,
-        })
+        };
+        Some(PropertyText::Stated(stated))
     }
 
     /// Width, from the rim towards the axis, that the teeth of its end cut in a stroke along the axis: the stated one, or
