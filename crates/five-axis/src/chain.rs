@@ -111,14 +111,14 @@ impl TryFrom<StoredChain> for Chain {
             if axis.direction.iter().chain(axis.point.iter()).any(|x| !x.is_finite()) {
                 return Err("a rotary axis has a number that is not finite".to_owned());
             }
-            // Written so that what is no number is refused too.
-            if !((axis.direction.norm() - 1.0).abs() < UNIT) {
+            if (axis.direction.norm() - 1.0).abs() >= UNIT {
                 return Err("the direction of a rotary axis has not the length 1".to_owned());
             }
         }
         let matrix = part_axes.matrix();
         let off = (matrix.transpose() * matrix - Matrix3::identity()).amax();
-        if !(off < UNIT && matrix.determinant() > 0.0) {
+        let finite = matrix.iter().all(|x| x.is_finite());
+        if !finite || off >= UNIT || matrix.determinant() <= 0.0 {
             return Err("the axes of the part are no right-handed frame".to_owned());
         }
         let chain = Self::new(axes).map_err(|fault| {
