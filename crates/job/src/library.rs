@@ -1,7 +1,7 @@
 //! Machine files, with the reader of values that all library files share. Keys with their forms and ranges stand in `library_schema`.
 
 use super::library_form;
-use super::library_schema::LibraryFile;
+use super::library_schema::{LINUXCNC, LibraryFile};
 use super::library_table::{FileTable, SpannedText};
 use super::model::{CarriedSpec, LinearSpec, MachineKind, MachineSpec, RotarySpec};
 use super::property::{Form, Range};
@@ -16,13 +16,6 @@ use toml::Spanned;
 
 /// Length of a vector in a machine file below which it gives no direction.
 pub(super) const NO_DIRECTION: f64 = 1e-6;
-
-/// Control cycle where the machine file gives none, s. The value is slow for controls of milling machines, so that the
-/// deviation of the joints between two positions is not underestimated.
-const DEFAULT_CYCLE: f64 = 0.002;
-
-/// Name of the trajectory planner of LinuxCNC in machine files.
-pub(super) const LINUXCNC: &str = "linuxcnc-2.9";
 
 /// Word for the jerk of an axis whose control does not limit jerk.
 const UNLIMITED: &str = "unlimited";
@@ -217,14 +210,13 @@ impl LibraryReader<'_> {
     }
 
     /// Control cycle, s.
-    fn cycle(&mut self, table: FileTable<'_, '_>, assumed: &mut Vec<String>) -> f64 {
-        match self.number(table, "cycle") {
-            Some(minutes) => minutes * 60.0,
-            None => {
-                assumed.push(format!("control cycle {} s, the default", trim(DEFAULT_CYCLE, 6)));
-                DEFAULT_CYCLE
-            }
+    fn cycle(&mut self, table: FileTable<'_, '_>, assumed: &mut Vec<String>) -> Option<f64> {
+        let given = self.number(table, "cycle");
+        let cycle = given.or_else(|| table.default("cycle"))? * 60.0;
+        if given.is_none() {
+            assumed.push(format!("control cycle {} s, the default", trim(cycle, 6)));
         }
+        Some(cycle)
     }
 
     /// How the control plans speeds.
@@ -317,7 +309,7 @@ impl LibraryReader<'_> {
         let mut assumed: Vec<String> =
             table.texts("assumed").unwrap_or_default().into_iter().map(Spanned::into_inner).collect();
         let own_words = self.own_words(&table.texts("own-words").unwrap_or_default(), &mut assumed);
-        let cycle = self.cycle(table, &mut assumed);
+        let cycle = self.cycle(table, &mut assumed)?;
         let planning = self.planning(&table.text("planning"));
         let of_axes = table.table("axes")?;
         let [x, y, z] = LINEAR.map(|name| of_axes.table(name));

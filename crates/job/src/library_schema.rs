@@ -1,6 +1,7 @@
 //! Keys of the files of the library as JSON schemas, for editors that complete and check TOML. A test compares the keys with
 //! those that the readers of the files know.
 
+use super::model::MachineKind;
 use super::property::{Form, Property, Range, Without, typed};
 use super::quantity::{Dimension, KILOWATT, library_units};
 use super::{limits, tool_model};
@@ -36,6 +37,9 @@ impl LibraryFile {
         }
     }
 }
+
+/// Name of the trajectory planner of LinuxCNC in machine files.
+pub(super) const LINUXCNC: &str = "linuxcnc-2.9";
 
 /// Largest length in library files, mm.
 const LONGEST: f64 = 100_000.0;
@@ -134,7 +138,7 @@ const AXES: &[Property] = &[
 const MACHINE: &[Property] = &[
     must(
         "kind",
-        Form::Word(|| vec!["table-table", "head-table", "head-head"]),
+        Form::Word(|| MachineKind::ALL.map(MachineKind::name).to_vec()),
         "What the rotary axes carry: part or tool.",
     ),
     may(
@@ -179,12 +183,15 @@ const MACHINE: &[Property] = &[
         "What lengths in the tool table refer to; without it the tip.",
     ),
     must("rapid", SPEED, "Speed of the tip at rapid."),
-    may(
+    typed(
         "cycle",
         quantity_of(Dimension::TIME, 1e-6 / 60.0, 1e-2 / 60.0),
-        "Time between two positions that the control gives; without it 0.002 s.",
+        // Slow for controls of milling machines, so that the deviation of the joints between two positions is not
+        // underestimated.
+        Without::Is("0.002 s"),
+        "Time between two positions that the control gives.",
     ),
-    may("planning", Form::Word(|| vec!["linuxcnc-2.9"]), "Trajectory planner of the control, where it is known."),
+    may("planning", Form::Word(|| vec![LINUXCNC]), "Trajectory planner of the control, where it is known."),
     may("table", Form::Table(CARRIED), "The table, a solid of revolution; heights in the machine frame."),
     may("fixture", Form::Table(CARRIED), "The fixture, a solid of revolution; heights in the part frame."),
 ];
@@ -216,10 +223,11 @@ const POST: &[Property] = &[
         Form::Whole(limits::BLOCK_NUMBERS[0], limits::BLOCK_NUMBERS[1]),
         "Step of block numbers; 0 for none.",
     ),
-    may(
+    typed(
         "program-number",
         Form::Whole(limits::PROGRAM_NUMBERS[0], limits::PROGRAM_NUMBERS[1]),
-        "Number of the program; without it 1001.",
+        Without::Is("1001"),
+        "Number of the program.",
     ),
     must(
         "orientation",

@@ -42,6 +42,11 @@ impl<'t, 'i> FileTable<'t, 'i> {
         self.get(name).is_some()
     }
 
+    /// The number of a key where the file does not give it, in base units.
+    pub(super) fn default(self, name: &str) -> Option<f64> {
+        self.keys.iter().find(|key| key.name == name)?.default()
+    }
+
     /// A text.
     pub(super) fn text(self, name: &str) -> Option<SpannedText> {
         text(self.get(name)?.1)

@@ -17,9 +17,6 @@ use syntax::ast::{Block, Value};
 use wheel::control::{Control, Decimals, Orientation, PathForm, Sectors, SplineForm};
 use wheel::post_file::{Field, Frame, LineEnd, PostFile, Template, TemplateFault};
 
-/// Number of a program where neither job nor post file gives one.
-const USUAL_NUMBER: u32 = 1001;
-
 /// Most characters of a template. Names and numbers of a program add some; controls take 120 characters without doubt.
 const LONGEST: usize = 120;
 
@@ -163,7 +160,10 @@ impl LibraryReader<'_> {
                 .and_then(|text| self.word(&text, "an end of lines", &LineEnd::ALL, LineEnd::name))
                 .unwrap_or(LineEnd::Lf),
             block_numbers: self.whole(table, "block-numbers").unwrap_or(0),
-            program_number: self.whole(table, "program-number").unwrap_or(USUAL_NUMBER),
+            program_number: match self.whole(table, "program-number") {
+                Some(number) => number,
+                None => table.default("program-number")? as u32,
+            },
             control: Control {
                 orientation: self
                     .word(&orientation, "a way to state the tool direction", &Orientation::ALL, Orientation::name)

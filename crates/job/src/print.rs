@@ -4,7 +4,7 @@
 //! Numbers have all their digits, so that the printed job is the same to the last bit. An angle is in degrees where that loses
 //! nothing, else in radians.
 
-use super::library::LINUXCNC;
+use super::library_schema::LINUXCNC;
 use super::model::{
     AnglesAtSpan, AnglesSpec, BladeForm, BladeSpec, CamberSpec, CurveSpec, DistributionSpec, EdgePlace, FaceForm,
     FaceSpec, Job, Looks, MeridianPlace, OperationKind, OperationSpec, RevolvedSpec, RotarySpec, SectionsSpec,
