@@ -2,15 +2,15 @@
 
 pub mod blades;
 
+use impellerc::base::source::{SourceFile, SourceMap, Span};
 use impellerc::diagnostics::junit::junit;
 use impellerc::diagnostics::sarif::sarif;
 use impellerc::diagnostics::{Sink, codes, render};
+use impellerc::five_axis::control::ModuloWay;
 use impellerc::ir::Program;
 use impellerc::job::files::shipped;
 use impellerc::job::{self, Files, MissingFile};
-use impellerc::wheel::method::ModuloWay;
 use impellerc::nc::{self, motion_of::motion_of};
-use impellerc::base::source::{SourceFile, SourceMap, Span};
 use impellerc::{lower, syntax};
 use std::sync::OnceLock;
 
