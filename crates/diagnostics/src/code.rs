@@ -1,4 +1,4 @@
-//! Stable diagnostic codes. The pages that `impellerc explain` prints are beside the codes in [`super::codes`].
+//! Stable diagnostic codes. The pages that `impellerc explain` prints are beside the codes in [`codes`](mod@super::codes).
 
 use std::fmt;
 

@@ -117,8 +117,8 @@
 //!
 //! # Where other things are
 //!
-//! A motion that is read from NC text ([`nc`]) is a value of the same type with the same meaning, but can be
-//! malformed in any way; the verifier refuses malformed motions. A [`verify::Verified`] motion is a motion that
+//! A motion that is read from NC text (`nc`) is a value of the same type with the same meaning, but can be
+//! malformed in any way; the verifier refuses malformed motions. A `verify::Verified` motion is a motion that
 //! the verifier has accepted: only the verifier makes one, and posts accept no other.
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]

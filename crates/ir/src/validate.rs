@@ -1,4 +1,4 @@
-//! Checks of each stage value. In debug builds, and so in tests, [`plan::passes::pipeline`] runs them after every
+//! Checks of each stage value. In debug builds, and so in tests, `plan::passes::pipeline` runs them after every
 //! pass; a failed check is a fault of the compiler, never of a job.
 
 use super::{

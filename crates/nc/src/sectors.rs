@@ -3,7 +3,7 @@
 //! The motion stays what was verified. The words of a subprogram are those of the place where its moves come first; the
 //! control turns them to the other places. A rounded coordinate that is turned is off by at most half a step times the root
 //! of 2 in each direction, where an inline word is off by half a step. So only posts with exact digits have subprograms: see
-//! [`Decimals::EXACT`](wheel::post_file::Decimals::EXACT).
+//! [`Decimals::EXACT`](wheel::control::Decimals::EXACT).
 
 use super::dialect::Post;
 use super::divided::Divided;
