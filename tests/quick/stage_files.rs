@@ -370,7 +370,7 @@ fn values_that_no_run_writes_are_refused_with_a_reason() {
         ("ir", "/program/tools/0/max_chip", json!(0), "not positive"),
         ("ir", "/program/machine/linear/0/speed", json!(0), "linear axis"),
         ("ir", "/program/machine/chain/axes/0/direction", json!([0, 0, 1]), "parallel"),
-        ("ir", "/program/post/decimals/length", json!(70_000), "words have"),
+        ("ir", "/program/post/control/decimals/length", json!(70_000), "words have"),
         ("ir", "/program/post/frames/0/0/text", json!("{nothing}"), "no field `nothing`"),
         ("ir", "/program/name_span/end", json!(1_000_000), "are not there"),
         ("ir", "/program/machine/planning", json!("both"), "both"),
