@@ -212,7 +212,7 @@ mod tests {
         assert_eq!(again(&turned), turned);
         assert_eq!(again(&turned.to_surface()), turned.to_surface());
         let pairs: Vec<[Point3<f64>; 2]> =
-            (0..30).map(|i| f64::from(i)).map(|t| [Point3::new(t, t.sin(), 0.0), Point3::new(t, 0.0, 9.0)]).collect();
+            (0..30).map(f64::from).map(|t| [Point3::new(t, t.sin(), 0.0), Point3::new(t, 0.0, 9.0)]).collect();
         let dual = DualCurve::through(&pairs, 8).unwrap();
         assert_eq!(again(&dual), dual);
     }
