@@ -184,12 +184,14 @@ pub fn with_post(dialect: &str, program: &Program) -> Program {
 /// A tool with a cylindrical shank and a slim collet holder.
 pub fn tool(name: &str, number: u32, cutter: Cutter, flute: f64, reach: f64) -> Tool {
     let radius = cutter.radius_at(flute);
+    // Over its ball a lollipop has no radius.
+    let cutting = if radius > 0.0 { radius } else { cutter.nominal_radius() };
     let section = |from: f64, to: f64, a: f64, b: f64| Section { from, to, radius_from: a, radius_to: b };
     Tool {
         name: name.to_owned(),
         number,
         flutes: 4,
-        max_chip: Mm(0.06 * radius),
+        max_chip: Mm(0.06 * cutting),
         max_depth: Mm(1e6),
         max_rate: None,
         plunge_width: Some(Mm(radius)),
