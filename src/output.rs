@@ -10,6 +10,7 @@
 pub mod interrupt;
 mod target;
 
+use base::source::SourceMap;
 use diagnostics::{Diag, codes::files};
 use std::fs::File;
 use std::io::Write as _;
@@ -66,6 +67,15 @@ impl Outputs {
     pub fn protect(&mut self, name: impl Into<String>, path: &Path) {
         if let Some(identity) = target::identity(path) {
             self.inputs.push((name.into(), identity));
+        }
+    }
+
+    /// Adds the files of the disk that the sources of the run come from.
+    pub fn protect_sources(&mut self, sources: &SourceMap) {
+        for file in sources.files() {
+            if let Some(path) = &file.disk {
+                self.protect(format!("`{}`", file.name), path);
+            }
         }
     }
 

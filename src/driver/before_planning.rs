@@ -31,7 +31,7 @@ pub(super) fn check_before_planning(
     let named = output_names::own(options);
     let own = named.map(|(flag, path, _)| (flag, path));
     let mut outputs = Outputs::default();
-    stage_file::protect(options, &SourceMap::default(), &mut outputs);
+    stage_file::protect(options, &mut outputs);
     let outputs = or_reported(before_work(outputs, &options.run, &own, sources, program), sink)?;
     or_reported(output_names::check_all(&named), sink)?;
     plan::memory::check(program, sink)?;
@@ -65,11 +65,7 @@ pub(super) fn before_work(
     if let Some(cell) = run.stock_cell {
         rest_stock::check_cell(cell, &program.stock.profile)?;
     }
-    for file in sources.files() {
-        if let Some(path) = &file.disk {
-            outputs.protect(format!("`{}`", file.name), path);
-        }
-    }
+    outputs.protect_sources(sources);
     if let Some(folder) = &run.stock {
         outputs.folder("--stock", folder)?;
         let names = program.operations.iter().map(|(_, o)| o.name.as_str());

@@ -241,11 +241,7 @@ fn write(path: &Path, made: &part_text::PartFiles, force: bool, sources: &Source
             .help("give another name, or state `--force` to replace the part and its tables"));
     }
     let mut outputs = Outputs::default();
-    for file in sources.files() {
-        if let Some(path) = &file.disk {
-            outputs.protect(format!("`{}`", file.name), path);
-        }
-    }
+    outputs.protect_sources(sources);
     for (path, _) in &written {
         outputs.announce("-o", path)?;
     }

@@ -33,7 +33,8 @@ pub(super) fn write(
 ) -> Result<String, Aborted> {
     let path = options.output.as_deref().unwrap_or(Path::new("part.step"));
     let mut outputs = Outputs::default();
-    stage_file::protect(options, sources, &mut outputs);
+    stage_file::protect(options, &mut outputs);
+    outputs.protect_sources(sources);
     or_reported(outputs.announce("-o", path), sink)?;
     or_reported(output_names::check("-o", path, output_names::Form::Part(form)), sink)?;
     let (files, said) = match form {

@@ -114,21 +114,17 @@ pub(super) fn write(
     let text = or_reported(text, sink)?;
     let Some(path) = &options.output else { return Ok(text) };
     let mut outputs = Outputs::default();
-    protect(options, sources, &mut outputs);
+    protect(options, &mut outputs);
+    outputs.protect_sources(sources);
     or_reported(output_names::check("-o", path, output_names::Form::Json), sink)?;
     or_reported(outputs.stage("-o", path, text.as_bytes()), sink)?;
     or_reported(outputs.commit(), sink)?;
     Ok(format!("wrote {}: stage {}, {} bytes\n", shown_path(path), value.name(), text.len()))
 }
 
-/// Adds the files that a run reads.
-pub(super) fn protect(options: &Options, sources: &SourceMap, outputs: &mut Outputs) {
+/// Adds the stage file that the run begins at.
+pub(super) fn protect(options: &Options, outputs: &mut Outputs) {
     if let Some(path) = &options.from {
         outputs.protect("the stage file", path);
-    }
-    for file in sources.files() {
-        if let Some(disk) = &file.disk {
-            outputs.protect(format!("`{}`", file.name), disk);
-        }
     }
 }

@@ -7,7 +7,7 @@ use nalgebra::{Point3, Rotation3, Vector3, Vector4};
 
 /// A NURBS curve of degree 1 to 3 on [0, 1] (clamped knots).
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "StoredCurve"))]
 pub struct NurbsCurve {
     degree: usize,
     knots: Vec<f64>,
@@ -26,6 +26,14 @@ pub struct CurveDerivatives {
     pub first: Vector3<f64>,
     /// C''(u).
     pub second: Vector3<f64>,
+}
+
+/// Refuses homogeneous control points that are not finite or have no positive weight.
+pub(super) fn check_control(control: &[Vector4<f64>]) -> Result<(), GeomError> {
+    if let Some(i) = control.iter().position(|c| !c.iter().all(|x| x.is_finite())) {
+        return Err(GeomError::NotFinite(i));
+    }
+    control.iter().position(|c| c.w <= 0.0).map_or(Ok(()), |i| Err(GeomError::Weight(i)))
 }
 
 impl NurbsCurve {
@@ -62,9 +70,7 @@ impl NurbsCurve {
         let weight = |i: usize| weights.map_or(1.0, |w| w[i]);
         let control =
             points.iter().enumerate().map(|(i, p)| (p.coords * weight(i)).push(weight(i))).collect::<Vec<_>>();
-        if let Some(i) = control.iter().position(|c| !c.iter().all(|x| x.is_finite())) {
-            return Err(GeomError::NotFinite(i));
-        }
+        check_control(&control)?;
         Ok(Self::from_homogeneous(degree, knots, control))
     }
 
@@ -181,5 +187,31 @@ impl NurbsCurve {
         let d = self.derivatives(u);
         let speed = d.first.norm();
         if speed > 0.0 { d.first.cross(&d.second).norm() / speed.powi(3) } else { 0.0 }
+    }
+}
+
+/// A curve with homogeneous control points.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StoredCurve {
+    degree: usize,
+    knots: Vec<f64>,
+    control: Vec<Vector4<f64>>,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<StoredCurve> for NurbsCurve {
+    type Error = GeomError;
+
+    fn try_from(StoredCurve { degree, knots, control }: StoredCurve) -> Result<Self, GeomError> {
+        if !(1..=MAX_DEGREE).contains(&degree) {
+            return Err(GeomError::Degree(degree));
+        }
+        if !basis::valid_knots(&knots, degree, control.len()) {
+            return Err(GeomError::Knots);
+        }
+        check_control(&control)?;
+        Ok(Self::from_homogeneous(degree, knots, control))
     }
 }

@@ -10,7 +10,7 @@ const PLACES: usize = MOST_DEGREE + 1;
 
 /// Two B-splines of degree 3 or 5 on common knots: a point of the tool axis near the tip, and a point further up.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "StoredDual"))]
 pub struct DualCurve {
     degree: usize,
     knots: Vec<f64>,
@@ -363,6 +363,38 @@ impl AxisAt {
 
 fn mix(points: &[Point3<f64>], weights: &[f64; PLACES]) -> Vector3<f64> {
     points.iter().zip(weights).fold(Vector3::zeros(), |sum, (p, w)| sum + p.coords * *w)
+}
+
+/// Two B-splines on common knots.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StoredDual {
+    degree: usize,
+    knots: Vec<f64>,
+    lower: Vec<Point3<f64>>,
+    upper: Vec<Point3<f64>>,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<StoredDual> for DualCurve {
+    type Error = crate::GeomError;
+
+    fn try_from(StoredDual { degree, knots, lower, upper }: StoredDual) -> Result<Self, crate::GeomError> {
+        if ![basis::MAX_DEGREE, MOST_DEGREE].contains(&degree) {
+            return Err(crate::GeomError::Degree(degree));
+        }
+        if lower.len() != upper.len() {
+            return Err(crate::GeomError::TooFewPoints { given: upper.len(), needed: lower.len() });
+        }
+        if !basis::valid_knots(&knots, degree, lower.len()) {
+            return Err(crate::GeomError::Knots);
+        }
+        if let Some(i) = lower.iter().chain(&upper).position(|p| !p.iter().all(|x| x.is_finite())) {
+            return Err(crate::GeomError::NotFinite(i));
+        }
+        Ok(Self::of_parts(degree, knots, lower, upper))
+    }
 }
 
 #[cfg(test)]

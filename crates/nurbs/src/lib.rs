@@ -24,7 +24,7 @@ pub mod revolution;
 pub mod row_fit;
 pub mod ruled;
 pub mod spline_fit;
-#[cfg(feature = "serde")]
+#[cfg(all(test, feature = "serde"))]
 mod stored;
 pub mod surface;
 pub mod triangulation;

@@ -13,7 +13,7 @@ use std::sync::OnceLock;
 ///
 /// With two sections this is a ruled surface.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "StoredLoft"))]
 pub struct LoftedSurface {
     sections: Vec<NurbsCurve>,
     /// Parameters of the sections, from 0 to 1.
@@ -383,6 +383,50 @@ impl LoftedSurface {
             best = nearer;
         }
         best
+    }
+}
+
+/// A lofted surface. Degrees and knots follow from the sections; control points do so to rounding, since a turned surface has
+/// turned ones.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StoredLoft {
+    sections: Vec<NurbsCurve>,
+    places: Vec<f64>,
+    control: Vec<Vector3<f64>>,
+}
+
+/// Most sections of a surface that is read: no blade has as many, and the matrix between them grows by the square.
+#[cfg(feature = "serde")]
+const MOST_SECTIONS: usize = 1000;
+
+/// Share of the size of a surface to which control points follow from the sections.
+#[cfg(feature = "serde")]
+const SAME_CONTROL: f64 = 1e-6;
+
+#[cfg(feature = "serde")]
+impl TryFrom<StoredLoft> for LoftedSurface {
+    type Error = GeomError;
+
+    fn try_from(StoredLoft { sections, places, control }: StoredLoft) -> Result<Self, GeomError> {
+        if sections.len() > MOST_SECTIONS {
+            return Err(GeomError::TooManySections(sections.len()));
+        }
+        if places.first() != Some(&0.0) || places.last() != Some(&1.0) {
+            return Err(GeomError::Knots);
+        }
+        let made = Self::at(sections, places)?;
+        let due = made.control();
+        if due.len() != control.len() {
+            return Err(GeomError::TooFewPoints { given: control.len(), needed: due.len() });
+        }
+        let size = due.iter().map(|p| p.amax()).fold(1.0, f64::max);
+        let follows = |(due, given): (&Vector3<f64>, &Vector3<f64>)| (due - given).amax() <= SAME_CONTROL * size;
+        match due.iter().zip(&control).position(|pair| !follows(pair)) {
+            Some(i) => Err(GeomError::Control(i)),
+            None => Ok(made.with_control(control)),
+        }
     }
 }
 

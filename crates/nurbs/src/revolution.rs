@@ -9,7 +9,7 @@ const EXACT: f64 = 1e-15;
 /// A curve rotated about Z. The parameter u runs along the curve. In the meridian plane (r, z) the surface is a curve
 /// whose unit normal `orientation * (z', -r')` points out of the material.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "StoredRevolution"))]
 pub struct Revolution {
     generator: NurbsCurve,
     orientation: f64,
@@ -212,5 +212,27 @@ impl Revolution {
         }
         let circle = vec![0.0, 0.0, 0.0, 0.25, 0.25, 0.5, 0.5, 0.75, 0.75, 1.0, 1.0, 1.0];
         NurbsSurface::from_homogeneous([self.generator.degree(), 2], [self.generator.knots().to_vec(), circle], control)
+    }
+}
+
+/// A surface of revolution: its seeds follow from the curve.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StoredRevolution {
+    generator: NurbsCurve,
+    orientation: f64,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<StoredRevolution> for Revolution {
+    type Error = crate::GeomError;
+
+    fn try_from(StoredRevolution { generator, orientation }: StoredRevolution) -> Result<Self, crate::GeomError> {
+        if orientation.abs() == 1.0 {
+            Ok(Self::oriented(generator, orientation))
+        } else {
+            Err(crate::GeomError::Orientation)
+        }
     }
 }

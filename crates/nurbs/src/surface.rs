@@ -1,12 +1,13 @@
 //! Rational B-spline surfaces (Wei 2).
 
 use super::basis::{self, MAX_DEGREE};
+use super::curve::check_control;
 use super::{GeomError, NurbsCurve};
 use nalgebra::{Point3, Rotation3, Vector3, Vector4};
 
 /// A NURBS surface of degrees 1 to 3 on [0, 1] x [0, 1] (clamped knots).
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "StoredSurface"))]
 pub struct NurbsSurface {
     degree: [usize; 2],
     knots: [Vec<f64>; 2],
@@ -63,9 +64,7 @@ impl NurbsSurface {
         }
         let weight = |i: usize| weights.map_or(1.0, |w| w[i]);
         let control: Vec<_> = points.iter().enumerate().map(|(i, p)| (p.coords * weight(i)).push(weight(i))).collect();
-        if let Some(i) = control.iter().position(|c| !c.iter().all(|x| x.is_finite())) {
-            return Err(GeomError::NotFinite(i));
-        }
+        check_control(&control)?;
         Ok(Self { degree, knots, control })
     }
 
@@ -163,5 +162,36 @@ impl NurbsSurface {
         let start = if u_end { (rows - 1) * columns } else { 0 };
         let control = self.control[start..start + columns].to_vec();
         NurbsCurve::from_homogeneous(self.degree[1], self.knots[1].clone(), control)
+    }
+}
+
+/// A surface with homogeneous control points.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StoredSurface {
+    degree: [usize; 2],
+    knots: [Vec<f64>; 2],
+    control: Vec<Vector4<f64>>,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<StoredSurface> for NurbsSurface {
+    type Error = GeomError;
+
+    fn try_from(StoredSurface { degree, knots, control }: StoredSurface) -> Result<Self, GeomError> {
+        if let Some(p) = degree.iter().find(|p| !(1..=MAX_DEGREE).contains(*p)) {
+            return Err(GeomError::Degree(*p));
+        }
+        let count = |k: usize| knots[k].len().checked_sub(degree[k] + 1);
+        let (Some(rows), Some(columns)) = (count(0), count(1)) else { return Err(GeomError::Knots) };
+        if !basis::valid_knots(&knots[0], degree[0], rows) || !basis::valid_knots(&knots[1], degree[1], columns) {
+            return Err(GeomError::Knots);
+        }
+        if rows.checked_mul(columns) != Some(control.len()) {
+            return Err(GeomError::TooFewPoints { given: control.len(), needed: rows.saturating_mul(columns) });
+        }
+        check_control(&control)?;
+        Ok(Self::from_homogeneous(degree, knots, control))
     }
 }

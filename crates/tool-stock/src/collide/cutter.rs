@@ -5,7 +5,11 @@
 
 /// Cutting part, up to the end of the flutes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "kebab-case", try_from = "StoredCutter")
+)]
 pub enum Cutter {
     /// Flat end mill.
     Flat {
@@ -364,6 +368,45 @@ fn rounded_box_slope(rho: f64, s: f64, radius: f64, corner: f64) -> Slope {
         Slope { value: out - corner, rho: 1.0, s: 0.0 }
     } else {
         Slope { value: below - corner, rho: 0.0, s: -1.0 }
+    }
+}
+
+/// A cutter by its kind and sizes.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+enum StoredCutter {
+    Flat { radius: f64 },
+    Ball { radius: f64 },
+    Bull { radius: f64, corner: f64 },
+    TaperedBall { ball: f64, half_angle: f64 },
+    Barrel { radius: f64, barrel: f64, tip: f64 },
+    Lollipop { radius: f64 },
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<StoredCutter> for Cutter {
+    type Error = &'static str;
+
+    fn try_from(stored: StoredCutter) -> Result<Self, Self::Error> {
+        let length = |x: f64| x.is_finite() && x > 0.0;
+        let (cutter, sound) = match stored {
+            StoredCutter::Flat { radius } => (Self::Flat { radius }, length(radius)),
+            StoredCutter::Ball { radius } => (Self::Ball { radius }, length(radius)),
+            StoredCutter::Lollipop { radius } => (Self::Lollipop { radius }, length(radius)),
+            StoredCutter::Bull { radius, corner } => {
+                (Self::Bull { radius, corner }, length(radius) && length(corner) && corner <= radius)
+            }
+            StoredCutter::TaperedBall { ball, half_angle } => (
+                Self::TaperedBall { ball, half_angle },
+                length(ball) && half_angle > 0.0 && half_angle < std::f64::consts::FRAC_PI_4,
+            ),
+            StoredCutter::Barrel { radius, barrel, tip } => {
+                let sound = length(tip) && length(barrel) && tip < radius && radius < barrel;
+                (Self::Barrel { radius, barrel, tip }, sound)
+            }
+        };
+        if sound { Ok(cutter) } else { Err("the sizes of a cutter give no cutter of its kind") }
     }
 }
 

@@ -4,7 +4,7 @@ pub mod cloud;
 mod contact;
 pub mod cutter;
 mod revolved;
-#[cfg(feature = "serde")]
+#[cfg(all(test, feature = "serde"))]
 mod stored;
 pub mod support;
 pub mod tool;

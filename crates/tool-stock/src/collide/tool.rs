@@ -11,7 +11,7 @@ const ROUNDING: f64 = 1e-9;
 
 /// A frustum of the non-cutting part.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "StoredSection"))]
 pub struct Section {
     /// Lower height over the tip.
     pub from: f64,
@@ -89,7 +89,7 @@ impl Section {
 
 /// Cutter, shank and holder of a tool; height 0 is the tip.
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "StoredTool"))]
 pub struct ToolSolid {
     /// Cutting part.
     pub cutter: Cutter,
@@ -196,4 +196,53 @@ pub fn tool_coordinates(p: &Point3<f64>, tip: &Point3<f64>, axis: &Vector3<f64>)
     let s = d.dot(axis);
     // The cross product instead of a difference of squares: exact near the axis.
     (d.cross(axis).norm(), s)
+}
+
+/// A frustum.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StoredSection {
+    from: f64,
+    to: f64,
+    radius_from: f64,
+    radius_to: f64,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<StoredSection> for Section {
+    type Error = &'static str;
+
+    fn try_from(StoredSection { from, to, radius_from, radius_to }: StoredSection) -> Result<Self, Self::Error> {
+        let sizes = [from, to, radius_from, radius_to];
+        if sizes.iter().all(|x| x.is_finite() && *x >= 0.0) && from <= to {
+            Ok(Self { from, to, radius_from, radius_to })
+        } else {
+            Err("a section of the tool has no height or a negative size")
+        }
+    }
+}
+
+/// Cutter, shank and holder.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StoredTool {
+    cutter: Cutter,
+    flute_length: f64,
+    shank: Vec<Section>,
+    holder: Vec<Section>,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<StoredTool> for ToolSolid {
+    type Error = &'static str;
+
+    fn try_from(StoredTool { cutter, flute_length, shank, holder }: StoredTool) -> Result<Self, Self::Error> {
+        if flute_length.is_finite() && flute_length > 0.0 {
+            Ok(Self { cutter, flute_length, shank, holder })
+        } else {
+            Err("the flutes of a tool have no length")
+        }
+    }
 }
