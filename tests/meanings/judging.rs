@@ -2,19 +2,16 @@
 
 use super::cases::Change;
 use super::changes::Dialect;
-use crate::support::{self, jobs};
+use crate::support::{self, pinned};
 use impellerc::base::progress::Progress;
 use impellerc::base::source::Span;
 use impellerc::diagnostics::{Severity, Sink};
-use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::five_axis::Machine;
 use impellerc::ir::{Motion, Program};
 use impellerc::nc::{self, Post, motion_of::motion_of};
-use impellerc::plan::passes::pipeline;
+use impellerc::verify::certify_with;
 use impellerc::verify::stock::Settings;
-use impellerc::verify::{Verified, certify_with, examine};
 use impellerc::wheel::control::Orientation;
-use std::sync::LazyLock;
 
 /// What becomes of a changed text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -93,47 +90,13 @@ fn judged(post: &dyn Post, program: &Program, text: &str, (own, meant): (&Machin
     said(&sink).map_or((Verdict::Accepted, String::new()), |reason| (Verdict::Found, reason))
 }
 
-/// What makes the small job short: one face, few lines of the floor, which the tool may then cut deep, and deeper roughing.
-const SHORTER: [(&str, &str); 4] = [
-    ("faces pressure, suction", "faces pressure"),
-    ("scallop 0.2 mm", "scallop 0.8 mm"),
-    ("max-depth 4 mm", "max-depth 9 mm"),
-    ("depth 3 mm", "depth 4 mm"),
-];
-
 /// Coarse cells of the stock: what is found is found by the surfaces and the axes.
 fn cells() -> Settings<'static> {
     Settings { cell: Some(4.0), after: None }
 }
 
-/// The short job on the machine with the control of a dialect, planned and verified once.
-fn short(dialect: &str) -> &'static (Program, Verified<Motion>) {
-    static SHORT: [LazyLock<(Program, Verified<Motion>)>; 2] =
-        [LazyLock::new(|| compiled(None)), LazyLock::new(|| compiled(jobs::machine_of("linuxcnc")))];
-    &SHORT[usize::from(jobs::machine_of(dialect).is_some())]
-}
-
-fn compiled(machine: Option<&str>) -> (Program, Verified<Motion>) {
-    let text = SHORTER.iter().fold(include_str!("../../jobs/small/small.imp").to_owned(), |text, (from, to)| {
-        assert!(text.contains(from), "{from} is not in the job");
-        text.replace(from, to)
-    });
-    let folder = tempfile::tempdir().unwrap();
-    std::fs::write(folder.path().join("small.imp"), text).unwrap();
-    std::fs::copy("jobs/small/vane_curves.csv", folder.path().join("vane_curves.csv")).unwrap();
-    let mut options = Options { job: folder.path().join("small.imp"), ..Options::default() };
-    options.run.machine = machine.map(str::to_owned);
-    let mut outcome = Outcome::default();
-    let program = driver::front(&options, &mut Stages::default(), &mut outcome).unwrap().unwrap();
-    let mut sink = Sink::default();
-    let plan = pipeline::run(&program, &mut sink).unwrap_or_else(|_| panic!("no plan: {:#?}", sink.diags()));
-    let (judged, _) = examine(&program, plan.motion, &mut cells(), &Progress::default(), &mut sink).unwrap();
-    let motion = judged.unwrap_or_else(|_| panic!("{:#?}", sink.diags()));
-    (program, motion)
-}
-
 /// The text of a job in a dialect, without block numbers.
-fn written(post: &dyn Post, program: &Program, motion: &Verified<Motion>) -> String {
+fn written(post: &dyn Post, program: &Program, motion: &Motion) -> String {
     let text = nc::emit(post, program, motion, &[]).text();
     let prefix = post.form().numbers.prefix;
     let bare = |line: &str| match line.strip_prefix(prefix).and_then(|l| l.split_once(' ')) {
@@ -166,7 +129,7 @@ fn numbered(post: &dyn Post, text: &str) -> String {
 pub struct Unchanged {
     post: &'static dyn Post,
     program: Program,
-    motion: &'static Verified<Motion>,
+    motion: &'static Motion,
     text: String,
     meant: Motion,
 }
@@ -175,7 +138,7 @@ impl Unchanged {
     /// Of the short job.
     pub fn new(dialect: &str, orientation: Orientation) -> Self {
         let post = nc::find(dialect).unwrap();
-        let (program, motion) = short(dialect);
+        let (program, motion) = pinned::short(dialect).planned();
         let mut program = support::with_post(dialect, program);
         program.post.control.orientation = orientation;
         let text = written(post, &program, motion);

@@ -1,7 +1,7 @@
 //! Table and fixture: distances of the whole tool in closed form.
 
 use crate::support;
-use crate::support::jobs;
+use crate::support::pinned;
 use impellerc::base::progress::Progress;
 use impellerc::diagnostics::Sink;
 use impellerc::five_axis::{Carried, CarriedKind};
@@ -21,7 +21,7 @@ fn solids() -> Vec<Carried> {
 
 /// One move of a ball of 6 mm, from above to a place, with the A axis at an angle.
 fn moved(to: [f64; 3], a: f64, kind: MoveKind, turn_axis: f64) -> (Program, Motion) {
-    let (program, motion) = jobs::flank().planned();
+    let (program, motion) = pinned::flank().planned();
     let (mut program, mut motion) = (program.clone(), motion.clone());
     program.machine.carried = solids();
     program.machine.chain = support::shifted(&program.machine.chain, [[0.0; 3], [turn_axis, 0.0, 0.0]]);

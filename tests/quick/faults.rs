@@ -2,7 +2,7 @@
 //! verifier: in closed form, or by brute force over finely sampled poses.
 
 use crate::support;
-use crate::support::jobs;
+use crate::support::{jobs, pinned};
 use impellerc::diagnostics::Sink;
 use impellerc::ir::{Motion, MoveKind, OperationKind, Program};
 use impellerc::plan::passes::pipeline;
@@ -123,7 +123,7 @@ fn a_plunge_of_one_millimetre_has_the_right_size() {
 
 #[test]
 fn a_shifted_vane_is_found() {
-    let (program, motion) = jobs::flank().planned();
+    let (program, motion) = pinned::flank().planned();
     let mut shifted = motion.clone();
     let by = Vector3::new(0.05, 0.02, 0.0);
     for index in 0..shifted.operations[0].moves.len() {

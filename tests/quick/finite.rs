@@ -14,7 +14,7 @@ use std::sync::LazyLock;
 
 /// A finished face with its motion and certificate.
 static FLANK: LazyLock<(Program, Motion, Certificate)> = LazyLock::new(|| {
-    let Compiled { program, plan, mut certificate, .. } = jobs::flank().clone();
+    let Compiled { program, plan, mut certificate, .. } = jobs::planned_flank().clone();
     // The program has no contract.
     certificate.contracts.push(ContractReport {
         kind: "gouge",

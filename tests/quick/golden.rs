@@ -3,6 +3,7 @@
 
 use crate::support::golden::{GOLDENS, bytes, check, nc};
 use crate::support::jobs::{self, Compiled};
+use crate::support::pinned;
 use impellerc::driver::{self, Emit, Stages};
 use impellerc::ir::print::{self, Detail};
 use impellerc::nc;
@@ -19,14 +20,14 @@ fn reduced_job_stage_by_stage() {
     check("reduced", "ast", &emitted("reduced", Emit::Ast));
     check("reduced", "job", &emitted("reduced", Emit::Job));
     check("reduced", "ir", &emitted("reduced", Emit::Ir));
-    let c = jobs::reduced("siemens-840d");
+    let c = jobs::planned("reduced", "siemens-840d");
     check("reduced", "cc", &print::cc(&c.program, &c.plan.cc, Detail::Summary));
     check("reduced", "cl", &print::cl(&c.program, &c.plan.cl, Detail::Summary));
     check("reduced", "motion", &print::motion(&c.program, &c.plan.motion, Detail::Summary));
     check("reduced", "certificate", &c.certificate.text(&c.program, &c.motion));
     let mut all = String::new();
     for post in nc::POSTS {
-        let text = nc(jobs::reduced(post.name()), *post);
+        let text = nc(pinned::reduced(post.name()).planned(), *post);
         check("reduced", post.name(), &text);
         all.push_str(&bytes(post.name(), &text));
     }
@@ -45,7 +46,7 @@ fn wheels_by_angles() {
 #[test]
 fn reduced_job_is_the_same_on_one_thread_and_on_two() {
     let alone = Compiled::on_threads(1, jobs::program("reduced", None));
-    let texts = [&alone, jobs::reduced("siemens-840d")].map(|c| {
+    let texts = [&alone, jobs::planned("reduced", "siemens-840d")].map(|c| {
         let certificate = c.certificate.text(&c.program, &c.motion);
         (print::motion(&c.program, &c.plan.motion, Detail::Full), certificate)
     });
@@ -57,6 +58,7 @@ fn no_golden_is_without_its_test() {
     let expected: BTreeSet<PathBuf> = GOLDENS
         .iter()
         .flat_map(|(job, names)| names.iter().map(move |n| Path::new("golden").join(job).join(format!("{n}.snap"))))
+        .chain(pinned::NAMES.map(pinned::path))
         .collect();
     let mut found = BTreeSet::new();
     for folder in std::fs::read_dir("golden").unwrap() {

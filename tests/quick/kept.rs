@@ -2,7 +2,7 @@
 //! deviations of the control, and damage outside of the design surfaces in a verified program.
 
 use crate::support;
-use crate::support::jobs;
+use crate::support::pinned;
 use impellerc::base::entity::PrimaryMap;
 use impellerc::base::progress::Progress;
 use impellerc::base::source::Span;
@@ -37,7 +37,7 @@ fn outlet(program: &Program) -> f64 {
 
 /// The paper's part with one operation that makes these moves alone, with the ball of 6 mm.
 fn moved(poses: &[(Point3<f64>, Vector3<f64>, MoveKind)]) -> (Program, Motion) {
-    let (program, motion) = jobs::flank().planned();
+    let (program, motion) = pinned::flank().planned();
     let mut motion = motion.clone();
     replace(program, &mut motion, 0, poses);
     (program.clone(), motion)
@@ -281,7 +281,7 @@ fn roughing_counts_with_what_the_control_adds() {
 #[test]
 fn roughing_keeps_its_allowance_on_the_vanes() {
     let over = 0.35;
-    let part = jobs::flank().planned().0.part.clone();
+    let part = pinned::flank().planned().0.part.clone();
     let face = part.face(part.first_passage().walls[0]);
     let (place, out) = (face.surface.point(0.6, 0.3), face.normal(0.6, 0.3));
     let axis = (face.surface.ruling(0.6) + out * 0.4).normalize();
@@ -419,15 +419,15 @@ fn load_is_judged_by_tool_and_feed() {
 /// of the small job. With a limit below the load it is an error.
 #[test]
 fn a_stated_depth_over_the_diameter_is_told() {
-    let small = jobs::small("siemens-840d");
-    let report = small.certificate.stock.as_ref().unwrap();
+    let small = pinned::small("siemens-840d");
+    let report = small.certificate().stock.as_ref().unwrap();
     let told = |max_depth: f64| {
         let mut tools = PrimaryMap::new();
         for (_, tool) in small.program.tools.iter() {
             tools.push(Tool { max_depth: Mm(max_depth), ..tool.clone() });
         }
         let (program, mut sink) = (Program { tools, ..small.program.clone() }, Sink::default());
-        stock::report(&program, &small.plan.motion, report, &mut sink);
+        stock::report(&program, &small.motion, report, &mut sink);
         let loads = sink.diags().iter().filter(|d| d.message.contains("which loads it as a slot"));
         loads.map(|d| (d.severity == Severity::Error, d.message.clone())).collect::<Vec<_>>()
     };
@@ -446,7 +446,7 @@ fn a_stated_depth_over_the_diameter_is_told() {
 
 /// The small job with nothing but the end of its last operation, and with cuts before it.
 fn harmed(poses: &[(Point3<f64>, Vector3<f64>)]) -> (Program, Motion) {
-    let (whole, motion) = jobs::small("siemens-840d").planned();
+    let (whole, motion) = pinned::small("siemens-840d").planned();
     let mut operation = motion.operations.last().unwrap().clone();
     let mut program = Program { operations: PrimaryMap::new(), ..whole.clone() };
     operation.operation = program.operations.push(whole.operations[operation.operation].clone());
@@ -489,7 +489,7 @@ fn ring(r: f64, z: f64) -> Vec<(Point3<f64>, Vector3<f64>)> {
 
 #[test]
 fn harm_outside_of_the_design_surfaces_is_refused() {
-    let rim = outlet(&jobs::small("siemens-840d").program);
+    let rim = outlet(&pinned::small("siemens-840d").program);
     let out = Vector3::new(0.0, -1.0, 0.0);
     let radial = |r: f64| (Point3::new(0.0, -r, -14.6), out);
     let along = |z: f64| (Point3::new(4.4, 0.0, z), Vector3::z());

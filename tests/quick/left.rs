@@ -1,6 +1,6 @@
 //! Jobs that start from what is left of the blank.
 
-use crate::support::jobs;
+use crate::support::{jobs, pinned};
 use impellerc::base::progress::Progress;
 use impellerc::diagnostics::{Severity, Sink, codes};
 use impellerc::driver::{self, Options, Outcome, Stages};
@@ -27,7 +27,7 @@ fn simulated(program: &Program, motion: &Motion) -> (StockReport, Vec<Field>) {
 
 /// What the reduced job leaves after each operation.
 static WHOLE: LazyLock<(StockReport, Vec<Field>)> = LazyLock::new(|| {
-    let (program, motion) = jobs::reduced("siemens-840d").planned();
+    let (program, motion) = pinned::reduced("siemens-840d").planned();
     simulated(program, motion)
 });
 
@@ -41,7 +41,7 @@ fn started(program: &Program, mesh: &Mesh) -> Program {
 /// Later operations find in the mesh after the first what they find in the simulated stock itself.
 #[test]
 fn operations_from_the_mesh_of_the_one_before() {
-    let compiled = jobs::reduced("siemens-840d");
+    let compiled = pinned::reduced("siemens-840d");
     let (program, motion) = compiled.planned();
     let (whole, fields) = &*WHOLE;
     let mesh = fields[0].mesh();
@@ -88,7 +88,7 @@ fn operations_from_the_mesh_of_the_one_before() {
 /// All operations again, from what they have left: almost nothing is cut.
 #[test]
 fn nothing_is_cut_twice() {
-    let compiled = jobs::reduced("siemens-840d");
+    let compiled = pinned::reduced("siemens-840d");
     let (program, motion) = compiled.planned();
     let (whole, fields) = &*WHOLE;
     let again = started(program, &fields.last().unwrap().mesh());
@@ -200,7 +200,7 @@ fn the_side_of_a_point_is_that_of_half_spaces() {
 /// What is missing of the part before the first operation is told; a hole is an error, rounded edges are none.
 #[test]
 fn a_stock_without_the_part_is_refused() {
-    let compiled = jobs::flank();
+    let compiled = pinned::flank();
     let (program, motion) = compiled.planned();
     let blank = program.stock.field(1.0).unwrap().mesh();
     let told = |mesh: &Mesh| {

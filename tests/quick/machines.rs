@@ -1,7 +1,7 @@
 //! Machines of every kind: the plan for one machine is the same on another, texts for the shipped machines put the tool where
 //! plain vectors put it, and rotary axes that end within a pass.
 
-use crate::support::{self, jobs};
+use crate::support::{self, jobs, pinned};
 use impellerc::base::entity::PrimaryMap;
 use impellerc::base::progress::Progress;
 use impellerc::base::source::Span;
@@ -87,7 +87,7 @@ fn by_hand(machine: &Machine, joints: &Joints, heads: usize) -> (Point3<f64>, Ve
 
 #[test]
 fn every_kind_reaches_the_cutter_locations_of_the_plan() {
-    let (planned_for, motion) = jobs::small("siemens-840d").planned();
+    let (planned_for, motion) = pinned::small("siemens-840d").planned();
     for (name, changes) in KINDS {
         let (program, outcome) = front(name, &with_text(changes));
         let program = program.unwrap_or_else(|| panic!("{name}: {:?}", outcome.sink.diags()));
@@ -120,7 +120,7 @@ fn every_kind_reaches_the_cutter_locations_of_the_plan() {
 /// Surfaces as the sweeps of another machine leave them: finely divided, the tool passes the same places.
 #[test]
 fn the_verifier_samples_sweeps_of_every_kind() {
-    let (planned_for, motion) = jobs::small("siemens-840d").planned();
+    let (planned_for, motion) = pinned::small("siemens-840d").planned();
     // The first two strips of a face, each block in parts so short that the rule between stations does not matter.
     const PARTS: u32 = 8;
     let operation = motion.operations.iter().find(|o| planned_for.operations[o.operation].name == "flank").unwrap();
@@ -173,7 +173,7 @@ fn the_verifier_samples_sweeps_of_every_kind() {
 /// Tables with B where the shipped machine has A: the same cuts, the table a quarter of a turn ahead.
 #[test]
 fn a_bc_table_cuts_what_an_ac_table_cuts() {
-    let planned = jobs::small("siemens-840d");
+    let planned = pinned::small("siemens-840d");
     let ac = nc::emit(nc::find("siemens-840d").unwrap(), &planned.program, &planned.motion, &[]).text();
     let folder = tempfile::tempdir().unwrap();
     let job = job_on(folder.path(), "bc", &with_text(KINDS[0].1));
@@ -400,7 +400,7 @@ fn text_on(machine: &str, operations: &[&str]) -> (Program, String) {
 /// Compared with the shipped A/C machine of the paper, operation by operation. Stations are thinned within the chord tolerance
 /// of each machine. Operations do not depend on each other: what the axes do is decided for each one.
 fn cuts_the_same(name: &str, operations: &[&str]) {
-    let reference = jobs::reduced("siemens-840d");
+    let reference = pinned::reduced("siemens-840d");
     let meant = nc::emit(nc::find("siemens-840d").unwrap(), &reference.program, &reference.motion, &[]).text();
     let names = reference.program.operations.iter().map(|(_, o)| o.name.as_str());
     let meant = names.zip(feed_blocks(&reference.program, &meant)).filter(|(name, _)| operations.contains(name));

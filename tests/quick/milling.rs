@@ -1,7 +1,7 @@
 //! Climb or conventional milling of vanes: the side of the material as the motion of the machine shows it.
 
 use crate::support::squares::{nearest, squares};
-use crate::support::{self, golden, jobs};
+use crate::support::{self, golden, pinned};
 use impellerc::base::entity::PrimaryMap;
 use impellerc::base::units::Mm;
 use impellerc::diagnostics::Sink;
@@ -138,7 +138,7 @@ fn lines_on_faces_and_fillets_keep_their_sense() {
 #[test]
 fn the_spindle_turns_clockwise() {
     for post in nc::POSTS {
-        let text = golden::nc(jobs::reduced(post.name()), *post);
+        let text = golden::nc(pinned::reduced(post.name()).planned(), *post);
         let words: Vec<&str> = text.split([' ', ',', '\n']).collect();
         let [right, wrong] = if post.name() == "apt-cl" { ["CLW", "CCLW"] } else { ["M3", "M4"] };
         assert!(words.contains(&right) && !words.contains(&wrong), "{}", post.name());

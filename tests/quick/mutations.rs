@@ -2,7 +2,7 @@
 //! made extreme, lines dropped, doubled or swapped, the end cut off. Each text is read, or refused with a place.
 
 use crate::support;
-use crate::support::jobs::{self, Compiled};
+use crate::support::pinned::{self, Pinned};
 use impellerc::base::source::{Origin, SourceFile, SourceId, SourceMap, Span};
 use impellerc::diagnostics::{Severity, Sink, codes, render};
 use impellerc::five_axis::control::ModuloWay;
@@ -326,7 +326,7 @@ fn extreme_numbers_in_certificates() {
 
 /// A finished face in both dialects, as the compiler writes it, and its program.
 static NC: LazyLock<(Program, Vec<String>)> = LazyLock::new(|| {
-    let Compiled { program, motion, .. } = jobs::flank();
+    let Pinned { program, motion, .. } = pinned::flank();
     // The first passes say all that there is to say; a reader of long texts would be slow here.
     let of = |p: &dyn Post| nc::emit(p, &support::program_for(p.name(), program), motion, &[]).lines;
     let whole = nc::POSTS.iter().map(|p| of(*p));

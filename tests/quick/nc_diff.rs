@@ -1,6 +1,6 @@
 //! `impellerc diff`: what differs for the machine between two motions, and between two texts of one job.
 
-use crate::support::{self, jobs};
+use crate::support::{self, pinned};
 use impellerc::base::source::Span;
 use impellerc::diagnostics::{Severity, Sink};
 use impellerc::five_axis::between;
@@ -18,7 +18,7 @@ const DIALECTS: [(&str, &str); 2] = [("siemens-840d", "5mc850-c"), ("linuxcnc", 
 
 /// The differences of an operation of the reduced job after a change of its moves.
 fn changed(operation: usize, change: impl Fn(&Program, &mut Vec<JointMove>)) -> [OperationDifference; 2] {
-    let (program, motion) = jobs::reduced("siemens-840d").planned();
+    let (program, motion) = pinned::reduced("siemens-840d").planned();
     let mut other: Motion = motion.clone();
     change(program, &mut other.operations[operation].moves);
     let side = |motion| ComparedMotion { program, motion };
@@ -95,7 +95,7 @@ fn a_speed_and_a_missing_move_are_found() {
         assert!(!o.is_same() && o.moves[0].abs_diff(o.moves[1]) == 1, "{o:?}");
     }
     // A pass less: the rest of the operation is found again.
-    let (_, motion) = jobs::reduced("siemens-840d").planned();
+    let (_, motion) = pinned::reduced("siemens-840d").planned();
     let pass = motion.operations[1].moves[motion.operations[1].moves.len() / 2].pass;
     let found = changed(1, |_, moves| moves.retain(|m| m.pass != pass));
     for o in found {
@@ -112,7 +112,7 @@ fn impellerc(arguments: &[&str]) -> (Option<i32>, String, String) {
 /// CL data leave the rotary positions open; those of the reader are those of the motion, or as good.
 #[test]
 fn cl_data_are_the_same_for_the_machine_as_nc_text() {
-    let compiled = jobs::reduced("siemens-840d");
+    let compiled = pinned::reduced("siemens-840d");
     let [nc, cl] = ["siemens-840d", "apt-cl"].map(|dialect| {
         let program = support::with_post(dialect, &compiled.program);
         let post = nc::find(dialect).unwrap();
@@ -133,7 +133,7 @@ fn cl_data_are_the_same_for_the_machine_as_nc_text() {
 /// same feeds.
 #[test]
 fn every_pair_of_posts_means_the_same() {
-    let compiled = jobs::reduced("linuxcnc");
+    let compiled = pinned::reduced("linuxcnc");
     let names = shipped::POSTS.iter().map(|(name, _)| *name);
     let mut read = Vec::new();
     for name in names {
@@ -191,7 +191,7 @@ fn texts_of_two_dialects_are_the_same_for_the_machine() {
     let folder = tempfile::tempdir().unwrap();
     let place = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     for (dialect, _) in DIALECTS {
-        let compiled = jobs::reduced(dialect);
+        let compiled = pinned::reduced(dialect);
         let program = support::with_post(dialect, &compiled.program);
         let text = nc::emit(nc::find(dialect).unwrap(), &program, &compiled.motion, &[]).text();
         std::fs::write(place(dialect), text).unwrap();

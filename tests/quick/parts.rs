@@ -1,7 +1,7 @@
 //! Parts with more than one ruled vane for each sector: a splitter with a lofted face is modelled, sampled and
 //! measured.
 
-use crate::support::jobs;
+use crate::support::{jobs, pinned};
 use impellerc::base::progress::Progress;
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::ir::Program;
@@ -248,7 +248,7 @@ fn surfaces_of_the_wheel_close() {
 /// through it as deep as the brute force of all samples says.
 #[test]
 fn the_verifier_measures_the_splitter() {
-    let (program, motion) = jobs::small("siemens-840d").planned();
+    let (program, motion) = pinned::small("siemens-840d").planned();
     let sweeps: Vec<Sweep<'_>> = (0..motion.operations.len()).filter_map(|o| Sweep::new(program, motion, o)).collect();
     let part = &SPLITTER.part;
     let reports = surface::certify(

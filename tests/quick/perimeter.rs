@@ -1,6 +1,6 @@
 //! Before, between and behind operations: heights at which axes move from unknown positions, and paths down and up.
 
-use crate::support::jobs;
+use crate::support::pinned;
 use impellerc::base::entity::PrimaryMap;
 use impellerc::diagnostics::{Sink, codes::verification};
 use impellerc::five_axis::{Carried, CarriedKind};
@@ -11,7 +11,7 @@ use impellerc::verify::{certify, machine, perimeter};
 /// Every operation begins over its first target and ends over its last one, at the retract height less the tool.
 #[test]
 fn stations_stand_straight_over_the_first_and_the_last_target() {
-    let (program, motion) = jobs::flank().planned();
+    let (program, motion) = pinned::flank().planned();
     for operation in &motion.operations {
         let tool = &program.tools[program.operations[operation.operation].tool];
         let [first, second, .., before, last] = operation.moves.as_slice() else { panic!("too few moves") };
@@ -29,7 +29,7 @@ fn stations_stand_straight_over_the_first_and_the_last_target() {
 /// With the retract just below what a fixture reaches, facts and verifier refuse; just above, both accept.
 #[test]
 fn a_tool_that_does_not_stand_over_a_fixture_is_refused() {
-    let (program, motion) = jobs::flank().planned();
+    let (program, motion) = pinned::flank().planned();
     let mut program = program.clone();
     // The part origin lies 80 mm over the A axis, the lower rim of a disc of 300 mm therefore 70 mm below it. A turns by 100 deg.
     program.machine.carried = vec![Carried {
@@ -65,7 +65,7 @@ fn a_tool_that_does_not_stand_over_a_fixture_is_refused() {
 /// An operation that is one rapid through the part is no lone move: the way to it and away from it count.
 #[test]
 fn a_lone_rapid_through_the_part_is_found() {
-    let (program, motion) = jobs::flank().planned();
+    let (program, motion) = pinned::flank().planned();
     let mut motion = motion.clone();
     let moves = &mut motion.operations[0].moves;
     let (first, last) = (moves[0], moves[moves.len() - 1]);
@@ -90,7 +90,7 @@ fn a_lone_rapid_through_the_part_is_found() {
 /// Travel of Z is that of the gauge line: a longer tool needs more of it.
 #[test]
 fn travel_counts_the_length_of_the_tool() {
-    let (program, motion) = jobs::flank().planned();
+    let (program, motion) = pinned::flank().planned();
     let used = |program: &Program| machine::check(program, motion, None).axes[2].used;
     let length = program.tools.iter().next().unwrap().1.length();
     let before = used(program);

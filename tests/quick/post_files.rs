@@ -5,7 +5,7 @@
 //! trial before planning, of what the dialect refuses, and of the read back. The verdict of `verify` is the judgement of the
 //! whole text, and the certificate of the motion that it commands.
 
-use crate::support::jobs;
+use crate::support::pinned;
 use impellerc::base::progress::Progress;
 use impellerc::base::source::{SourceFile, SourceMap, Span};
 use impellerc::diagnostics::{Severity, Sink};
@@ -105,7 +105,7 @@ fn with_text(program: &Program, text: &str) -> Option<Program> {
 }
 
 /// What the compiler says: the reason of its refusal.
-fn compiled(program: &Program, motion: &impellerc::verify::Verified<Motion>) -> Result<(), String> {
+fn compiled(program: &Program, motion: &Motion) -> Result<(), String> {
     let post = nc::find(&program.post.dialect).unwrap();
     let mut sink = Sink::default();
     nc::trial::check(post, program, &mut sink);
@@ -155,11 +155,7 @@ fn is_same(a: &Motion, b: &Motion) -> bool {
 }
 
 /// What `impellerc verify` says of the text.
-fn verified(
-    program: &Program,
-    motion: &impellerc::verify::Verified<Motion>,
-    certified: &mut Certified,
-) -> Result<(), String> {
+fn verified(program: &Program, motion: &Motion, certified: &mut Certified) -> Result<(), String> {
     let post = nc::find(&program.post.dialect).unwrap();
     let text = nc::emit(post, program, motion, &[]).text();
     let mut sink = Sink::default();
@@ -172,7 +168,7 @@ fn verified(
 fn the_compiler_accepts_no_post_file_whose_text_verify_refuses() {
     for (name, text) in FILES {
         let shipped = job::shipped_post(name).unwrap();
-        let reduced = jobs::reduced(&shipped.dialect);
+        let reduced = pinned::reduced(&shipped.dialect);
         let (program, motion) = (&reduced.program, &reduced.motion);
         let own = with_text(program, text).expect(name);
         assert_eq!(compiled(&own, motion), Ok(()), "{name}");
@@ -274,7 +270,7 @@ const APART: usize = 7;
 fn a_block_that_a_shop_adds_has_one_verdict() {
     for (name, text) in FILES {
         let shipped = job::shipped_post(name).unwrap();
-        let reduced = jobs::reduced(&shipped.dialect);
+        let reduced = pinned::reduced(&shipped.dialect);
         let (program, motion) = (&reduced.program, &reduced.motion);
         let mut certified = Certified::default();
         assert_eq!(verified(&with_text(program, text).expect(name), motion, &mut certified), Ok(()));

@@ -1,30 +1,18 @@
 //! The texts of all dialects mean the motion, and the readers notice when they do not.
 
-use crate::support::{self, jobs};
+use crate::support::{self, pinned};
 use impellerc::base::source::Span;
 use impellerc::diagnostics::Sink;
 use impellerc::ir::{Motion, Program};
 use impellerc::nc::{self, NcMove, NcProgram, NcSection, Post};
-use impellerc::plan::passes::pipeline;
-use impellerc::verify::{Verified, verify};
 use impellerc::wheel::control::{Decimals, Orientation};
 use impellerc::wheel::post_file::{LineEnd, Template};
 use proptest::prelude::*;
 use std::ops::Range;
-use std::sync::LazyLock;
 
-/// A flank operation on one vane, planned and verified once.
-static PROGRAM: LazyLock<(Program, Verified<Motion>)> = LazyLock::new(|| {
-    let program = support::flank_only(&[2]);
-    let mut sink = Sink::default();
-    let plan = pipeline::run(&program, &mut sink).expect("a plan");
-    let (motion, _) = verify(&program, plan.motion, &mut sink).expect("a certificate");
-    (program, motion)
-});
-
-/// With the machine that the dialect can have.
-fn program(post: &dyn Post) -> (Program, &'static Verified<Motion>) {
-    let (program, motion) = &*PROGRAM;
+/// Both faces of one vane, with the machine that the dialect can have.
+fn program(post: &dyn Post) -> (Program, &'static Motion) {
+    let (program, motion) = pinned::flank().planned();
     (support::program_for(post.name(), program), motion)
 }
 
@@ -313,12 +301,12 @@ fn a_changed_text_is_noticed() {
 #[test]
 fn coarse_words_are_planned_and_proved() {
     for orientation in Orientation::ALL {
-        let mut program = PROGRAM.0.clone();
+        let mut program = pinned::flank().program.clone();
         program.post.control.orientation = orientation;
         program.post.control.decimals = Decimals { length: 3, angle: 3, vector: 5, feed: 0 };
         let mut sink = Sink::default();
-        let plan = pipeline::run(&program, &mut sink).expect("a plan");
-        let (motion, _) = verify(&program, plan.motion, &mut sink).expect("a certificate");
+        let plan = impellerc::plan::passes::pipeline::run(&program, &mut sink).expect("a plan");
+        let (motion, _) = impellerc::verify::verify(&program, plan.motion, &mut sink).expect("a certificate");
         let post = nc::find(&program.post.dialect).unwrap();
         let text = nc::emit(post, &program, &motion, &[]).text();
         let found = nc::read_back(post, &program, &motion, &text).unwrap_or_else(|d| panic!("{d:?}"));
@@ -334,7 +322,7 @@ fn coarse_words_are_planned_and_proved() {
 /// Line ends and block numbers are those of the post file.
 #[test]
 fn line_ends_and_block_numbers_are_chosen() {
-    let (mut program, motion) = (PROGRAM.0.clone(), &PROGRAM.1);
+    let (mut program, motion) = (pinned::flank().program.clone(), &pinned::flank().motion);
     program.post.line_end = LineEnd::CrLf;
     program.post.block_numbers = 5;
     let post = nc::find("siemens-840d").unwrap();
@@ -353,7 +341,7 @@ fn line_ends_and_block_numbers_are_chosen() {
 #[test]
 fn each_operation_is_a_restart_point() {
     for post in nc::POSTS {
-        let small = jobs::small(post.name());
+        let small = pinned::small(post.name());
         let program = support::with_post(post.name(), &small.program);
         let nc = nc::emit(*post, &program, &small.motion, &[]);
         let starts: Vec<usize> =

@@ -1,7 +1,7 @@
 //! The report as its reader sees it: in a browser, and as a file.
 
 use crate::support::browser::{self, Page, colours, count};
-use crate::support::jobs;
+use crate::support::pinned;
 use flate2::read::ZlibDecoder;
 use impellerc::base::entity::PrimaryMap;
 use impellerc::diagnostics::Diag;
@@ -235,8 +235,8 @@ fn nc_text_from_a_file_has_a_report_too() {
 /// Brute force: the least distance to all pieces of all operations, point by point.
 #[test]
 fn colours_are_what_a_search_over_the_whole_program_finds() {
-    let reduced = jobs::reduced("siemens-840d");
-    let ((program, motion), certificate) = (reduced.planned(), &reduced.certificate);
+    let reduced = pinned::reduced("siemens-840d");
+    let ((program, motion), certificate) = (reduced.planned(), reduced.certificate());
     let (samples, deviations) = report::deviations(program, certificate);
     assert_eq!(deviations.len(), samples.len() * program.part.vane_count as usize);
     let sweeps: Vec<Sweep<'_>> = (0..motion.operations.len()).filter_map(|o| Sweep::new(program, motion, o)).collect();
@@ -259,8 +259,8 @@ fn colours_are_what_a_search_over_the_whole_program_finds() {
 
 #[test]
 fn worst_places_that_look_alike_are_listed_once_and_by_size() {
-    let reduced = jobs::reduced("siemens-840d");
-    let ((program, motion), certificate) = (reduced.planned(), &reduced.certificate);
+    let reduced = pinned::reduced("siemens-840d");
+    let ((program, motion), certificate) = (reduced.planned(), reduced.certificate());
     let mut certificate = certificate.clone();
     // All alike to the digits that are shown, but one; the deepest of them is that of vane 5.
     for s in &mut certificate.surfaces {
@@ -317,9 +317,9 @@ fn worst_places_that_look_alike_are_listed_once_and_by_size() {
 #[test]
 fn texts_of_the_job_stay_texts() {
     let hostile = "</script><script>window.broken=1</script><img src=x onerror=window.broken=1>\"'`${1}\\<!--@json-->";
-    let reduced = jobs::reduced("siemens-840d");
+    let reduced = pinned::reduced("siemens-840d");
     let (program, motion) = reduced.planned();
-    let (mut program, mut motion, mut certificate) = (program.clone(), motion.clone(), reduced.certificate.clone());
+    let (mut program, mut motion, mut certificate) = (program.clone(), motion.clone(), reduced.certificate().clone());
     let (samples, deviations) = report::deviations(&program, &certificate);
     let name = |text: &mut String| hostile.clone_into(text);
     let (mut operations, mut tools) = (PrimaryMap::new(), PrimaryMap::new());

@@ -2,7 +2,7 @@
 
 use crate::report::{COMPILED, between, inflated};
 use crate::support::browser::{self, Page, count};
-use crate::support::jobs;
+use crate::support::pinned;
 use impellerc::verify::dynamics::MotionLimit;
 use serde_json::Value;
 
@@ -395,8 +395,8 @@ fn the_part_is_drawn_before_the_rest_is_read() {
 /// Each move with a time has the limit that the certificate counts for it.
 #[test]
 fn every_move_has_the_limit_of_its_feed() {
-    let reduced = jobs::reduced("siemens-840d");
-    let ((_, motion), certificate) = (reduced.planned(), &reduced.certificate);
+    let reduced = pinned::reduced("siemens-840d");
+    let ((_, motion), certificate) = (reduced.planned(), reduced.certificate());
     for (run, operation) in certificate.machine.runs.iter().zip(&motion.operations) {
         assert!(run.of_moves.is_sorted_by(|a, b| a.index < b.index));
         assert!(run.of_moves.len() + 2 >= operation.moves.iter().filter(|m| m.time > 0.0).count());

@@ -1,6 +1,6 @@
 //! Finishing passes as polynomials: on the way into the text, in the text, and on the way back.
 
-use crate::support::{self, jobs};
+use crate::support::{self, pinned};
 use impellerc::base::entity::PrimaryMap;
 use impellerc::base::source::Span;
 use impellerc::base::units::Mm;
@@ -72,7 +72,7 @@ fn blocks(motion: &Motion) -> &[SplineBlock] {
 
 #[test]
 fn cuts_are_few_polynomials() {
-    let (_, lines) = jobs::flank().planned();
+    let (_, lines) = pinned::flank().planned();
     let cuts = lines.operations[0].moves.iter().filter(|m| m.kind == MoveKind::Cut).count();
     for ((name, made), fewer) in POSTS.iter().zip(&*FITTED).zip([7, 2, 7]) {
         let operation = &made.motion.operations[0];
@@ -112,7 +112,7 @@ fn a_path_of_quintics_needs_few_polynomials() {
 /// Every station of the path with lines lies on the path with splines, within the tolerance.
 #[test]
 fn splines_follow_the_path_that_lines_follow() {
-    let (program, lines) = jobs::flank().planned();
+    let (program, lines) = pinned::flank().planned();
     let tool = &program.tools[program.operations.iter().next().unwrap().1.tool];
     let heights = [tool.solid.cutter.tip_radius(), tool.solid.flute_length];
     let tolerance = program.tolerances.chord.get();

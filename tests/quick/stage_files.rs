@@ -1,11 +1,12 @@
 //! Stage files: every value comes back by bytes, a run goes on from each of them with the same result, and damaged ones are errors.
 
 use crate::support::jobs::{self, Compiled, errors};
+use crate::support::pinned;
 use impellerc::base::source::{SourceMap, Span};
 use impellerc::diagnostics::{Code, codes};
 use impellerc::driver::{self, Emit, EmitForm, Options, Outcome, Stages};
+use impellerc::ir::MoveKind;
 use impellerc::ir::stage_file::{self, PlannedMotion, StageFault, StageFile, StageValue};
-use impellerc::ir::{MoveKind, Program};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -28,23 +29,30 @@ fn again(text: &str) -> String {
     stage_file::write(&map, &program, &value).unwrap()
 }
 
-/// Sources that have all places of a program of the front end.
-fn sources(options: &Options) -> (SourceMap, Program) {
-    let mut outcome = Outcome::default();
-    let program = driver::front(options, &mut Stages::default(), &mut outcome).unwrap().unwrap();
-    (outcome.sources, program)
-}
-
 #[test]
 fn all_values_come_back_by_bytes() {
     let jobs = [("small", "siemens-840d"), ("small", "linuxcnc"), ("reduced", "siemens-840d")];
     for (job, dialect) in jobs {
-        let compiled = if job == "small" { jobs::small(dialect) } else { jobs::reduced(dialect) };
-        let (sources, _) = sources(&jobs::options(job, jobs::machine_of(dialect)));
+        let compiled = jobs::planned(job, dialect);
+        let (sources, _) = pinned::front(&jobs::options(job, jobs::machine_of(dialect)));
         for value in values(compiled) {
             let text = stage_file::write(&sources, &compiled.program, &value).unwrap();
             assert!(text == again(&text), "{job} {dialect} {}", value.name());
         }
+    }
+}
+
+/// To pin what a change of the planner made: `INSTA_UPDATE=always cargo test --test quick -- pinned_values`.
+#[test]
+fn pinned_values_are_those_of_today() {
+    for name in pinned::NAMES {
+        let (path, today) = (pinned::path(name), pinned::planned_today(name));
+        if std::env::var("INSTA_UPDATE").is_ok_and(|update| update == "always") {
+            std::fs::write(&path, &today).unwrap();
+        }
+        let kept = std::fs::read_to_string(&path).unwrap_or_default();
+        let line = kept.lines().zip(today.lines()).position(|(kept, today)| kept != today);
+        assert!(kept == today, "{}: another value from line {line:?} on", path.display());
     }
 }
 
@@ -53,7 +61,7 @@ fn programs_of_all_jobs_come_back_by_bytes() {
     let jobs = jobs::shipped();
     assert!(jobs.len() > 15, "{}", jobs.len());
     for job in jobs {
-        let (sources, program) = sources(&Options { job: job.clone(), ..Options::default() });
+        let (sources, program) = pinned::front(&Options { job: job.clone(), ..Options::default() });
         let text = stage_file::write(&sources, &program, &StageValue::Ir).unwrap();
         assert!(text == again(&text), "{}", job.display());
         // A program without its places is the same for two texts that mean the same; no place is lost on the way.
@@ -94,8 +102,8 @@ static SMALL: LazyLock<Small> = LazyLock::new(|| {
     let options = Options { job: PathBuf::from("jobs/small/small.imp"), ..small.options("job") };
     let outcome = driver::compile(&options, &mut Stages::default());
     assert!(errors(&outcome).is_empty(), "{:#?}", errors(&outcome));
-    let (sources, program) = sources(&options);
-    let compiled = jobs::small("siemens-840d");
+    let (sources, program) = pinned::front(&options);
+    let compiled = jobs::planned("small", "siemens-840d");
     for (value, stage) in values(compiled).iter().zip(STAGES) {
         let text = stage_file::write(&sources, &program, value).unwrap();
         std::fs::write(small.path(&format!("{stage}.json")), text).unwrap();
@@ -131,7 +139,7 @@ fn a_stage_file_is_printed_for_people() {
         let from = Some(SMALL.path("motion.json"));
         emitted(&Options { from, emit: Some(emit), ..Options::default() })
     };
-    let c = jobs::small("siemens-840d");
+    let c = jobs::planned("small", "siemens-840d");
     use impellerc::ir::print::{Detail, motion, program};
     assert_eq!(printed(Emit::Motion).emitted.unwrap(), motion(&c.program, &c.plan.motion, Detail::Full));
     assert_eq!(printed(Emit::Ir).emitted.unwrap(), program(&c.program));

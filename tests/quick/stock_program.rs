@@ -1,7 +1,8 @@
 //! The stock of a planned program: compared with the surface verifier, with its own mesh, and with other numbers of
 //! threads.
 
-use crate::support::jobs::{self, simulated};
+use crate::support::jobs::simulated;
+use crate::support::pinned;
 use impellerc::diagnostics::Sink;
 use impellerc::ir::{Motion, Program};
 use impellerc::tool_stock::stock::{END_ERROR, Field};
@@ -17,7 +18,7 @@ const CELL: f64 = 1.0;
 const POSES: f64 = 1e-3;
 
 fn planned() -> (Program, Motion) {
-    let (program, motion) = jobs::flank().planned();
+    let (program, motion) = pinned::flank().planned();
     (program.clone(), motion.clone())
 }
 

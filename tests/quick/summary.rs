@@ -1,7 +1,7 @@
 //! The certificate in short, as a run prints it.
 
 use crate::support::golden::check;
-use crate::support::jobs;
+use crate::support::pinned;
 use impellerc::verify::summary::{COLUMNS, Verdict};
 
 fn verdict(errors: usize) -> Verdict<'static> {
@@ -17,7 +17,7 @@ fn verdict(errors: usize) -> Verdict<'static> {
 
 #[test]
 fn the_verdict_comes_first_and_lines_are_short() {
-    let certificate = &jobs::reduced("siemens-840d").certificate;
+    let certificate = pinned::reduced("siemens-840d").certificate();
     let text = certificate.summary(verdict(0));
     check("reduced", "summary", &text);
     let held = certificate.contracts.len();
@@ -34,7 +34,7 @@ fn the_verdict_comes_first_and_lines_are_short() {
 
 #[test]
 fn a_failed_contract_comes_before_those_that_hold() {
-    let mut certificate = jobs::reduced("siemens-840d").certificate.clone();
+    let mut certificate = pinned::reduced("siemens-840d").certificate().clone();
     let last = certificate.contracts.last_mut().unwrap();
     last.holds = false;
     let name = last.name();
@@ -46,10 +46,10 @@ fn a_failed_contract_comes_before_those_that_hold() {
     assert!(contracts[0].starts_with(&format!("! {name} ")) && contracts[0].contains("FAILS"), "{text}");
     assert_eq!(contracts.iter().filter(|line| line.contains("FAILS")).count(), 1);
     // An error without a contract is no success either.
-    let held = jobs::reduced("siemens-840d").certificate.verdict(verdict(2));
+    let held = pinned::reduced("siemens-840d").certificate().verdict(verdict(2));
     assert!(held.starts_with("FAIL") && held.contains(" contracts hold, 2 other faults, "), "{held}");
     // What failed stands in the line below, with its code.
-    let text = jobs::reduced("siemens-840d").certificate.judgement(verdict(2));
+    let text = pinned::reduced("siemens-840d").certificate().judgement(verdict(2));
     assert!(
         text.lines().nth(1).is_some_and(|line| line == "! a cutter goes 3 um deep into the rim (IMP0736)"),
         "{text}"

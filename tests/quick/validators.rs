@@ -38,7 +38,7 @@ fn programs() {
         }),
         ("a stock without an outside", |p| p.stock.profile = TurnedProfile::new(Vec::new())),
     ];
-    each(&jobs::small("siemens-840d").program, &broken, validate::program);
+    each(&jobs::planned("small", "siemens-840d").program, &broken, validate::program);
 }
 
 /// Changes one operation of a program.
@@ -56,7 +56,7 @@ fn operation(program: &mut Program, index: usize, change: fn(&mut Operation)) {
 
 #[test]
 fn contact_plans() {
-    let small = jobs::small("siemens-840d");
+    let small = jobs::planned("small", "siemens-840d");
     let broken: Broken<CcPlan> = vec![
         ("a missing operation", |cc| cc.operations.truncate(2)),
         ("operations out of order", |cc| cc.operations.swap(0, 1)),
@@ -72,7 +72,7 @@ fn contact_plans() {
 
 #[test]
 fn location_plans() {
-    let small = jobs::small("siemens-840d");
+    let small = jobs::planned("small", "siemens-840d");
     let broken: Broken<ClPlan> = vec![
         ("another sector", |cl| cl.operations[0].passes[0].sector = 5),
         ("an axis that is too short", |cl| cl.operations[0].passes[0].points[5].axis *= 0.5),
@@ -94,7 +94,7 @@ fn location_plans() {
 
 #[test]
 fn motions() {
-    let small = jobs::small("siemens-840d");
+    let small = jobs::planned("small", "siemens-840d");
     let broken: Broken<Motion> = vec![
         ("a time before the start", |m| m.operations[0].moves[4].time = -1.0),
         ("a joint that is no number", |m| m.operations[0].moves[4].joints.rotary[1] = f64::NAN),
@@ -123,7 +123,7 @@ fn motions() {
 /// Passes of an operation in two sectors are those of the first, turned, sector by sector.
 #[test]
 fn passes_are_copied_to_the_sectors_of_their_operation() {
-    let mut program = jobs::small("siemens-840d").program.clone();
+    let mut program = jobs::planned("small", "siemens-840d").program.clone();
     operation(&mut program, 0, |o| o.sectors = vec![0]);
     let one = pipeline::run(&program, &mut Sink::default()).unwrap().cl;
     for index in 0..program.operations.len() {

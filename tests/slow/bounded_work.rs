@@ -1,7 +1,7 @@
 //! Work on grossly wrong programs: the verifier does not follow a cut that is far deeper than its contract, and the
 //! certificate reports this. Work is counted in evaluated points and cells, not in seconds.
 
-use crate::support::jobs::{self, Compiled};
+use crate::support::pinned::{self, Pinned};
 use impellerc::base::progress::Progress;
 use impellerc::diagnostics::Sink;
 use impellerc::five_axis::Joints;
@@ -39,7 +39,7 @@ fn changed(
 
 #[test]
 fn a_wrong_program_takes_no_more_than_three_times_the_work_of_the_right_one() {
-    let Compiled { program, motion, .. } = jobs::small("siemens-840d");
+    let Pinned { program, motion, .. } = pinned::small("siemens-840d");
     let motion = &motion;
     let (right, certificate) = measured(program, motion);
     println!("right: {right} points and cells");

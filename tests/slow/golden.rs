@@ -24,7 +24,7 @@ fn in_short(job: &str) {
     for post in nc::POSTS.iter().filter(|post| pinned(**post)) {
         let other = machine_of(post.name()).map(|machine| Compiled::new(program(job, Some(machine))));
         let c = other.as_ref().unwrap_or(&own);
-        let text = nc(c, *post);
+        let text = nc(c.planned(), *post);
         let read = nc::read_back(*post, &c.program, &c.motion, &text).expect("the motion");
         let lines: Vec<&str> = text.lines().collect();
         let short = format!(

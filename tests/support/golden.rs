@@ -1,7 +1,7 @@
 //! Goldens of the shipped jobs: the text form of every stage, the certificate, the NC text. `golden/errors` belongs to
 //! `tests/quick/errors.rs`.
 
-use super::jobs::Compiled;
+use impellerc::ir::{Motion, Program};
 use impellerc::nc;
 use std::path::Path;
 
@@ -90,8 +90,8 @@ pub fn check(job: &str, name: &str, text: &str) {
 }
 
 /// NC text without the header, which contains the hash of the inputs.
-pub fn nc(compiled: &Compiled, post: &dyn nc::Post) -> String {
-    nc::emit(post, &super::with_post(post.name(), &compiled.program), &compiled.motion, &[]).text()
+pub fn nc((program, motion): (&Program, &Motion), post: &dyn nc::Post) -> String {
+    nc::emit(post, &super::with_post(post.name(), program), motion, &[]).text()
 }
 
 /// Properties that a text snapshot does not show.

@@ -72,6 +72,14 @@ pub fn shipped() -> Vec<PathBuf> {
     jobs
 }
 
+/// What makes the small job short: one face, few lines of the floor, which the tool may then cut deep, and deeper roughing.
+pub const SHORTER: [(&str, &str); 4] = [
+    ("faces pressure, suction", "faces pressure"),
+    ("scallop 0.2 mm", "scallop 0.8 mm"),
+    ("max-depth 4 mm", "max-depth 9 mm"),
+    ("depth 3 mm", "depth 4 mm"),
+];
+
 /// The program of a shipped job, see [`options`].
 pub fn program(job: &str, machine: Option<&str>) -> Program {
     front(&options(job, machine))
@@ -103,18 +111,29 @@ pub fn machine_of(dialect: &str) -> Option<&'static str> {
     (dialect == "linuxcnc").then_some("5mc850-c-linuxcnc")
 }
 
+/// A folder with a job of `jobs/small` with texts replaced, each in all of its places, and its curves.
+fn changed(job: &str, changes: &[(&str, &str)]) -> tempfile::TempDir {
+    let text =
+        changes.iter().fold(std::fs::read_to_string(format!("jobs/small/{job}")).unwrap(), |text, (from, to)| {
+            assert!(text.contains(from), "{from} is not in the job");
+            text.replace(from, to)
+        });
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join(job), text).unwrap();
+    std::fs::copy("jobs/small/vane_curves.csv", folder.path().join("vane_curves.csv")).unwrap();
+    folder
+}
+
+/// A folder with `small.imp` with texts replaced, and its curves.
+pub fn small_with(changes: &[(&str, &str)]) -> tempfile::TempDir {
+    changed("small.imp", changes)
+}
+
 /// What a run says of `jobs/small/rough.imp` with texts replaced, each in all of its places: planned and verified, without
 /// outputs.
 pub fn rough_with(changes: &[(&str, &str)]) -> Outcome {
-    let text = changes.iter().fold(include_str!("../../jobs/small/rough.imp").to_owned(), |text, (from, to)| {
-        assert!(text.contains(from), "{from} is not in the job");
-        text.replace(from, to)
-    });
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("rough.imp");
-    std::fs::write(&path, text).unwrap();
-    std::fs::copy("jobs/small/vane_curves.csv", folder.path().join("vane_curves.csv")).unwrap();
-    driver::compile(&Options { job: path, ..Options::default() }, &mut Stages::default())
+    let folder = changed("rough.imp", changes);
+    driver::compile(&Options { job: folder.path().join("rough.imp"), ..Options::default() }, &mut Stages::default())
 }
 
 /// The errors of a run.
@@ -139,26 +158,26 @@ impl Dialects {
     }
 }
 
-/// The small job on the machine with the control of a dialect.
-pub fn small(dialect: &str) -> &'static Compiled {
+/// The small or the reduced job, planned today, on the machine with the control of a dialect. Tests of what stands behind the
+/// planner take [`super::pinned`].
+pub fn planned(job: &str, dialect: &str) -> &'static Compiled {
     static SMALL: Dialects = Dialects([
         LazyLock::new(|| Compiled::new(program("small", None))),
         LazyLock::new(|| Compiled::new(program("small", machine_of("linuxcnc")))),
     ]);
-    SMALL.on(dialect)
-}
-
-/// The reduced job on the machine with the control of a dialect; always on two threads.
-pub fn reduced(dialect: &str) -> &'static Compiled {
     static REDUCED: Dialects = Dialects([
         LazyLock::new(|| Compiled::on_threads(2, program("reduced", None))),
         LazyLock::new(|| Compiled::on_threads(2, program("reduced", machine_of("linuxcnc")))),
     ]);
-    REDUCED.on(dialect)
+    match job {
+        "small" => SMALL.on(dialect),
+        "reduced" => REDUCED.on(dialect),
+        _ => panic!("{job} is planned by its own test"),
+    }
 }
 
-/// Both faces of one vane of the paper's part, and nothing else.
-pub fn flank() -> &'static Compiled {
+/// Both faces of one vane of the paper's part, and nothing else, planned today.
+pub fn planned_flank() -> &'static Compiled {
     static FLANK: LazyLock<Compiled> = LazyLock::new(|| Compiled::new(super::flank_only(&[0])));
     &FLANK
 }

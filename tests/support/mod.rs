@@ -7,6 +7,7 @@ pub mod bounded;
 pub mod browser;
 pub mod golden;
 pub mod jobs;
+pub mod pinned;
 pub mod round_trip;
 pub mod sources;
 pub mod squares;

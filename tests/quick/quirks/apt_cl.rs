@@ -1,38 +1,25 @@
 //! CL data of APT.
 
 use crate::support;
-use crate::support::golden;
+use crate::support::{golden, pinned};
 use impellerc::base::entity::PrimaryMap;
-use impellerc::diagnostics::Sink;
+use impellerc::ir::Program;
 use impellerc::ir::Tool;
-use impellerc::ir::{Motion, Program};
 use impellerc::nc;
-use impellerc::plan::passes::pipeline;
 use impellerc::tool_stock::collide::Cutter;
-use impellerc::verify::{Verified, verify};
 use impellerc::wheel::control::Decimals;
-use std::sync::LazyLock;
 
 const POST: &str = "apt-cl";
 
-/// A flank operation on one vane, planned and verified once.
-static PROGRAM: LazyLock<(Program, Verified<Motion>)> = LazyLock::new(|| {
-    let program = support::flank_only(&[0]);
-    let mut sink = Sink::default();
-    let plan = pipeline::run(&program, &mut sink).expect("a plan");
-    let (motion, _) = verify(&program, plan.motion, &mut sink).expect("a certificate");
-    (program, motion)
-});
-
 /// The program for a dialect, with the frames and digits of its post file.
 fn program(dialect: &str) -> Program {
-    support::program_for(dialect, &PROGRAM.0)
+    support::program_for(dialect, &pinned::flank().program)
 }
 
 /// The lines of the text of a program, read back before.
 fn lines(program: &Program) -> Vec<String> {
     let post = nc::find(&program.post.dialect).unwrap();
-    let motion = &PROGRAM.1;
+    let motion = &pinned::flank().motion;
     let text = nc::emit(post, program, motion, &[]).text();
     nc::read_back(post, program, motion, &text).unwrap_or_else(|d| panic!("{d:?}"));
     text.lines().map(str::to_owned).collect()

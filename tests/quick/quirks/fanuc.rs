@@ -2,7 +2,7 @@
 
 use crate::support;
 use crate::support::golden::check;
-use crate::support::jobs::{self, Compiled};
+use crate::support::pinned::{self, Pinned};
 use impellerc::base::source::Span;
 use impellerc::diagnostics::Sink;
 use impellerc::five_axis::{AxisLine, Carries, Chain, Machine, RotaryAxis};
@@ -151,7 +151,7 @@ fn a_missing_component_of_a_vector_is_zero_for_the_control() {
 
 /// The small job as a dialect writes it, with a step of block numbers.
 fn written(dialect: &str, step: u32) -> NcProgram {
-    let Compiled { program, motion, .. } = jobs::small(dialect);
+    let Pinned { program, motion, .. } = pinned::small(dialect);
     let mut program = support::with_post(dialect, program);
     program.post.block_numbers = step;
     nc::emit(nc::find(dialect).unwrap(), &program, motion, &[])
@@ -170,7 +170,7 @@ fn block_numbers_begin_again_before_they_have_too_many_digits() {
         let at = again.unwrap_or(2);
         let text = format!("{}\n...\n{}\n", lines[..6].join("\n"), lines[at - 1..at + 3].join("\n"));
         check("posts", &format!("block-numbers.{dialect}"), &text);
-        let machine = &jobs::small(dialect).program.machine;
+        let machine = &pinned::small(dialect).program.machine;
         assert!(nc::find(dialect).unwrap().read(&nc.text(), machine).is_ok());
     }
 }
