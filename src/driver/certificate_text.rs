@@ -2,12 +2,13 @@
 
 use super::report::Shown;
 use super::{RunOptions, shown_path};
+use ::report::proof::details::details;
+use ::report::proof::summary::{self, Verdict};
 use base::source::{Origin, SourceMap};
 use diagnostics::{Diag, Severity, Sink};
 use job::files::shipped;
 use std::path::Path;
 use verify::contracts;
-use verify::summary::Verdict;
 
 /// Name of the machine with the origin of its file.
 fn machine(name: &str, sources: &SourceMap) -> String {
@@ -76,9 +77,9 @@ pub(super) fn text(
     let faults = faults(sink);
     let verdict = Verdict { errors: sink.errors(), faults: &faults, name, machine: &machine, post: &post };
     if !run.details {
-        return certificate.summary(verdict) + "  all figures: `--details`\n";
+        return summary::summary(program, certificate, verdict) + "  all figures: `--details`\n";
     }
-    let mut text = certificate.judgement(verdict) + "\n" + &certificate.text(program, shown.motion);
+    let mut text = summary::judgement(certificate, verdict) + "\n" + &details(program, shown.motion, certificate);
     if !shown.notes.is_empty() {
         text.push_str("\nhow the operations were planned\n");
     }

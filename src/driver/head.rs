@@ -2,6 +2,7 @@
 
 use super::certificate_text;
 use ::report::certificate_file::{self, BLANK, HEAD, InputFile, Inputs};
+use ::report::proof::head::{self as proof, REQUIRED};
 use base::source::{SourceId, SourceMap, Span};
 use base::units::trim;
 use diagnostics::{Diag, Severity, Sink, codes::post as codes, printable};
@@ -31,7 +32,7 @@ pub(super) fn lines(
     post: &dyn Post,
     (inputs, library): (&Inputs, &[String]),
 ) -> Vec<String> {
-    let mut head = certificate.head();
+    let mut head = proof::lines(certificate);
     let mut lines = vec![format!("{MAKER}{}, {}", env!("CARGO_PKG_VERSION"), head.remove(0))];
     lines.extend(head);
     if program.machine.chain.has_head() {
@@ -44,12 +45,7 @@ pub(super) fn lines(
         program.name, program.machine.name
     ));
     lines.extend(nc::assumptions(post, program).iter().map(|what| format!("assumed: {what}")));
-    for c in &certificate.contracts {
-        lines.push(format!("{} {}{REQUIRED}{} {}", c.name(), c.figures[1], c.relation, c.figures[0]));
-    }
-    for a in &certificate.allowed {
-        lines.push(format!("allowed: {} {}, {}: {}", a.kind, a.scope, a.figure, a.reason));
-    }
+    lines.extend(proof::contracts(certificate));
     for (_, tool) in program.tools.iter() {
         lines.push(format!(
             "tool {} number {}: {} radius {} mm, length {} mm from the tip to the gauge line",
@@ -76,9 +72,6 @@ const OF_BOUND: f64 = 0.1;
 
 /// Beginnings of lines that the machinist sets the machine by: tools, and the zero.
 const SET_BY: [&str; 2] = ["tool ", "part "];
-
-/// Stands between what was found and what is required.
-const REQUIRED: &str = ", required ";
 
 /// Beginnings of further lines of this compiler.
 const OWN: [&str; 7] = ["tool ", "part ", "assumed: ", "allowed: ", "NOT VERIFIED", "machined: ", "library file "];

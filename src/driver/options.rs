@@ -1,6 +1,7 @@
 //! Options of a run, and its outcome.
 
 use super::{Emit, EmitForm};
+use ::report::proof::contracts::bound_and_found;
 use ::report::step::StepProtocol;
 use base::source::{SourceMap, Span};
 use diagnostics::Sink;
@@ -97,11 +98,10 @@ pub struct Outcome {
 impl Outcome {
     /// The contracts as cases of a test report. Their names come from the job, so they are the same in every run.
     pub fn judged(&self) -> Vec<Judged> {
-        let judged = |c: &ContractReport| Judged {
-            name: format!("{} {} {}", c.name(), c.relation, c.figures[0]),
-            found: c.figures[1].clone(),
-            span: c.span,
-            holds: c.holds,
+        let judged = |c: &ContractReport| {
+            let [bound, found] = bound_and_found(c);
+            let name = format!("{} {} {bound}", c.name(), c.relation);
+            Judged { name, found, span: c.span, holds: c.holds }
         };
         self.contracts.iter().map(judged).collect()
     }

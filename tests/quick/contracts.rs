@@ -9,6 +9,9 @@ use impellerc::base::units::Mm;
 use impellerc::diagnostics::{Severity, Sink, codes::verification};
 use impellerc::ir::{Allowed, Contract, Motion, OperationId, OperationKind, Program};
 use impellerc::plan::passes::pipeline;
+use impellerc::report::proof::contracts;
+use impellerc::report::proof::details::details;
+use impellerc::report::proof::head;
 use impellerc::tool_stock::collide::Cutter;
 use impellerc::verify::stock::Settings;
 use impellerc::verify::{Certificate, certify_with};
@@ -329,7 +332,7 @@ fn a_failed_contract_tells_found_wanted_where_and_the_way_out() {
     // The bound is judged; beside it stands the deepest cut that was found.
     let [judged, computed] = diag.notes.as_slice() else { panic!("{:?}", diag.notes) };
     assert_eq!(*judged, format!("gouge on hub: found {:.2} um, required at most 0.10 um", contract.found * 1e3));
-    let deepest = contract.measured.as_ref().expect("a computed value");
+    let deepest = contracts::computed(contract).expect("a computed value");
     assert!(computed.starts_with(&format!("at the computed points {deepest} was found")), "{computed}");
     assert!(diag.message.contains("hub of channel"), "{}", diag.message);
     assert!(diag.help.is_some() && diag.labels.len() == 2);
@@ -366,7 +369,7 @@ fn what_is_allowed_is_taken_out_and_listed() {
     assert_eq!(found(&certificate), [most(&ALONE[0], "hub", false), asked(Time, &[0], &[])]);
     let listed = &certificate.allowed[0];
     assert_eq!((listed.found, listed.excuses, listed.reason.as_str()), (Some(faces), true, "known"));
-    let text = certificate.text(&PLANNED.0, &PLANNED.1);
+    let text = details(&PLANNED.0, &PLANNED.1, &certificate);
     assert!(text.contains("gouge on pressure, suction, fillet") && text.contains(": known\n"), "{text}");
     assert_eq!(certificate.allowed.iter().map(|a| a.excuses).collect::<Vec<_>>(), [true, false, false, false, true]);
     let needless: Vec<_> = sink.diags().iter().filter(|d| d.code == verification::NEEDLESS_ALLOW).collect();
@@ -413,7 +416,7 @@ fn a_default_holds_where_no_other_contract_speaks() {
     assert!(!certificate.contracts[0].holds && certificate.contracts[0].default);
     let diag = sink.diags().iter().find(|d| d.code == verification::GOUGE).unwrap();
     assert!(diag.notes.iter().any(|n| n.contains("the default is")), "{:?}", diag.notes);
-    assert!(certificate.text(&PLANNED.0, &PLANNED.1).contains("; the default"));
+    assert!(details(&PLANNED.0, &PLANNED.1, &certificate).contains("; the default"));
     // On the faces another contract speaks: there it decides.
     let stated = on(ContractKind::Gouge, 1.0, &[], &[Pressure, Suction, Fillet]);
     let (certificate, _) = judged(&[stated, default.clone()], &[]);
@@ -425,8 +428,8 @@ fn a_default_holds_where_no_other_contract_speaks() {
     // Allowed away: listed with its figure, and no head says "verified".
     let (certificate, _) = judged(&[], &[allow(ContractKind::Gouge, &[], &[])]);
     assert!(certificate.allowed[0].waives && certificate.allowed[0].excuses);
-    assert_eq!(certificate.head()[0], "NOT VERIFIED: gouge, which the job allows: known");
-    assert!(ASKED.0.head()[0].starts_with("verified"));
+    assert_eq!(head::lines(&certificate)[0], "NOT VERIFIED: gouge, which the job allows: known");
+    assert!(head::lines(&ASKED.0)[0].starts_with("verified"));
 }
 
 /// The move of a contract's worst place is that of the check that found it.

@@ -7,6 +7,7 @@ use crate::support::pinned;
 use impellerc::driver::{self, Emit, Stages};
 use impellerc::ir::print::{self, Detail};
 use impellerc::nc;
+use impellerc::report::proof::details::details;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -24,7 +25,7 @@ fn reduced_job_stage_by_stage() {
     check("reduced", "cc", &print::cc(&c.program, &c.plan.cc, Detail::Summary));
     check("reduced", "cl", &print::cl(&c.program, &c.plan.cl, Detail::Summary));
     check("reduced", "motion", &print::motion(&c.program, &c.plan.motion, Detail::Summary));
-    check("reduced", "certificate", &c.certificate.text(&c.program, &c.motion));
+    check("reduced", "certificate", &details(&c.program, &c.motion, &c.certificate));
     let mut all = String::new();
     for post in nc::POSTS {
         let text = nc(pinned::reduced(post.name()).planned(), *post);
@@ -47,7 +48,7 @@ fn wheels_by_angles() {
 fn reduced_job_is_the_same_on_one_thread_and_on_two() {
     let alone = Compiled::on_threads(1, jobs::program("reduced", None));
     let texts = [&alone, jobs::planned("reduced", "siemens-840d")].map(|c| {
-        let certificate = c.certificate.text(&c.program, &c.motion);
+        let certificate = details(&c.program, &c.motion, &c.certificate);
         (print::motion(&c.program, &c.plan.motion, Detail::Full), certificate)
     });
     assert!(texts[0] == texts[1]);

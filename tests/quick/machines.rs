@@ -15,6 +15,7 @@ use impellerc::nc::compare::ComparedMotion;
 use impellerc::nc::motion_of::motion_of;
 use impellerc::nc_text::compare;
 use impellerc::plan::passes::pipeline;
+use impellerc::report::proof::details::details;
 use impellerc::verify::proof::sweep::Sweep;
 use impellerc::verify::stock::Settings;
 use impellerc::verify::surface::{self, Limits};
@@ -610,7 +611,7 @@ fn keys_for_posts_are_handed_on() {
     }
     // Planned and verified without a travel: C turns to where it likes.
     let compiled = jobs::Compiled::new(program.clone());
-    let certificate = compiled.certificate.text(&compiled.program, &compiled.motion);
+    let certificate = details(&compiled.program, &compiled.motion, &compiled.certificate);
     assert!(certificate.contains("  of            no limits  "), "{certificate}");
     // A post that writes positions of the tip refuses the centre, before planning.
     let folder = tempfile::tempdir().unwrap();

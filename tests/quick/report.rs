@@ -7,6 +7,7 @@ use impellerc::base::entity::PrimaryMap;
 use impellerc::diagnostics::Diag;
 use impellerc::diagnostics::codes::verification;
 use impellerc::ir::{Operation, Tool};
+use impellerc::report::proof::details::details;
 use impellerc::report::report::{self, Input};
 use impellerc::verify::proof::sweep::Sweep;
 use impellerc::verify::surface::{CORNER_SLACK, FAR};
@@ -304,7 +305,7 @@ fn worst_places_that_look_alike_are_listed_once_and_by_size() {
         ]
     );
     // The text of the certificate: the same, with the places of the worst.
-    let text = certificate.text(program, motion);
+    let text = details(program, motion, &certificate);
     let lines: Vec<&str> = text.lines().filter(|l| l.contains("pressure face") && l.contains('(')).collect();
     assert_eq!(lines.len(), 2, "{lines:?}");
     assert!(lines[0].trim_start().starts_with("vane 3 pressure face "), "{lines:?}");

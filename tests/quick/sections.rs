@@ -6,6 +6,7 @@ use impellerc::base::units::length;
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::ir::Program;
 use impellerc::nurbs::proximity::Patch;
+use impellerc::report::proof::surfaces;
 use impellerc::verify::stated_points;
 use impellerc::wheel::part::chart::{self, Shape};
 use impellerc::wheel::part::{BladeId, Surface, SurfaceKind, sample};
@@ -78,14 +79,18 @@ fn an_imported_part_states_its_files_and_their_distance() {
     assert!(imported.files == "wheel.step" && (imported.within - 0.0114).abs() < 1e-15, "{imported:?}");
     let form = stated_points::check(&program);
     assert_eq!(form, stated_points::check(&FREE), "the line changes no surface");
-    let told = imported.told(&form);
+    let told = surfaces::imported(&imported, &form);
     let [stated, sum] = [imported.within, imported.within + form[0].distance].map(length);
     let stated = format!("at most {stated}, stated by the import and not verified");
     for words in ["wheel.step".to_owned(), stated, format!("measured; together at most {sum}")] {
         assert!(told.contains(&words), "{words} is not in {told}");
     }
     // A blade of angles has no points that could be measured.
-    assert!(imported.told(&[]).ends_with("nothing is measured: it states no points"), "{}", imported.told(&[]));
+    assert!(
+        surfaces::imported(&imported, &[]).ends_with("nothing is measured: it states no points"),
+        "{}",
+        surfaces::imported(&imported, &[])
+    );
     for wrong in [
         "imported wheel",
         "imported \"wheel.step\"",

@@ -4,6 +4,7 @@ use crate::support::golden::{GOLDENS, bytes, check, nc};
 use crate::support::jobs::{Compiled, machine_of, program};
 use impellerc::ir::print;
 use impellerc::nc;
+use impellerc::report::proof::details::details;
 
 /// The longer jobs: their plan by its notes, the ends of their NC texts and what a hash says of the rest.
 fn in_short(job: &str) {
@@ -19,7 +20,7 @@ fn in_short(job: &str) {
         }
     }
     check(job, "plan", &plan);
-    check(job, "certificate", &c.certificate.text(&c.program, &c.motion));
+    check(job, "certificate", &details(&c.program, &c.motion, &c.certificate));
     let pinned = |post: &dyn nc::Post| GOLDENS.iter().any(|(name, of)| *name == job && of.contains(&post.name()));
     for post in nc::POSTS.iter().filter(|post| pinned(**post)) {
         let other = machine_of(post.name()).map(|machine| Compiled::new(program(job, Some(machine))));

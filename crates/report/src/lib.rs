@@ -5,10 +5,13 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking"))]
 
 pub mod certificate_file;
+mod markup;
 pub mod picture;
+pub mod proof;
 pub mod report;
 pub mod setup_sheet;
 pub mod source_map;
 pub mod step;
+mod table;
 pub mod three_mf;
 pub mod turbogrid;

@@ -3,7 +3,9 @@
 //! Every figure comes from the program, the motion or the certificate. What the proof assumes stands on the sheet as a
 //! check to be made at the machine.
 
-use super::report::markup::escaped;
+use crate::markup::escaped;
+use crate::proof::{self, Text, contracts::allowed_line};
+use crate::table::{Form, Table, figures, words};
 use base::units::trim;
 use five_axis::{Carries, RotaryAxis};
 use ir::{Program, Tool};
@@ -36,8 +38,7 @@ struct SheetSection {
     title: &'static str,
     /// Facts, a line each.
     facts: Vec<String>,
-    /// Headings and rows.
-    table: Option<(Vec<&'static str>, Vec<Vec<String>>)>,
+    table: Option<Table>,
     /// Steps to be done and ticked off in order.
     steps: Vec<String>,
 }
@@ -51,22 +52,17 @@ impl SheetSection {
 /// The sheet as Markdown.
 pub fn markdown(input: SheetInput<'_>) -> String {
     let mut out = format!("# Setup sheet: {}\n", input.program.name);
-    // A bar would end a cell.
-    let cell = |text: &String| text.replace('|', "\\|");
     for section in sections(input) {
         out.push_str(&format!("\n## {}\n\n", section.title));
         for fact in &section.facts {
             out.push_str(&format!("- {fact}\n"));
         }
-        if let Some((headings, rows)) = &section.table {
+        if let Some(table) = &section.table {
             // Without an empty line the table would belong to the list.
             if !section.facts.is_empty() {
                 out.push('\n');
             }
-            out.push_str(&format!("| {} |\n|{}\n", headings.join(" | "), "---|".repeat(headings.len())));
-            for row in rows {
-                out.push_str(&format!("| {} |\n", row.iter().map(cell).collect::<Vec<_>>().join(" | ")));
-            }
+            out.push_str(&table.markdown());
         }
         for (n, step) in section.steps.iter().enumerate() {
             out.push_str(&format!("{}. [ ] {step}\n", n + 1));
@@ -94,15 +90,7 @@ pub fn html(input: SheetInput<'_>) -> String {
             let items: String = section.facts.iter().map(|f| format!("<li>{}</li>\n", escaped(f))).collect();
             out.push_str(&format!("<ul>\n{items}</ul>\n"));
         }
-        if let Some((headings, rows)) = &section.table {
-            let cells = |tag: &str, texts: &mut dyn Iterator<Item = String>| -> String {
-                texts.map(|text| format!("<{tag}>{}</{tag}>", escaped(&text))).collect()
-            };
-            let head = cells("th", &mut headings.iter().map(|h| (*h).to_owned()));
-            let rows: String =
-                rows.iter().map(|row| format!("<tr>{}</tr>\n", cells("td", &mut row.iter().cloned()))).collect();
-            out.push_str(&format!("<table><tr>{head}</tr>\n{rows}</table>\n"));
-        }
+        out.extend(section.table.iter().map(Table::sheet));
         if !section.steps.is_empty() {
             let items: String =
                 section.steps.iter().map(|step| format!("<li class=\"step\">{}</li>\n", escaped(step))).collect();
@@ -128,18 +116,25 @@ fn sections(input: SheetInput<'_>) -> Vec<SheetSection> {
 fn program_section(input: SheetInput<'_>) -> SheetSection {
     let SheetInput { program, certificate, .. } = input;
     let (file, lines, hash) = input.nc;
-    let time: f64 = certificate.operations.iter().flat_map(|o| o.time).sum();
     let mut facts = vec![
         format!("NC text: {file}, {lines} lines, body sha256 {hash}..."),
         format!("Post: {}, dialect {}", program.post.name, input.post),
         format!("Machine: {}", program.machine.name),
-        format!("Machining time: {} (h:mm:ss), from a model of the control, without tool changes", clock(time)),
+        format!(
+            "Machining time: {} (h:mm:ss), from a model of the control, without tool changes",
+            clock(certificate.time())
+        ),
     ];
     let [made, sectors] = certificate.sectors();
-    let missing = certificate.not_machined().map_or_else(String::new, |missing| format!("; {missing}"));
+    let missing = proof::surfaces::not_machined(certificate).map_or_else(String::new, |missing| format!("; {missing}"));
     facts.push(format!("Machined: {made} of {sectors} sectors{missing}"));
-    facts.extend(certificate.imported.iter().map(|imported| imported.told(&certificate.form).replacen('i', "I", 1)));
-    facts.extend(certificate.not_checked().map(|line| line.replacen("not", "Not", 1)));
+    facts.extend(
+        certificate
+            .imported
+            .iter()
+            .map(|imported| proof::surfaces::imported(imported, &certificate.form).replacen('i', "I", 1)),
+    );
+    facts.extend(proof::summary::not_checked(certificate).map(|line| line.replacen("not", "Not", 1)));
     facts.extend(input.library.iter().cloned());
     facts.push(end_of_program(program));
     facts.extend(program.machine.assumed.iter().map(|a| format!("Nobody measured on this machine: {a}")));
@@ -248,77 +243,37 @@ fn cutter(tool: &Tool) -> String {
 fn tools_section(input: SheetInput<'_>) -> SheetSection {
     let program = input.program;
     let used = |id| program.operations.iter().any(|(_, o)| o.tool == id);
-    let rows = program.tools.iter().filter(|(id, _)| used(*id)).map(|(_, tool)| {
-        let solid = &tool.solid;
-        let holder = solid.holder.first();
-        let stick_out = holder.map_or("-".to_owned(), |h| trim(h.from, 3));
-        let wide = solid.holder.iter().map(|h| h.radius_from.max(h.radius_to)).fold(0.0, f64::max);
-        vec![
-            tool.number.to_string(),
-            tool.name.clone(),
-            cutter(tool),
-            tool.flutes.to_string(),
-            trim(solid.flute_length, 3),
-            stick_out,
-            trim(2.0 * wide, 3),
-            trim(tool.length(), 4),
-        ]
-    });
-    let headings = vec![
-        "number",
-        "name",
-        "cutter",
-        "flutes",
-        "flute length mm",
-        "stick-out mm",
-        "widest holder diameter mm",
-        "length tip to gauge line mm",
+    type Row<'a> = &'a Tool;
+    let tools = program.tools.iter().filter(|(id, _)| used(*id)).map(|(_, tool)| tool);
+    let stick_out = |t: &Row| t.solid.holder.first().map_or("-".to_owned(), |h| trim(h.from, 3));
+    let widest = |t: &Row| t.solid.holder.iter().map(|h| h.radius_from.max(h.radius_to)).fold(0.0, f64::max);
+    let columns = vec![
+        figures("number", 0, Form::WHOLE, |t: &Row| t.number.to_string()),
+        words("name", 0, |t: &Row| t.name.clone()),
+        words("cutter", 0, |t: &Row| cutter(t)),
+        figures("flutes", 0, Form::WHOLE, |t: &Row| t.flutes.to_string()),
+        figures("flute length mm", 0, Form::WHOLE, |t: &Row| trim(t.solid.flute_length, 3)),
+        figures("stick-out mm", 0, Form::WHOLE, stick_out),
+        figures("widest holder diameter mm", 0, Form::WHOLE, |t: &Row| trim(2.0 * widest(t), 3)),
+        figures("length tip to gauge line mm", 0, Form::WHOLE, |t: &Row| trim(t.length(), 4)),
     ];
-    SheetSection { table: Some((headings, rows.collect())), ..SheetSection::new("Tools") }
+    SheetSection { table: Some(Table::new("", tools, columns)), ..SheetSection::new("Tools") }
 }
 
 fn operations_section(input: SheetInput<'_>) -> SheetSection {
-    let SheetInput { program, certificate, restarts, .. } = input;
-    let rows =
-        certificate.operations.iter().zip(program.operations.iter()).enumerate().map(|(k, (o, (_, declared)))| {
-            vec![
-                o.name.clone(),
-                o.tool.clone(),
-                trim(declared.speed.get(), 1),
-                trim(declared.feed.get(), 1),
-                clock(o.time.iter().sum()),
-                restarts.get(k).map_or("-".to_owned(), ToString::to_string),
-            ]
-        });
-    let headings = vec!["operation", "tool", "speed rpm", "feed mm/min", "time", "restart point: line"];
-    SheetSection {
-        facts: vec![
-            "The program can be started at each restart point: the operation says all that it needs".to_owned(),
-        ],
-        table: Some((headings, rows.collect())),
-        ..SheetSection::new("Operations")
-    }
+    let fact = "The program can be started at each restart point: the operation says all that it needs";
+    let table = proof::operations::operations(Text::Sheet, input.program, input.certificate, input.restarts);
+    SheetSection { facts: vec![fact.to_owned()], table: Some(table), ..SheetSection::new("Operations") }
 }
 
 fn axes_section(input: SheetInput<'_>) -> SheetSection {
-    let span = |[low, high]: [f64; 2]| format!("{} to {}", trim(low, 3), trim(high, 3));
-    let rows = input.certificate.machine.axes.iter().map(|axis| {
-        let travel = axis.travel.map_or("no limit".to_owned(), span);
-        vec![axis.axis.clone(), span(axis.used), travel, format!("{:.0} %", 100.0 * axis.speed_share)]
-    });
-    let headings = vec!["axis", "used, mm or deg", "travel in the machine file", "largest speed, share of the limit"];
-    SheetSection { table: Some((headings, rows.collect())), ..SheetSection::new("Axes") }
+    SheetSection { table: Some(proof::machine::axes(Text::Sheet, input.certificate)), ..SheetSection::new("Axes") }
 }
 
 fn contracts_section(input: SheetInput<'_>) -> SheetSection {
-    let rows = input.certificate.contracts.iter().map(|c| {
-        let verdict = if c.holds { "holds" } else { "FAILS" };
-        vec![c.name(), format!("{} {}", c.relation, c.figures[0]), c.figures[1].clone(), verdict.to_owned()]
-    });
-    let allowed = input.certificate.allowed.iter();
-    let facts = allowed.map(|a| format!("Allowed: {} {}, {}: {}", a.kind, a.scope, a.figure, a.reason)).collect();
-    let headings = vec!["contract", "required", "found", "verdict"];
-    SheetSection { facts, table: Some((headings, rows.collect())), ..SheetSection::new("Contracts") }
+    let table = proof::contracts::contracts(Text::Sheet, input.certificate);
+    let facts = input.certificate.allowed.iter().map(|a| format!("Allowed: {}", allowed_line(a))).collect();
+    SheetSection { facts, table: Some(table), ..SheetSection::new("Contracts") }
 }
 
 /// How to check the sense of a rotary axis by hand.

@@ -14,7 +14,6 @@ use base::units::length;
 use diagnostics::{Diag, Sink, codes::verification};
 use ir::{Motion, Program};
 use serde::Serialize;
-use std::fmt::Write as _;
 use wheel::operation::Allowances;
 use wheel::part::kept::{Kept, MilledTurned, kept, milled};
 
@@ -69,23 +68,6 @@ impl AllowanceReport {
     /// True when a cutter may touch the part because of the smoothing.
     fn fails(&self) -> bool {
         self.bound < self.tolerance
-    }
-
-    /// Writes the line of the certificate.
-    pub(super) fn write(&self, t: &mut String) -> std::fmt::Result {
-        let tolerance = length(self.tolerance);
-        match &self.nearest {
-            None => {
-                writeln!(t, "  roughing stays over {tolerance} outside of the finished part, which its control may add")
-            }
-            Some(n) => writeln!(
-                t,
-                "  roughing comes within {} of {}, where its control may add {tolerance}",
-                length(n.place.value),
-                n.surface
-            ),
-        }?;
-        self.vanes.iter().try_for_each(|of_operation| of_operation.write(t))
     }
 }
 

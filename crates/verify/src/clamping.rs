@@ -134,20 +134,11 @@ fn least(
 }
 
 impl ClampingReport {
-    /// Describes the space.
-    fn space(&self) -> String {
+    /// The space in words.
+    pub fn space(&self) -> String {
         let width = self.diameter.map_or_else(|| "everything".to_owned(), |d| format!("{d:.3} mm about Z"));
         let default = if self.by_default { ", by default" } else { "" };
         format!("{width} below z {:.3} mm{default}", self.below)
-    }
-
-    /// Writes the line of the certificate.
-    pub(super) fn write(&self, program: &Program, motion: &Motion, t: &mut String) -> std::fmt::Result {
-        use std::fmt::Write as _;
-        let (Some(at), Some(distance)) = (self.at, self.distance) else { return Ok(()) };
-        let place = describe(program, motion, Some(at));
-        let (space, part, distance) = (self.space(), self.part, length(distance));
-        writeln!(t, "  no tool enters the clamping ({space}): the {part} stays {distance} away: {place}")
     }
 }
 

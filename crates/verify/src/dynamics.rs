@@ -24,7 +24,7 @@ mod active;
 mod by_linuxcnc;
 mod jerk;
 
-pub use active::{ActiveLimit, LimitRow, MotionLimit, MoveLimit, rows};
+pub use active::{ActiveLimit, MotionLimit, MoveLimit};
 
 use super::proof::piece::At;
 use active::ActiveTimes;

@@ -18,7 +18,6 @@ use nalgebra::Rotation3;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::borrow::Cow;
-use std::fmt::Write as _;
 use wheel::part::{
     SurfaceId, SurfaceKind,
     chart::Shape,
@@ -180,28 +179,6 @@ pub(super) fn deepest(
         all[*s] = all[*s].join(p);
     }
     all.into_iter().map(|p| Deepest { found: p.least.filter(|l| l.0 < FAR), low: p.low.min(ceiling) }).collect()
-}
-
-impl KeptSurfaces {
-    /// Writes the part of the certificate.
-    pub(super) fn write(&self, t: &mut String) -> std::fmt::Result {
-        writeln!(
-            t,
-            "kept surfaces: what milling leaves as the lathe made it, um; {} are allowed, the strictest gouge of the whole part",
-            length(self.allowed)
-        )?;
-        writeln!(t, "  {:<27} {:>8} {:>8}  at (mm)", "surface", "gouge", "at most")?;
-        for s in &self.surfaces {
-            let [x, y, z] = s.gouge.point;
-            let place = match s.gouge.depth > 0.0 {
-                true => format!("({x:.3}, {y:.3}, {z:.3})"),
-                false => "-".to_owned(),
-            };
-            let um = |mm: f64| format!("{:.2}", mm * 1e3);
-            writeln!(t, "  {:<27} {:>8} {:>8}  {place}", s.surface, um(s.gouge.depth), um(s.gouge_bound))?;
-        }
-        Ok(())
-    }
 }
 
 /// Reports cuts into kept surfaces as errors, one per kind.

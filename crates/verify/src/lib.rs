@@ -23,7 +23,6 @@
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking"))]
 
-pub mod alike;
 pub mod allowance;
 pub mod carried;
 pub mod certificate;
@@ -45,7 +44,6 @@ pub mod splines;
 pub mod stated_points;
 pub mod stock;
 pub mod structure;
-pub mod summary;
 pub mod surface;
 pub mod vane_allowance;
 

@@ -18,9 +18,6 @@ const PLACES: usize = 16;
 /// Excess over a travel that counts as rounding of the conversion from joints to the part and back, mm and radians.
 const TRAVEL_ROUNDING: f64 = 1e-9;
 
-/// Units of X, Y, Z and the rotary axes in reports.
-pub const AXIS_UNITS: [&str; 5] = ["mm", "mm", "mm", "deg", "deg"];
-
 /// Excess of an axis speed over its limit that counts as rounding of times and feeds.
 const SPEED_ROUNDING: f64 = 1e-3;
 

@@ -3,14 +3,12 @@
 //! The points are those of the files or lists of the job, as they were read. They are projected to the surfaces of the part, so the
 //! distance shows what fitting, extending and turning did, and a curve that was read as another one.
 
-use base::units::length;
 use ir::{Program, StatedPoints};
 use nalgebra::Point3;
 use nurbs::chords::from_chords;
 use nurbs::proximity::Patch;
 use rayon::prelude::*;
 use serde::Serialize;
-use std::fmt::Write;
 use wheel::part::{Blade, FaceSurface, Surface};
 
 /// Points of a vane against its surfaces.
@@ -39,29 +37,6 @@ pub struct ImportedReport {
 pub fn imported(program: &Program) -> Option<ImportedReport> {
     let from = program.imported.as_ref()?;
     Some(ImportedReport { files: from.files.clone(), within: from.within.get() })
-}
-
-impl ImportedReport {
-    /// Both ways from the files to the surfaces that are cut, each with the kind of its figure. `form` has the second one, which a
-    /// part of angles does not have.
-    pub fn told(&self, form: &[StatedReport]) -> String {
-        let measured = form.iter().map(|r| r.distance).reduce(f64::max);
-        let measured = measured.map_or_else(
-            || "from the job to the surfaces that are cut nothing is measured: it states no points".to_owned(),
-            |distance| {
-                format!(
-                    "from the points of the job to the surfaces that are cut {}, measured; together at most {}",
-                    length(distance),
-                    length(self.within + distance)
-                )
-            },
-        );
-        format!(
-            "imported from {}: from its points to the job at most {}, stated by the import and not verified; {measured}",
-            self.files,
-            length(self.within)
-        )
-    }
 }
 
 /// The largest distance of each vane that the job states by points.
@@ -102,19 +77,4 @@ fn on_end(face: &FaceSurface, u: f64, p: &Point3<f64>) -> Point3<f64> {
         v = beside.into_iter().min_by(|a, b| from(*a).total_cmp(&from(*b))).unwrap_or(v);
     }
     face.point(u, v)
-}
-
-/// Writes a line a vane.
-pub(super) fn write(reports: &[StatedReport], t: &mut String) -> std::fmt::Result {
-    for r in reports {
-        let at = r.point.coords.iter().map(|x| format!("{x:.3}")).collect::<Vec<_>>().join(" ");
-        writeln!(
-            t,
-            "  form of {}: its {} stated points lie within {} of the surfaces that are cut; farthest at ({at})",
-            r.name,
-            r.points,
-            length(r.distance)
-        )?;
-    }
-    Ok(())
 }

@@ -88,6 +88,21 @@ pub struct SurfaceReport {
     pub corners: Vec<PatchCorners>,
 }
 
+/// Share of the area of a surface that is left where the operations do not machine the surface.
+const UNTOUCHED: f64 = 0.999;
+
+impl SurfaceReport {
+    /// Area that is left over [`NOT_REACHED`], as a share of the surface.
+    pub fn left_share(&self) -> f64 {
+        if self.area > 0.0 { self.not_reached / self.area } else { 0.0 }
+    }
+
+    /// Whether the operations machine the surface.
+    pub fn is_machined(&self) -> bool {
+        self.left_share() < UNTOUCHED
+    }
+}
+
 /// Figures of all milled surfaces, in the order of surfaces, with the turned surfaces that operations finish.
 pub fn certify(
     part: &Part,

@@ -20,7 +20,6 @@ use nalgebra::Point3;
 use nurbs::range::{CellThickness, Interval};
 use rayon::prelude::*;
 use serde::Serialize;
-use std::fmt::Write as _;
 use wheel::operation::VaneAllowance;
 use wheel::part::chart::{Along, Chart, Place, Shape, charts};
 use wheel::part::{Part, SurfaceId, SurfaceKind};
@@ -151,18 +150,10 @@ fn missing(
 }
 
 impl VaneReport {
-    /// The allowance: one value, or the values at the tip and at the root.
-    fn allowance(&self) -> String {
+    /// The allowance in words: one value, or the values at the tip and at the root.
+    pub fn leaves(&self) -> String {
         let [tip, root] = self.allowance.map(length);
         if self.allowance[0] == self.allowance[1] { tip } else { format!("{tip} .. {root}") }
-    }
-
-    /// Writes the line of the certificate.
-    pub(super) fn write(&self, t: &mut String) -> std::fmt::Result {
-        let allowance = self.allowance();
-        let found = self.worst.as_ref().map_or(0.0, |w| -w.place.value);
-        let (found, bound) = (length(found), length(self.bound));
-        writeln!(t, "  {} leaves {allowance} on the vanes; missing at most {found}, proved {bound}", self.name)
     }
 }
 
@@ -196,7 +187,7 @@ pub(super) fn report(program: &Program, motion: &Motion, found: &[VaneReport], s
             }
         }
         sink.push(
-            diag.note(format!("its allowance on the vanes is {}; it may lack `tolerance rough`", r.allowance()))
+            diag.note(format!("its allowance on the vanes is {}; it may lack `tolerance rough`", r.leaves()))
                 .help(format!(
                     "state `tolerance rough {}`, which is twice as much, or a smaller allowance on the vanes; a program of \
                      another job has to be compiled again",

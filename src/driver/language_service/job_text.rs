@@ -4,6 +4,7 @@ use super::Document;
 use super::judgement::{SavedProof, lock};
 use super::messages::{address, position, range};
 use crate::driver::DiskFiles;
+use ::report::proof::contracts::{bound_and_found, computed};
 use base::source::{Origin, SourceFile};
 use diagnostics::{Diag, Fix, Severity};
 use job::Files;
@@ -13,6 +14,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use syntax::ast::{ItemKind, Name};
 use verify::certificate::{ContractReport, OperationReport};
+use wheel::contract::clock;
 
 /// A text with its address and its library.
 pub(super) struct JobText<'d> {
@@ -234,13 +236,9 @@ impl JobText<'_> {
 
 /// Times, passes and choices of an item, which with several tools is several operations.
 fn operation_title(reports: &[&OperationReport], proof: &SavedProof) -> String {
-    let time = |seconds: f64| {
-        let seconds = seconds.round() as u64;
-        format!("{}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60)
-    };
     let sums = [0, 1, 2].map(|k| reports.iter().map(|report| report.time[k]).sum::<f64>());
-    let all = time(sums.iter().sum());
-    let [cut, link, rapid] = sums.map(time);
+    let all = clock(sums.iter().sum());
+    let [cut, link, rapid] = sums.map(clock);
     let passes = match reports.iter().map(|report| report.passes).sum::<usize>() {
         1 => "one pass".to_owned(),
         count => format!("{count} passes"),
@@ -254,9 +252,8 @@ fn operation_title(reports: &[&OperationReport], proof: &SavedProof) -> String {
 /// What a requirement allows and what was found.
 fn contract_title(contract: &ContractReport) -> String {
     let verdict = if contract.holds { "holds" } else { "FAILS" };
-    let [bound, found] = &contract.figures;
-    let measured =
-        contract.measured.as_ref().map_or_else(String::new, |worst| format!(", at the computed points {worst}"));
+    let [bound, found] = bound_and_found(contract);
+    let measured = computed(contract).map_or_else(String::new, |worst| format!(", at the computed points {worst}"));
     format!("{verdict}: proved {found}{measured}; required {} {bound}", contract.relation)
 }
 

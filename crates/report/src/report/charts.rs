@@ -1,9 +1,10 @@
 //! Pictures that need no script: bars of the active limits, and histograms of the arc of engagement.
 
 use super::Input;
-use super::markup::{TableCell, escaped, table};
+use crate::markup::escaped;
+use crate::proof::machine::{LimitRow, limit_rows};
+use crate::table::{Figure, Form, Table, figures, words};
 use std::fmt::Write as _;
-use verify::dynamics::LimitRow;
 use verify::stock::ArcTimes;
 use verify::stock::arcs::CLASS;
 use wheel::contract::{ContractKind, clock};
@@ -21,7 +22,7 @@ const GAP: f64 = 12.0;
 /// A bar for the cuts, links and rapids of each operation and for the whole program, and the same in figures.
 pub(super) fn limits(input: &Input<'_>) -> String {
     let names = input.program.machine.names();
-    let rows = input.certificate.limits();
+    let rows = limit_rows(input.certificate);
     let mut columns: Vec<&str> = Vec::new();
     for (limit, _) in rows.iter().flat_map(|r| &r.limits) {
         if !columns.contains(&limit.as_str()) {
@@ -39,18 +40,17 @@ pub(super) fn limits(input: &Input<'_>) -> String {
         let _ = write!(out, "<li><i style=\"background:{}\"></i>{}</li>", colour(limit, names).0, escaped(limit));
     }
     out.push_str("</ul>\n");
-    let mut headings = vec!["operation", "moves", "time"];
-    headings.extend(&columns);
-    let cells = |row: &LimitRow| {
-        let mut cells =
-            vec![TableCell::words(row.operation), TableCell::words(row.moves), TableCell::figure(clock(row.time))];
-        cells.extend(columns.iter().map(|limit| {
-            let own = row.limits.iter().find(|l| l.0 == *limit);
-            TableCell::figure(own.map_or_else(String::new, |l| format!("{:.1}", 100.0 * l.1 / row.time)))
-        }));
-        cells
-    };
-    out.push_str(&table("Active limits, % of the time", &headings, &rows.iter().map(cells).collect::<Vec<_>>()));
+    type Row<'a> = &'a LimitRow<'a>;
+    let mut shown = vec![
+        words("operation", 0, |row: &Row| row.operation.to_owned()),
+        words("moves", 0, |row: &Row| row.moves.to_owned()),
+        figures("time", 0, Form::WHOLE, |row: &Row| clock(row.time)),
+    ];
+    shown.extend(columns.iter().map(|limit| {
+        let share = |row: &Row| row.limits.iter().find(|l| l.0 == *limit).map(|l| l.1 / row.time);
+        figures((*limit).to_owned(), 0, Form::PER_HUNDRED, move |row: &Row| Figure::or(share(row), ""))
+    }));
+    out.push_str(&Table::new("Active limits, % of the time", &rows, shown).page());
     out
 }
 

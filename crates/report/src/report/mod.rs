@@ -4,7 +4,6 @@
 //! file is bounded: its end states what is thinned, and within which tolerance.
 
 mod charts;
-pub(crate) mod markup;
 mod pack;
 mod part;
 mod paths;
@@ -14,6 +13,7 @@ mod tables;
 
 pub use stock::StockStage;
 
+use crate::markup;
 use diagnostics::Diag;
 use five_axis::Carries;
 use ir::{Motion, Program, Tool};

@@ -1,6 +1,7 @@
 //! Moves for the page: joints and times, thinned within a tolerance when there are too many.
 
 use super::pack::Bytes;
+use crate::proof::machine::limit_words;
 use ir::{JointMove, Motion, MoveKind, Program};
 use serde::Serialize;
 use verify::dynamics::Run;
@@ -257,7 +258,7 @@ impl PathData {
         for (i, m) in moves.iter().enumerate() {
             while let Some(own) = of_moves.next_if(|l| l.index as usize <= i) {
                 let kind = kind_number(m.kind);
-                let words = run.and_then(|r| r.limits.get(own.limit)).map(|l| l.words(usize::from(kind)));
+                let words = run.and_then(|r| r.limits.get(own.limit)).map(|l| limit_words(l, usize::from(kind)));
                 let Some(limit) = words.map(|w| self.limit_number(w)).filter(|_| own.index as usize == i) else {
                     continue;
                 };

@@ -2,11 +2,13 @@
 //! diagnostics.
 
 use super::Input;
+use crate::proof::NOT_REACHED;
+use crate::proof::alike::alike;
+use crate::proof::contracts::{allowed_figure, proved, with_symbols};
 use base::units::length;
 use diagnostics::Severity;
 use nalgebra::{Point3, Vector3};
 use serde::Serialize;
-use verify::alike::alike;
 use verify::clearance::Clearance;
 use verify::place::describe;
 use verify::proof::piece::At;
@@ -67,7 +69,7 @@ pub(super) struct Places {
 
 /// A length with the symbols of the page.
 pub(super) fn amount(mm: f64) -> String {
-    if mm >= FAR { "not reached".to_owned() } else { figure(&length(mm)) }
+    if mm >= FAR { NOT_REACHED.to_owned() } else { with_symbols(&length(mm)) }
 }
 
 fn rounded(p: [f64; 3]) -> [f64; 3] {
@@ -86,16 +88,6 @@ fn normal(input: &Input<'_>, point: [f64; 3]) -> [f64; 3] {
     });
     let n = near.min_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(Vector3::z, |n| n.1);
     rounded([n.x, n.y, n.z])
-}
-
-/// A figure of the certificate with the symbols of the page.
-pub(super) fn figure(text: &str) -> String {
-    text.replace("um", "\u{b5}m").replace("mm3", "mm\u{b3}")
-}
-
-/// Text of the found value of a contract. For gouge and excess the value is the proved bound.
-pub(super) fn proved(kind: &str, found: &str) -> String {
-    if matches!(kind, "gouge" | "excess") { format!("\u{2264} {found}") } else { found.to_owned() }
 }
 
 /// Bound of a contract on the whole part and program.
@@ -189,7 +181,7 @@ impl Places {
             let mut near = |what: &str, c: &Option<Clearance>| {
                 c.as_ref().map(|c| {
                     let fails = bound(input, "clearance").is_some_and(|b| c.distance < b);
-                    let value = (-c.distance, figure(&length(c.distance)));
+                    let value = (-c.distance, with_symbols(&length(c.distance)));
                     let name = format!("{what} in {}", o.name);
                     self.add(input, "nearest to the part", name, value, (c.point, Some(c.at)), fails)
                 })
@@ -215,7 +207,7 @@ impl Places {
     /// Place where the tool at rapid is nearest to the turned stock.
     fn add_rapid(&mut self, input: &Input<'_>) {
         let Some(c) = &input.certificate.rapid else { return };
-        let value = (-c.distance, figure(&length(c.distance)));
+        let value = (-c.distance, with_symbols(&length(c.distance)));
         let name = "whole tool".to_owned();
         self.add(input, "nearest to the stock at rapid", name, value, (c.point, Some(c.at)), c.distance <= 0.0);
     }
@@ -224,7 +216,7 @@ impl Places {
     fn add_stock(&mut self, input: &Input<'_>) {
         for o in input.certificate.stock.iter().flat_map(|s| &s.operations) {
             for c in &o.collisions {
-                let value = (c.depth, figure(&length(c.depth)));
+                let value = (c.depth, with_symbols(&length(c.depth)));
                 let name = format!("{} in {}", c.part, o.name);
                 self.add(input, "stock that the tool must not meet", name, value, (c.point, Some(c.at)), true);
             }
@@ -264,7 +256,7 @@ impl Places {
     fn add_contracts(&mut self, input: &Input<'_>) {
         for c in &input.certificate.contracts {
             let place = c.point.map(|p| {
-                let value = proved(c.kind, &figure(&c.figures[1]));
+                let value = proved(c);
                 self.asked(input, c.name(), value, (&c.place, p, c.at), !c.holds)
             });
             self.contracts.push(place);
@@ -275,7 +267,8 @@ impl Places {
     fn add_allowed(&mut self, input: &Input<'_>) {
         for a in &input.certificate.allowed {
             let name = format!("allowed: {} {}", a.kind, a.scope);
-            let place = a.point.map(|p| self.asked(input, name, figure(&a.figure), (&a.place, p, a.at), false));
+            let place =
+                a.point.map(|p| self.asked(input, name, with_symbols(&allowed_figure(a)), (&a.place, p, a.at), false));
             self.allowed.push(place);
         }
     }

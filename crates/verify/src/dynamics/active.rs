@@ -8,7 +8,7 @@
 //! The process feed decides first, so that a block whose feed the planner has lowered counts for the limit that is near
 //! there. The reason follows from joints, limits, times and the simulated stock alone.
 
-use super::{Joint5, MotionCell, MovePart, Run, RunLimits, number};
+use super::{Joint5, MotionCell, MovePart, RunLimits, number};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -54,22 +54,6 @@ pub struct ActiveLimit {
     pub time: [f64; 3],
 }
 
-impl ActiveLimit {
-    /// The limit in words, for a kind of moves: cuts, links, rapids.
-    pub fn words(&self, kind: usize) -> String {
-        match (self.limit, &self.axis) {
-            (MotionLimit::Feed, _) => ["process feed", "link feed", "rapid speed"][kind].to_owned(),
-            (MotionLimit::Speed, Some(axis)) => format!("{axis} speed"),
-            (MotionLimit::Acceleration, Some(axis)) => format!("{axis} acceleration"),
-            (MotionLimit::Jerk, Some(axis)) => format!("{axis} jerk"),
-            (MotionLimit::Corner, _) => "corners".to_owned(),
-            (MotionLimit::Removal, _) => "removal".to_owned(),
-            (MotionLimit::BlockFeed, _) => "block feed".to_owned(),
-            _ => "rest".to_owned(),
-        }
-    }
-}
-
 /// The limit that is active in a move for the longest time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MoveLimit {
@@ -77,61 +61,6 @@ pub struct MoveLimit {
     pub index: u32,
     /// Index in the limits of the run.
     pub limit: usize,
-}
-
-/// Kinds of moves, in the order of times.
-const KINDS: [&str; 3] = ["cut", "link", "rapid"];
-
-/// Times of an operation in one kind of moves, or of the whole program, by active limit.
-pub struct LimitRow<'a> {
-    /// Operation; `total` for the whole program.
-    pub operation: &'a str,
-    /// Kind of moves; `all` for the whole program.
-    pub moves: &'static str,
-    /// Whole time, s.
-    pub time: f64,
-    /// Limits in words with their times, s, the longest first.
-    pub limits: Vec<(String, f64)>,
-}
-
-/// Rows of each operation and kind of moves that takes time, then that of the whole program.
-pub fn rows<'a>(runs: impl Iterator<Item = (&'a str, &'a Run)>) -> Vec<LimitRow<'a>> {
-    let mut rows = Vec::new();
-    let mut total: BTreeMap<String, f64> = BTreeMap::new();
-    let mut whole = 0.0;
-    for (operation, run) in runs {
-        for (kind, moves) in KINDS.into_iter().enumerate().filter(|(kind, _)| run.time[*kind] > 0.0) {
-            let own = run.limits.iter().filter(|l| l.time[kind] > 0.0);
-            let limits: Vec<(String, f64)> = own.map(|l| (l.words(kind), l.time[kind])).collect();
-            for (limit, time) in &limits {
-                *total.entry(limit.clone()).or_default() += time;
-            }
-            whole += run.time[kind];
-            rows.push(LimitRow { operation, moves, time: run.time[kind], limits: longest_first(limits) });
-        }
-    }
-    let limits = longest_first(total.into_iter().collect());
-    rows.push(LimitRow { operation: "total", moves: "all", time: whole, limits });
-    rows
-}
-
-/// A stable sort: equal times keep their order.
-fn longest_first(mut limits: Vec<(String, f64)>) -> Vec<(String, f64)> {
-    limits.sort_by(|a, b| b.1.total_cmp(&a.1));
-    limits
-}
-
-impl LimitRow<'_> {
-    /// Shares of the time in percent, in words; limits with less than 1 % come together as others.
-    pub fn shares(&self) -> Vec<(String, f64)> {
-        let percent = |time: f64| 100.0 * time / self.time;
-        let count = self.limits.partition_point(|l| percent(l.1) >= 1.0);
-        let mut shares: Vec<(String, f64)> = self.limits[..count].iter().map(|l| (l.0.clone(), percent(l.1))).collect();
-        if count < self.limits.len() {
-            shares.push(("others".to_owned(), percent(self.limits[count..].iter().map(|l| l.1).sum())));
-        }
-        shares
-    }
 }
 
 /// A limit and its axis.

@@ -16,13 +16,10 @@ pub use report::report;
 
 use super::proof::piece::At;
 use base::progress::{Progress, Work};
-use base::units::trim;
 use diagnostics::{Diag, Sink, codes::verification};
 use ir::{ContractKind, Motion, MotionOperation, MoveKind, Program};
 use serde::Serialize;
-use std::fmt::Write as _;
 use tool_stock::stock::{self, BlockCut, Field, FieldError, Outcome, Slices, Step, Touched};
-use wheel::contract::clock;
 
 use arcs::{Circle, StepArc};
 use removal::StepRemoval;
@@ -242,74 +239,6 @@ impl StockReport {
     pub fn air_share(&self) -> f64 {
         let (air, time) = self.operations.iter().fold((0.0, 0.0), |(a, t), o| (a + o.air, t + o.time));
         if time > 0.0 { air / time } else { 0.0 }
-    }
-
-    /// Writes the stock section of the certificate.
-    pub(super) fn write(&self, t: &mut String) -> std::fmt::Result {
-        writeln!(
-            t,
-            "stock: cells of {} mm, {} rays, blank {:.0} mm3; volumes in mm3, largest engagement in mm, deg and mm3/s",
-            trim(self.cell, 4),
-            self.rays,
-            self.blank
-        )?;
-        writeln!(
-            t,
-            "  {:<12} {:>9} {:>9} {:>9} {:>8} {:>7} {:>7} {:>7} {:>7} {:>7} {:>7} {:>9}",
-            "operation",
-            "removed",
-            "by links",
-            "rest",
-            "t air",
-            "air",
-            "depth",
-            "as slot",
-            "width",
-            "arc",
-            "rate",
-            "collides"
-        )?;
-        let peak = |p: &Option<Peak>, digits: usize| {
-            p.as_ref().map_or_else(|| "-".to_owned(), |p| format!("{:.digits$}", p.value))
-        };
-        for o in &self.operations {
-            writeln!(
-                t,
-                "  {:<12} {:>9.0} {:>9.0} {:>9.0} {:>8} {:>5.1} % {:>7} {:>7} {:>7} {:>7} {:>7} {:>9}",
-                o.name,
-                o.removed,
-                o.by_links,
-                o.rest,
-                clock(o.air),
-                o.air_share() * 100.0,
-                peak(&o.depth, 2),
-                o.slot_depth.map_or_else(|| "-".to_owned(), |slot| format!("{:.2}", slot.value)),
-                peak(&o.width, 2),
-                peak(&o.arc, 0),
-                peak(&o.rate, 1),
-                o.collisions.len()
-            )?;
-        }
-        writeln!(
-            t,
-            "  depth: extent of the chips along the axis; as slot: depth at full width that loads the tool as much, for `max-depth`"
-        )?;
-        writeln!(t, "  the tools run in air for {:.1} % of the time", self.air_share() * 100.0)?;
-        self.write_arcs(t)
-    }
-
-    /// Time at feed over the arc of engagement.
-    fn write_arcs(&self, t: &mut String) -> std::fmt::Result {
-        writeln!(t)?;
-        writeln!(t, "time at feed by the arc of engagement, h:mm:ss: in air, cutting, and of it up to the arc, deg")?;
-        let to: String = (1..=arcs::CLASSES).map(|k| format!(" {:>7.0}", k as f64 * arcs::CLASS)).collect();
-        writeln!(t, "  {:<12} {:>7} {:>7}{to}", "operation", "air", "cutting")?;
-        for o in &self.operations {
-            let figure = |s: &f64| if *s > 0.0 { clock(*s) } else { "-".to_owned() };
-            let times: String = o.arcs.time.iter().map(|s| format!(" {:>7}", figure(s))).collect();
-            writeln!(t, "  {:<12} {:>7} {:>7}{times}", o.name, clock(o.arcs.air[0]), clock(o.arcs.cutting()))?;
-        }
-        Ok(())
     }
 }
 

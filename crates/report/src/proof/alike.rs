@@ -1,19 +1,19 @@
 //! Surfaces of one kind with the same figures in several sectors: reported once, with all their vanes.
 
-use super::surface::SurfaceReport;
+use verify::surface::SurfaceReport;
 
 /// Surfaces with the same figures.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Alike {
+pub(crate) struct Alike {
     /// Name of all of them: `vanes 1-3, 5 pressure face`.
-    pub name: String,
+    pub(crate) name: String,
     /// Their indices in the given list, in its order.
-    pub members: Vec<usize>,
+    pub(crate) members: Vec<usize>,
 }
 
 impl Alike {
     /// The member with the largest value; of equal values the last member.
-    pub fn worst<'a>(
+    pub(crate) fn worst<'a>(
         &self,
         surfaces: &'a [SurfaceReport],
         value: impl Fn(&SurfaceReport) -> f64,
@@ -25,7 +25,7 @@ impl Alike {
 
 /// Groups surfaces of one kind with the same text, in the order of their first members. `text_of` gives the text, or
 /// `None` for a surface that is not reported.
-pub fn alike(surfaces: &[SurfaceReport], text_of: impl Fn(&SurfaceReport) -> Option<String>) -> Vec<Alike> {
+pub(crate) fn alike(surfaces: &[SurfaceReport], text_of: impl Fn(&SurfaceReport) -> Option<String>) -> Vec<Alike> {
     let mut keys: Vec<(usize, String)> = Vec::new();
     let mut groups: Vec<Alike> = Vec::new();
     for (i, s) in surfaces.iter().enumerate() {
@@ -53,7 +53,7 @@ pub fn alike(surfaces: &[SurfaceReport], text_of: impl Fn(&SurfaceReport) -> Opt
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::surface::Worst;
+    use verify::surface::Worst;
     use wheel::part::{FaceId, PassageId, SurfaceId, SurfaceKind};
 
     fn surface(kind: SurfaceKind, sector: u32, depth: f64) -> SurfaceReport {
