@@ -100,7 +100,7 @@ impl Outcome {
     pub fn judged(&self) -> Vec<Judged> {
         let judged = |c: &ContractReport| {
             let [bound, found] = bound_and_found(c);
-            let name = format!("{} {} {bound}", c.name(), c.relation);
+            let name = format!("{} {} {bound}", c.name(), c.relation.sign());
             Judged { name, found, span: c.span, holds: c.holds }
         };
         self.contracts.iter().map(judged).collect()

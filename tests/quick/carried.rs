@@ -8,6 +8,7 @@ use impellerc::five_axis::{Carried, CarriedKind};
 use impellerc::ir::{Motion, MoveKind, Program};
 use impellerc::verify::carried::{CarriedReport, check, report};
 use nalgebra::Point3;
+use std::borrow::Cow;
 use std::f64::consts::FRAC_PI_2;
 
 /// A table of 400 mm with its top at -60 mm, and on it a round fixture of 50 mm up to -40 mm.
@@ -35,10 +36,10 @@ fn moved(to: [f64; 3], a: f64, kind: MoveKind, turn_axis: f64) -> (Program, Moti
     (program, motion)
 }
 
-fn found(to: [f64; 3], a: f64, kind: MoveKind, turn_axis: f64) -> [(&'static str, f64); 2] {
+fn found(to: [f64; 3], a: f64, kind: MoveKind, turn_axis: f64) -> [(Cow<'static, str>, f64); 2] {
     let (program, motion) = moved(to, a, kind, turn_axis);
     let found: Vec<CarriedReport> = check(&program, &motion, &Progress::default());
-    [0, 1].map(|k| (found[k].part, found[k].clearance.as_ref().map_or(f64::INFINITY, |c| c.distance)))
+    [0, 1].map(|k| (found[k].part.clone(), found[k].clearance.as_ref().map_or(f64::INFINITY, |c| c.distance)))
 }
 
 /// Samples are 0.5 mm apart: below the true distance by no more than that leaves.

@@ -258,7 +258,7 @@ fn errors_between_blocks_are_told_apart() {
     assert_eq!(asked(ContourError, &[], &[]), contour[0].max(contour[1]));
     assert_eq!([0, 1].map(|o| asked(OrientationError, &[o], &[])), orientation);
     assert_eq!(asked(OrientationError, &[], &[]), orientation[0].max(orientation[1]));
-    let units = ASKED.0.contracts.iter().filter(|c| c.kind == "orientation-error").map(|c| c.unit);
+    let units = ASKED.0.contracts.iter().filter(|c| c.kind == ContractKind::OrientationError).map(|c| &*c.unit);
     assert_eq!(units.collect::<Vec<_>>(), ["deg"; 3]);
 }
 
@@ -266,13 +266,17 @@ fn errors_between_blocks_are_told_apart() {
 fn a_failed_error_between_blocks_tells_its_parts_its_place_and_the_way_out() {
     let (certificate, sink) = &*FAILED;
     for (kind, code, unit) in [
-        ("contour-error", verification::CONTOUR_ERROR, "um"),
-        ("orientation-error", verification::ORIENTATION_ERROR, "deg"),
+        (ContractKind::ContourError, verification::CONTOUR_ERROR, "um"),
+        (ContractKind::OrientationError, verification::ORIENTATION_ERROR, "deg"),
     ] {
         let contract = certificate.contracts.iter().find(|c| c.kind == kind).expect("judged");
         assert!(!contract.holds && contract.place.contains("channel"), "{contract:?}");
         let diag = sink.diags().iter().find(|d| d.code == code).expect("an error");
-        assert!(diag.notes[0].starts_with(&format!("{kind} on operation channel: found ")), "{:?}", diag.notes);
+        assert!(
+            diag.notes[0].starts_with(&format!("{} on operation channel: found ", kind.name())),
+            "{:?}",
+            diag.notes
+        );
         assert!(diag.message.contains(unit) && diag.message.contains("rounding a corner"), "{}", diag.message);
         assert!(diag.help.as_ref().is_some_and(|h| h.contains("tolerance chord")) && diag.labels.len() == 2);
         let place = diag.place.as_ref().expect("a place");

@@ -9,6 +9,7 @@ use impellerc::five_axis::control::Planning;
 use impellerc::ir::{Motion, Program};
 use impellerc::verify::certificate::ContractReport;
 use impellerc::verify::{Certificate, certify, finite};
+use impellerc::wheel::contract::{ContractKind, Relation};
 use std::collections::BTreeSet;
 use std::sync::LazyLock;
 
@@ -17,10 +18,10 @@ static FLANK: LazyLock<(Program, Motion, Certificate)> = LazyLock::new(|| {
     let Compiled { program, plan, mut certificate, .. } = jobs::planned_flank().clone();
     // The program has no contract.
     certificate.contracts.push(ContractReport {
-        kind: "gouge",
+        kind: ContractKind::Gouge,
         scope: String::new(),
-        relation: "<=",
-        unit: "mm",
+        relation: Relation::AtMost,
+        unit: "mm".into(),
         bound: 0.002,
         found: 0.001,
         place: String::new(),
@@ -28,8 +29,7 @@ static FLANK: LazyLock<(Program, Motion, Certificate)> = LazyLock::new(|| {
         at: None,
         holds: true,
         default: false,
-        figures: Default::default(),
-        measured: None,
+        computed: None,
         span: Span::default(),
     });
     (program, plan.motion, certificate)

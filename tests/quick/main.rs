@@ -15,6 +15,7 @@ mod bad_input;
 mod bad_nc;
 mod bull_noses;
 mod carried;
+mod certificate;
 mod channel_floor;
 mod circles;
 mod command_line;

@@ -148,7 +148,7 @@ fn a_rapid_through_the_stock_is_an_error() {
     moves[index].feed = None;
     let (found, _) = simulated(&program, &motion, CELL);
     let deepest = found.collisions().max_by(|a, b| a.depth.total_cmp(&b.depth)).expect("a collision");
-    assert_eq!((deepest.part, deepest.at.index as usize), ("cutter at rapid", index));
+    assert_eq!((&*deepest.part, deepest.at.index as usize), ("cutter at rapid", index));
     assert!(deepest.depth > 1.0 && deepest.depth <= 3.0 + END_ERROR, "{deepest:?}");
     let mut sink = Sink::default();
     report(&program, &motion, &found, &mut sink);

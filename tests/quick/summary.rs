@@ -4,6 +4,7 @@ use crate::support::golden::check;
 use crate::support::pinned;
 use impellerc::report::proof::contracts::{bound_and_found, computed};
 use impellerc::report::proof::summary::{COLUMNS, Verdict, first_line, judgement, summary};
+use impellerc::wheel::contract::ContractKind;
 
 fn verdict(errors: usize) -> Verdict<'static> {
     let faults = Box::leak(Box::new(["a cutter goes 3 um deep into the rim (IMP0736)".to_owned()]));
@@ -27,7 +28,7 @@ fn the_verdict_comes_first_and_lines_are_short() {
     let wide: Vec<&str> = text.lines().filter(|line| line.chars().count() > COLUMNS).collect();
     assert_eq!(wide, [""; 0]);
     // Each figure of a proof says so, with what was found.
-    for contract in certificate.contracts.iter().filter(|c| c.kind == "gouge") {
+    for contract in certificate.contracts.iter().filter(|c| c.kind == ContractKind::Gouge) {
         let [_, found] = bound_and_found(contract);
         let due = format!("proved <= {found} (deepest found {})", computed(contract).unwrap());
         assert!(text.contains(&due), "{due}\n{text}");

@@ -1,5 +1,6 @@
 //! Goldens of whole parts, in short form.
 
+use crate::support::certificates::comes_back;
 use crate::support::golden::{GOLDENS, bytes, check, nc};
 use crate::support::jobs::{Compiled, machine_of, program};
 use impellerc::ir::print;
@@ -21,6 +22,7 @@ fn in_short(job: &str) {
     }
     check(job, "plan", &plan);
     check(job, "certificate", &details(&c.program, &c.motion, &c.certificate));
+    comes_back(&c.program, &c.motion, &c.certificate);
     let pinned = |post: &dyn nc::Post| GOLDENS.iter().any(|(name, of)| *name == job && of.contains(&post.name()));
     for post in nc::POSTS.iter().filter(|post| pinned(**post)) {
         let other = machine_of(post.name()).map(|machine| Compiled::new(program(job, Some(machine))));

@@ -5,6 +5,7 @@
 pub mod blade_data;
 pub mod bounded;
 pub mod browser;
+pub mod certificates;
 pub mod golden;
 pub mod jobs;
 pub mod pinned;

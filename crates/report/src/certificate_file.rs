@@ -13,6 +13,7 @@ use serde_json::{Map, Number, Value};
 use sha2::{Digest, Sha256};
 use std::fmt;
 use verify::Certificate;
+use wheel::part::SurfaceId;
 
 /// Name of the format, first in every file.
 pub const FORMAT: &str = "impellerc-certificate";
@@ -300,6 +301,26 @@ impl CertificateFile {
             nc,
             measured: serde_json::to_value(certificate).map_err(|e| e.to_string())?,
         })
+    }
+
+    /// The certificate of the file. What a file does not hold is not in it: the figures of single moves and cells, for plots and
+    /// pictures, the computed values beside proved bounds of contracts, and the places of contracts in the job.
+    ///
+    /// # Errors
+    /// Figures that are not those of a certificate, with the reason.
+    pub fn certificate(&self) -> Result<Certificate, String> {
+        let mut read = Certificate::deserialize(&self.measured).map_err(|e| e.to_string())?;
+        let named = |name: &str| SurfaceId::named(name).ok_or_else(|| format!("`{name}` is no surface"));
+        for s in &mut read.surfaces {
+            s.id = named(&s.surface)?;
+        }
+        for s in read.rest.iter_mut().flat_map(|rest| &mut rest.surfaces) {
+            s.id = named(&s.surface)?;
+        }
+        for s in &mut read.kept.surfaces {
+            s.kind = named(&s.worst_on)?.kind;
+        }
+        Ok(read)
     }
 
     /// The text of the file.

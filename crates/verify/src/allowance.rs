@@ -13,12 +13,12 @@ use base::progress::Progress;
 use base::units::length;
 use diagnostics::{Diag, Sink, codes::verification};
 use ir::{Motion, Program};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use wheel::operation::Allowances;
 use wheel::part::kept::{Kept, MilledTurned, kept, milled};
 
 /// Distance of the roughing cutters from the finished part.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AllowanceReport {
     /// Smoothing tolerance of the control in roughing, mm.
     pub tolerance: f64,
@@ -31,7 +31,7 @@ pub struct AllowanceReport {
 }
 
 /// The place where a roughing cutter is nearest.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NearestRough {
     /// Surface.
     pub surface: String,

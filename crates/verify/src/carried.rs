@@ -10,7 +10,8 @@ use base::units::length;
 use diagnostics::{Diag, Sink, codes::verification};
 use ir::{Motion, MoveKind, Program};
 use nalgebra::Point3;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::f64::consts::FRAC_1_SQRT_2;
 use tool_stock::collide::{Cloud, ToolSolid, revolved};
 
@@ -24,12 +25,12 @@ const SPACING: f64 = 0.5;
 const MOST_POINTS: f64 = 1e6;
 
 /// The part of any tool nearest to a solid.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CarriedReport {
     /// `table` or `fixture`.
-    pub solid: &'static str,
+    pub solid: Cow<'static, str>,
     /// `cutter`, `shank` or `holder`; empty when no part is within [`SEARCH`].
-    pub part: &'static str,
+    pub part: Cow<'static, str>,
     /// Least distance; a lower bound, at most half a spacing of the samples less than the true distance.
     pub clearance: Option<Clearance>,
 }
@@ -43,7 +44,7 @@ pub fn check(program: &Program, motion: &Motion, progress: &Progress) -> Vec<Car
         let (points, spacing) = revolved(&solid.profile, program.machine.table_axis(), SPACING, MOST_POINTS);
         let half_spacing = spacing * FRAC_1_SQRT_2;
         let cloud = Cloud::new(points);
-        let mut nearest = CarriedReport { solid: solid.kind.name(), part: "", clearance: None };
+        let mut nearest = CarriedReport { solid: solid.kind.name().into(), part: "".into(), clearance: None };
         for (o, operation) in motion.operations.iter().enumerate().take_while(|_| !progress.is_cancelled()) {
             let declared = &program.operations[operation.operation];
             let tool = &program.tools[declared.tool].solid;
@@ -54,7 +55,7 @@ pub fn check(program: &Program, motion: &Motion, progress: &Progress) -> Vec<Car
                 let within = (half_spacing, SEARCH);
                 let Some(found) = least_over(&pieces, tool, distance, &cloud, within, &work) else { continue };
                 if nearest.clearance.as_ref().is_none_or(|c| found.distance < c.distance) {
-                    (nearest.part, nearest.clearance) = (part, Some(found));
+                    (nearest.part, nearest.clearance) = (part.into(), Some(found));
                 }
             }
         }
@@ -73,7 +74,7 @@ pub fn report(program: &Program, motion: &Motion, found: &[CarriedReport], sink:
             Some(MoveKind::Link) => "in a link",
             _ => "while cutting",
         };
-        let (part, solid, depth) = (f.part, f.solid, length(-c.distance));
+        let (part, solid, depth) = (&f.part, &f.solid, length(-c.distance));
         let span = program.operations[operation.operation].span;
         sink.push(
             Diag::error(verification::CARRIED, format!("{kind} the {part} goes {depth} into the {solid}"))

@@ -14,11 +14,13 @@ use super::stated_points::{ImportedReport, StatedReport};
 use super::stock::StockReport;
 use super::surface::SurfaceReport;
 use base::source::Span;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
+use wheel::contract::{ContractKind, Relation};
 
 /// Moves, lengths and time of one operation.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct OperationReport {
     /// Name.
     pub name: String,
@@ -44,16 +46,17 @@ pub struct OperationReport {
 }
 
 /// A contract with the found value.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContractReport {
-    /// Quantity, by its name in the job language.
-    pub kind: &'static str,
+    /// Quantity; in a file by its name in the job language.
+    #[serde(with = "by_name")]
+    pub kind: ContractKind,
     /// Where the contract holds, as written in the job language: `on hub`; empty for everywhere.
     pub scope: String,
-    /// `<=` or `>=`.
-    pub relation: &'static str,
+    /// Side of the bound on which the contract holds.
+    pub relation: Relation,
     /// Unit of bound and found value: `mm`, `deg`, `s`, `mm3`, `mm3/min`, or `1` for a share of one.
-    pub unit: &'static str,
+    pub unit: Cow<'static, str>,
     /// Bound.
     pub bound: f64,
     /// Found value.
@@ -68,13 +71,10 @@ pub struct ContractReport {
     pub holds: bool,
     /// True for a default contract, which the job does not state.
     pub default: bool,
-    /// Bound and found value for people.
+    /// The worst value at the computed points, where `found` is a proved bound beyond it; not part of the file.
     #[serde(skip)]
-    pub figures: [String; 2],
-    /// The worst value at the computed points for people, where `found` is a proved bound beyond it.
-    #[serde(skip)]
-    pub measured: Option<String>,
-    /// Its text in the job.
+    pub computed: Option<f64>,
+    /// Its text in the job; not part of the file.
     #[serde(skip)]
     pub span: Span,
 }
@@ -82,19 +82,20 @@ pub struct ContractReport {
 impl ContractReport {
     /// `gouge on hub`.
     pub fn name(&self) -> String {
-        format!("{} {}", self.kind, self.scope).trim_end().to_owned()
+        format!("{} {}", self.kind.name(), self.scope).trim_end().to_owned()
     }
 }
 
 /// An `allow` of the job with the found value.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AllowedReport {
-    /// Quantity, by its name in the job language.
-    pub kind: &'static str,
+    /// Quantity; in a file by its name in the job language.
+    #[serde(with = "by_name")]
+    pub kind: ContractKind,
     /// Where.
     pub scope: String,
     /// Unit of the figure, as in [`ContractReport::unit`].
-    pub unit: &'static str,
+    pub unit: Cow<'static, str>,
     /// Value found there; `None` where it cannot be measured.
     pub found: Option<f64>,
     /// Quantity and place in the program, in words.
@@ -109,20 +110,35 @@ pub struct AllowedReport {
     pub excuses: bool,
     /// True in place of a default contract: nothing then judges the quantity.
     pub waives: bool,
-    /// The figure for people.
-    #[serde(skip)]
-    pub figure: String,
+}
+
+/// A quantity as its name.
+mod by_name {
+    use serde::de::{Deserialize, Deserializer, Error};
+    use serde::{Serialize, Serializer};
+    use std::borrow::Cow;
+    use wheel::contract::ContractKind;
+
+    pub(super) fn serialize<S: Serializer>(kind: &ContractKind, serializer: S) -> Result<S::Ok, S::Error> {
+        kind.name().serialize(serializer)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<ContractKind, D::Error> {
+        let name = Cow::<str>::deserialize(deserializer)?;
+        let kind = ContractKind::ALL.into_iter().find(|kind| kind.name() == name);
+        kind.ok_or_else(|| D::Error::custom(format!("`{name}` is no quantity of a contract")))
+    }
 }
 
 /// The whole proof.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Certificate {
     /// Program name.
     pub name: String,
     /// Machine.
     pub machine_name: String,
     /// Distance of the points that the job states from the surfaces that are cut, a report for each vane of points.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub form: Vec<StatedReport>,
     /// Files that the part was imported from, with what the import states of them; `None` for a part that was not imported.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -150,7 +166,7 @@ pub struct Certificate {
     /// The stock through the program; `None` when it could not be simulated.
     pub stock: Option<StockReport>,
     /// Nearest approach to table and fixtures; empty where the machine file has none.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub carried: Vec<CarriedReport>,
     /// Nearest approach to the space of chuck and table that the job states.
     pub clamping: ClampingReport,

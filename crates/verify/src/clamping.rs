@@ -11,7 +11,8 @@ use diagnostics::{Diag, Sink, codes::verification};
 use ir::{Motion, MoveKind, Program};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::f64::consts::FRAC_PI_2;
 use tool_stock::collide::Body;
 use wheel::part::Clamping;
@@ -23,7 +24,7 @@ const RESOLUTION: f64 = 1e-3;
 const RUN: usize = 4096;
 
 /// The part of any tool nearest to the clamping.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ClampingReport {
     /// Height of the clamping, mm.
     pub below: f64,
@@ -32,7 +33,7 @@ pub struct ClampingReport {
     /// True when the job does not state the clamping.
     pub by_default: bool,
     /// `cutter`, `shank` or `holder`; empty without moves.
-    pub part: &'static str,
+    pub part: Cow<'static, str>,
     /// Lower bound of the least distance, mm; negative when a tool is inside. `None` without moves.
     pub distance: Option<f64>,
     /// Tool tip there, part frame, mm.
@@ -93,7 +94,7 @@ pub fn check(program: &Program, motion: &Motion) -> ClampingReport {
         below: clamping.below.get(),
         diameter: clamping.radius.map(|r| 2.0 * r.get()),
         by_default: clamping.by_default,
-        part,
+        part: part.into(),
         distance: nearest.map(|n| n.0 - RESOLUTION),
         tip,
         at: nearest.map(|n| n.3),

@@ -3,7 +3,7 @@
 
 use super::proof::piece::{At, Piece};
 use nalgebra::{Point3, Vector3};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use tool_stock::collide::{Cloud, ToolSolid};
 
 /// Displacement of the farthest tool point over a piece below which the piece is not halved any further, mm. The
@@ -35,7 +35,7 @@ impl KnownPose {
 }
 
 /// Least distance of a part of a tool.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Clearance {
     /// Lower bound of the distance, mm: the measured distance less what the spacing of the samples may hide.
     pub distance: f64,

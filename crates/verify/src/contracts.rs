@@ -98,10 +98,10 @@ impl Judge<'_> {
             );
         }
         Some(ContractReport {
-            kind: contract.kind.name(),
+            kind: contract.kind,
             scope: self.scope_text(&contract.scope).trim_start().to_owned(),
-            relation: contract.kind.relation().sign(),
-            unit: contract.bound.unit(),
+            relation: contract.kind.relation(),
+            unit: contract.bound.unit().into(),
             bound: contract.bound.value(),
             found: figure.value,
             place: self.place(&figure),
@@ -109,8 +109,7 @@ impl Judge<'_> {
             at: figure.at,
             holds,
             default: contract.default,
-            figures: [contract.bound.figure(), amount(contract.kind, figure.value)],
-            measured: figure.found.map(|found| amount(contract.kind, found)),
+            computed: figure.found,
             span: contract.span,
         })
     }
@@ -150,9 +149,9 @@ impl Judge<'_> {
             );
         }
         AllowedReport {
-            kind: name,
+            kind: allowed.kind,
             scope: scope.trim_start().to_owned(),
-            unit: allowed.kind.bound(0.0).unit(),
+            unit: allowed.kind.bound(0.0).unit().into(),
             found: figure.as_ref().map(|f| f.value),
             place: figure.as_ref().map_or_else(String::new, |f| self.place(f)),
             point: figure.as_ref().and_then(|f| f.point),
@@ -160,7 +159,6 @@ impl Judge<'_> {
             reason: allowed.reason.clone(),
             excuses,
             waives: waives.is_some(),
-            figure: figure.map_or_else(|| "no figure".to_owned(), |f| amount(allowed.kind, f.value)),
         }
     }
 
@@ -234,8 +232,8 @@ fn beyond_measure(kind: ContractKind, found: f64) -> bool {
     matches!(kind, ContractKind::Excess | ContractKind::Rest) && found >= FAR
 }
 
-/// The found value in words.
-fn amount(kind: ContractKind, found: f64) -> String {
+/// A found value in words.
+pub fn amount(kind: ContractKind, found: f64) -> String {
     if beyond_measure(kind, found) { "all of it".to_owned() } else { kind.bound(found).figure() }
 }
 

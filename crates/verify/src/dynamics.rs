@@ -33,7 +33,7 @@ use five_axis::{Chain, Joints, Machine, between, linuxcnc};
 use ir::motion::MotionOperation;
 use ir::{JointMove, Motion, MoveKind, Program};
 use nalgebra::{Point3, Vector3};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Turn of a cell, radians: over this turn, the third derivative of a joint 300 mm from a rotary axis makes a deviation
 /// of 0.1 um.
@@ -43,7 +43,7 @@ const CELL_TURN: f64 = std::f64::consts::PI / 90.0;
 const MOST_CELLS: f64 = 1000.0;
 
 /// A largest value and its place.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Peak {
     /// Value.
     pub value: f64,
@@ -64,7 +64,7 @@ impl Peak {
 }
 
 /// Run of one operation.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Run {
     /// Time of cutting, links and rapids within the limits of speed, acceleration and jerk, s.
     pub time: [f64; 3],
@@ -102,7 +102,7 @@ pub struct Run {
 }
 
 /// Largest deviation from the verified motion, with its place.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Departure {
     /// Total deviation.
     pub value: f64,

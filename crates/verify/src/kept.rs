@@ -16,7 +16,7 @@ use diagnostics::{Diag, Sink, codes::verification};
 use ir::{Motion, Program};
 use nalgebra::Rotation3;
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use wheel::part::{
     SurfaceId, SurfaceKind,
@@ -25,7 +25,7 @@ use wheel::part::{
 };
 
 /// Figures of the kept surfaces of one kind, in all sectors.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct KeptReport {
     /// Common name: `rim`, `vanes 1-8 tip`.
     pub surface: String,
@@ -35,13 +35,17 @@ pub struct KeptReport {
     pub gouge: Worst,
     /// Proved bound of the depth of any cut into these surfaces, mm.
     pub gouge_bound: f64,
-    /// Kind of the surfaces.
-    #[serde(skip)]
+    /// Kind of the surfaces; a file has the name of the surface with the deepest cut.
+    #[serde(skip, default = "unknown_kind")]
     pub kind: SurfaceKind,
 }
 
+fn unknown_kind() -> SurfaceKind {
+    surface::unknown().kind
+}
+
 /// Result for all kept surfaces.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct KeptSurfaces {
     /// Deepest cut that is allowed, mm: the strictest contract on gouge.
     pub allowed: f64,

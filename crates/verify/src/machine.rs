@@ -8,7 +8,7 @@ use five_axis::{Chain, Interpolation, Joints, Machine, between};
 use ir::{Motion, MoveKind, Program};
 use nalgebra::Point3;
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 
 /// Places inside a move at which the joints are checked. The tip runs straight and the rotary axes evenly. Between two
@@ -22,7 +22,7 @@ const TRAVEL_ROUNDING: f64 = 1e-9;
 const SPEED_ROUNDING: f64 = 1e-3;
 
 /// Range of an axis.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AxisRange {
     /// Name.
     pub axis: String,
@@ -40,7 +40,7 @@ pub struct AxisRange {
 }
 
 /// Violation of a limit by an axis.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AxisFault {
     /// Name.
     pub axis: String,
@@ -55,7 +55,7 @@ pub struct AxisFault {
 }
 
 /// An axis speed of one move.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FastestAxis {
     /// Name.
     pub axis: String,
@@ -69,7 +69,7 @@ pub struct FastestAxis {
 
 /// Deviation of the tool from the verified motion between blocks under other rules of interpolation, from the tip to
 /// the end of the flutes, mm; for cuts and links.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct OtherRules {
     /// Tool axis on great circles instead of linear rotary axes.
     pub great_circle: Peak,
@@ -78,7 +78,7 @@ pub struct OtherRules {
 }
 
 /// Figures of the machine check.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct MachineReport {
     /// X, Y, Z and both rotary axes.
     pub axes: Vec<AxisRange>,

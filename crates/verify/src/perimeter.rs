@@ -10,18 +10,19 @@ use base::units::length;
 use diagnostics::{Diag, Sink, codes::verification};
 use five_axis::Joints;
 use ir::{Motion, MotionOperation, Program};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Difference of heights that counts as rounding, mm.
 const ROUNDING: f64 = 1e-6;
 
 /// Heights in the machine frame, mm.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PerimeterReport {
     /// Gauge line for tool changes, from the machine file.
     pub retract: f64,
     /// The highest solid: `stock`, `table` or `fixture`.
-    pub highest: &'static str,
+    pub highest: Cow<'static, str>,
     /// Its largest height under any angles of the rotary axes within their travel.
     pub height: f64,
     /// Least height of a tool tip over it while any axis except Z moves.
@@ -37,7 +38,7 @@ pub fn check(program: &Program, motion: &Motion) -> PerimeterReport {
     let (highest, height) = program.highest();
     let mut report = PerimeterReport {
         retract: program.machine.retract,
-        highest,
+        highest: highest.into(),
         height,
         clearance: f64::INFINITY,
         at: None,

@@ -11,7 +11,7 @@ use base::progress::Progress;
 use ir::Program;
 use nalgebra::Point3;
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use tool_stock::collide::Cloud;
 use wheel::part::{Sample, SurfaceId};
@@ -26,7 +26,7 @@ const MOST_POINTS: f64 = 4e6;
 const STRIDE: usize = 11;
 
 /// Rest after an operation and all earlier ones.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct RestReport {
     /// Index of the operation in the motion.
     pub operation: u32,
@@ -49,7 +49,7 @@ pub struct RestReport {
 }
 
 /// Largest rest on a surface.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct RestOnSurface {
     /// Name of the surface.
     pub surface: String,
@@ -57,13 +57,13 @@ pub struct RestOnSurface {
     pub most: f64,
     /// Its place, part frame, mm.
     pub point: [f64; 3],
-    /// Id of the surface.
-    #[serde(skip)]
+    /// Id of the surface; a file has its name.
+    #[serde(skip, default = "super::surface::unknown")]
     pub id: SurfaceId,
 }
 
 /// Stock that stands inside a channel.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Island {
     /// Distance of its farthest point to the part, mm.
     pub most: f64,

@@ -13,13 +13,13 @@ use five_axis::{Chain, Machine, PoseCurve, RotaryPose, TurnCurve};
 use ir::{Motion, MotionOperation, Program, SplineBlock};
 use nalgebra::{Vector2, Vector3};
 use nurbs::bezier;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Distance beyond which the chords are not those of their curve, mm.
 const NOT_OF_CURVE: f64 = 1e-3;
 
 /// Spline blocks of an operation.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SplineReport {
     /// Blocks.
     pub blocks: usize,

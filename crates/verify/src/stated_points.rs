@@ -8,11 +8,11 @@ use nalgebra::Point3;
 use nurbs::chords::from_chords;
 use nurbs::proximity::Patch;
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use wheel::part::{Blade, FaceSurface, Surface};
 
 /// Points of a vane against its surfaces.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StatedReport {
     /// Name of the vane or the splitter in the job.
     pub name: String,
@@ -25,7 +25,7 @@ pub struct StatedReport {
 }
 
 /// What the import states of the files that the part was made from. The verifier has no such file, so it measures none of it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ImportedReport {
     /// Names of the files.
     pub files: String,

@@ -17,9 +17,9 @@ use super::proof::sweep::Sweep;
 use base::progress::{Progress, Work};
 use nalgebra::{Point3, Rotation3, Vector3};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use wheel::part::{
-    Part, SurfaceClass, SurfaceId,
+    Part, SurfaceClass, SurfaceId, SurfaceKind,
     chart::{Shape, charts},
     kept::MilledTurned,
 };
@@ -38,7 +38,7 @@ pub const BROKEN: f64 = 0.2;
 pub const NOT_REACHED: f64 = 0.1;
 
 /// A place on a surface with the values measured there.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Worst {
     /// g there, mm.
     pub value: f64,
@@ -55,7 +55,7 @@ pub struct Worst {
 }
 
 /// Figures of one surface.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SurfaceReport {
     /// Name.
     pub surface: String,
@@ -80,12 +80,17 @@ pub struct SurfaceReport {
     /// Operations, by index in the motion, that are nearest to the area not reached, with their shares of this area in
     /// mm2; `None` where no cutter is near.
     pub nearest_there: Vec<(Option<u32>, f64)>,
-    /// Id of the surface.
-    #[serde(skip)]
+    /// Id of the surface; a file has its name.
+    #[serde(skip, default = "unknown")]
     pub id: SurfaceId,
     /// g at the corners of the cells, for pictures; patches in the order of [`Shape::patches`].
     #[serde(skip)]
     pub corners: Vec<PatchCorners>,
+}
+
+/// The surface of a report that was read, until its name tells it.
+pub(crate) fn unknown() -> SurfaceId {
+    SurfaceId { kind: SurfaceKind::Rim, sector: 0 }
 }
 
 /// Share of the area of a surface that is left where the operations do not machine the surface.

@@ -19,13 +19,13 @@ use ir::{Motion, Program};
 use nalgebra::Point3;
 use nurbs::range::{CellThickness, Interval};
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use wheel::operation::VaneAllowance;
 use wheel::part::chart::{Along, Chart, Place, Shape, charts};
 use wheel::part::{Part, SurfaceId, SurfaceKind};
 
 /// What an operation leaves on the vanes, against its allowance.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct VaneReport {
     /// Index of the operation in the motion.
     pub operation: u32,
@@ -40,7 +40,7 @@ pub struct VaneReport {
 }
 
 /// A place where a cutter goes into the allowance.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MissingAllowance {
     /// Surface of the part.
     pub surface: String,

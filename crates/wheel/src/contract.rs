@@ -62,11 +62,13 @@ pub enum Guarded {
 }
 
 /// Side of the bound on which a value satisfies a contract.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Relation {
     /// `<=`
+    #[serde(rename = "<=")]
     AtMost,
     /// `>=`
+    #[serde(rename = ">=")]
     AtLeast,
 }
 

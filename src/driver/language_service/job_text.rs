@@ -254,7 +254,7 @@ fn contract_title(contract: &ContractReport) -> String {
     let verdict = if contract.holds { "holds" } else { "FAILS" };
     let [bound, found] = bound_and_found(contract);
     let measured = computed(contract).map_or_else(String::new, |worst| format!(", at the computed points {worst}"));
-    format!("{verdict}: proved {found}{measured}; required {} {bound}", contract.relation)
+    format!("{verdict}: proved {found}{measured}; required {} {bound}", contract.relation.sign())
 }
 
 /// What a file says of itself, and where it comes from.

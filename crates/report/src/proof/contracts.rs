@@ -4,20 +4,22 @@ use super::Text;
 use crate::table::{Form, Table, figures, words};
 use verify::Certificate;
 use verify::certificate::{AllowedReport, ContractReport};
+use verify::contracts::amount;
+use wheel::contract::{ContractKind, Relation};
 
 /// Bound and found value of a contract.
 pub fn bound_and_found(c: &ContractReport) -> [String; 2] {
-    c.figures.clone()
+    [c.kind.bound(c.bound).figure(), amount(c.kind, c.found)]
 }
 
 /// The worst value at the computed points, where what is found is a proved bound beyond it.
 pub fn computed(c: &ContractReport) -> Option<String> {
-    c.measured.clone()
+    c.computed.map(|value| amount(c.kind, value))
 }
 
 /// What was found of an allowed quantity.
 pub fn allowed_figure(a: &AllowedReport) -> String {
-    a.figure.clone()
+    a.found.map_or_else(|| "no figure".to_owned(), |value| amount(a.kind, value))
 }
 
 /// The figure with the symbols of the page.
@@ -28,7 +30,7 @@ pub(crate) fn with_symbols(text: &str) -> String {
 /// What was found, with the symbols of the page. For gouge and excess it is the proved bound.
 pub(crate) fn proved(c: &ContractReport) -> String {
     let found = with_symbols(&bound_and_found(c)[1]);
-    if matches!(c.kind, "gouge" | "excess") { format!("\u{2264} {found}") } else { found }
+    if matches!(c.kind, ContractKind::Gouge | ContractKind::Excess) { format!("\u{2264} {found}") } else { found }
 }
 
 /// The contracts.
@@ -40,7 +42,7 @@ pub(crate) fn contracts(text: Text<'_>, certificate: &Certificate) -> Table {
     match text {
         Text::Page(_) => {
             let wanted = |r: &Row| {
-                let relation = if r.1.relation == ">=" { "at least" } else { "at most" };
+                let relation = if r.1.relation == Relation::AtLeast { "at least" } else { "at most" };
                 format!("{relation} {}", with_symbols(&bound_and_found(r.1)[0]))
             };
             let columns = vec![
@@ -54,7 +56,9 @@ pub(crate) fn contracts(text: Text<'_>, certificate: &Certificate) -> Table {
         Text::Sheet => {
             let columns = vec![
                 words("contract", 0, name),
-                figures("required", 0, Form::WHOLE, |r: &Row| format!("{} {}", r.1.relation, bound_and_found(r.1)[0])),
+                figures("required", 0, Form::WHOLE, |r: &Row| {
+                    format!("{} {}", r.1.relation.sign(), bound_and_found(r.1)[0])
+                }),
                 figures("found", 0, Form::WHOLE, |r: &Row| bound_and_found(r.1)[1].clone()),
                 words("verdict", 0, verdict),
             ];
@@ -64,7 +68,7 @@ pub(crate) fn contracts(text: Text<'_>, certificate: &Certificate) -> Table {
             let line = |r: Row| {
                 let [bound, found] = bound_and_found(r.1);
                 let default = if r.1.default { "; the default, as the job says nothing of it" } else { "" };
-                format!("{:<9} {} {bound}: {found}, {}{default}", name(&r), r.1.relation, verdict(&r))
+                format!("{:<9} {} {bound}: {found}, {}{default}", name(&r), r.1.relation.sign(), verdict(&r))
             };
             Table::lines("contracts", rows.map(line).collect())
         }
@@ -78,7 +82,7 @@ pub(crate) fn allowed(text: Text<'_>, certificate: &Certificate) -> Table {
     if let Text::Page(_) = text {
         let reason = |r: &Row| if r.1.excuses { r.1.reason.clone() } else { format!("{} (needless)", r.1.reason) };
         let columns = vec![
-            words("allowed", 0, |r: &Row| format!("{} {}", r.1.kind, r.1.scope)),
+            words("allowed", 0, |r: &Row| format!("{} {}", r.1.kind.name(), r.1.scope)),
             figures("found", 0, Form::WHOLE, |r: &Row| with_symbols(&allowed_figure(r.1)))
                 .place(|r: &Row| text.place(r.0, 0)),
             words("reason", 0, reason),
@@ -87,12 +91,12 @@ pub(crate) fn allowed(text: Text<'_>, certificate: &Certificate) -> Table {
     }
     let line = |(_, a): Row| {
         let needless = if a.excuses { "" } else { "; needless" };
-        format!("{} {}: {}, {}: {}{needless}", a.kind, a.scope, allowed_figure(a), a.place, a.reason)
+        format!("{} {}: {}, {}: {}{needless}", a.kind.name(), a.scope, allowed_figure(a), a.place, a.reason)
     };
     Table::lines("allowed: taken out of the contracts", rows.map(line).collect())
 }
 
 /// An allowed quantity with its figure and its reason.
 pub fn allowed_line(a: &AllowedReport) -> String {
-    format!("{} {}, {}: {}", a.kind, a.scope, allowed_figure(a), a.reason)
+    format!("{} {}, {}: {}", a.kind.name(), a.scope, allowed_figure(a), a.reason)
 }

@@ -39,7 +39,7 @@ pub const REQUIRED: &str = ", required ";
 pub fn contracts(certificate: &Certificate) -> Vec<String> {
     let contract = certificate.contracts.iter().map(|c| {
         let [bound, found] = bound_and_found(c);
-        format!("{} {found}{REQUIRED}{} {bound}", c.name(), c.relation)
+        format!("{} {found}{REQUIRED}{} {bound}", c.name(), c.relation.sign())
     });
     contract.chain(certificate.allowed.iter().map(|a| format!("allowed: {}", allowed_line(a)))).collect()
 }

@@ -99,7 +99,7 @@ pub(super) fn surroundings(program: &Program, motion: &Motion, certificate: &Cer
     }
     let clamping = &certificate.clamping;
     if let (Some(at), Some(distance)) = (clamping.at, clamping.distance) {
-        let (space, part, distance) = (clamping.space(), clamping.part, length(distance));
+        let (space, part, distance) = (clamping.space(), &clamping.part, length(distance));
         let place = describe(program, motion, Some(at));
         lines.push(format!("no tool enters the clamping ({space}): the {part} stays {distance} away: {place}"));
     }

@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 use verify::Certificate;
 use verify::certificate::ContractReport;
 use verify::surface::FAR;
-use wheel::contract::clock;
+use wheel::contract::{ContractKind, Relation, clock};
 
 /// Most columns of a line.
 pub const COLUMNS: usize = 100;
@@ -74,7 +74,7 @@ pub fn first_line(certificate: &Certificate, verdict: Verdict<'_>) -> String {
 /// A line for each default contract in place of which the job allows the quantity.
 pub(super) fn not_verified(certificate: &Certificate) -> impl Iterator<Item = String> {
     let waived = certificate.allowed.iter().filter(|a| a.waives);
-    waived.map(|a| format!("NOT VERIFIED: {}, which the job allows: {}", a.kind, a.reason))
+    waived.map(|a| format!("NOT VERIFIED: {}, which the job allows: {}", a.kind.name(), a.reason))
 }
 
 /// What the proof does not know of the machine, in words; `None` where the machine file has table or fixtures.
@@ -146,12 +146,15 @@ fn statement(c: &ContractReport) -> String {
     let [bound, found] = bound_and_found(c);
     let mark = if c.holds { "  " } else { "! " };
     let proved = match computed(c) {
-        Some(measured) if c.found < FAR => format!("proved {} {found} ({} found {measured})", c.relation, extreme(c)),
+        Some(measured) if c.found < FAR => {
+            format!("proved {} {found} ({} found {measured})", c.relation.sign(), extreme(c))
+        }
         _ => format!("found {found}"),
     };
     let verdict = if c.holds { "" } else { "FAILS: " };
     let default = if c.default { ", by default" } else { "" };
-    let first = format!("{mark}{:<32} {verdict}{proved}{default}", format!("{} {} {bound}", c.name(), c.relation));
+    let first =
+        format!("{mark}{:<32} {verdict}{proved}{default}", format!("{} {} {bound}", c.name(), c.relation.sign()));
     let mut t = wrapped(&first, 6);
     if c.found < FAR && !c.place.is_empty() {
         t.push_str(&wrapped(&format!("      {}", c.place), 6));
@@ -162,8 +165,8 @@ fn statement(c: &ContractReport) -> String {
 /// Word for the worst of the computed values.
 fn extreme(c: &ContractReport) -> &'static str {
     match c.kind {
-        "gouge" => "deepest",
-        _ if c.relation == ">=" => "least",
+        ContractKind::Gouge => "deepest",
+        _ if c.relation == Relation::AtLeast => "least",
         _ => "most",
     }
 }

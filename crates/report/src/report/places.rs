@@ -92,7 +92,7 @@ fn normal(input: &Input<'_>, point: [f64; 3]) -> [f64; 3] {
 
 /// Bound of a contract on the whole part and program.
 pub(super) fn bound(input: &Input<'_>, kind: &str) -> Option<f64> {
-    let mut whole = input.certificate.contracts.iter().filter(|c| c.kind == kind && c.scope.is_empty());
+    let mut whole = input.certificate.contracts.iter().filter(|c| c.kind.name() == kind && c.scope.is_empty());
     whole.next().map(|c| c.bound)
 }
 
@@ -266,7 +266,7 @@ impl Places {
     /// Places that the job allows.
     fn add_allowed(&mut self, input: &Input<'_>) {
         for a in &input.certificate.allowed {
-            let name = format!("allowed: {} {}", a.kind, a.scope);
+            let name = format!("allowed: {} {}", a.kind.name(), a.scope);
             let place =
                 a.point.map(|p| self.asked(input, name, with_symbols(&allowed_figure(a)), (&a.place, p, a.at), false));
             self.allowed.push(place);

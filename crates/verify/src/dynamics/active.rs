@@ -9,7 +9,7 @@
 //! there. The reason follows from joints, limits, times and the simulated stock alone.
 
 use super::{Joint5, MotionCell, MovePart, RunLimits, number};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Least pace of the process feed at which it is active. In the run the speed of the joints as a whole is constant over a
@@ -22,7 +22,7 @@ const AT_FEED: f64 = 0.95;
 const ACTIVE: f64 = 0.75;
 
 /// Kind of a limit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MotionLimit {
     /// Process feed for cuts, link feed for links, rapid speed of the tip for rapids.
@@ -44,7 +44,7 @@ pub enum MotionLimit {
 }
 
 /// Time in which a limit is active.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ActiveLimit {
     /// The limit.
     pub limit: MotionLimit,

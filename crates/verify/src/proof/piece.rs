@@ -12,7 +12,7 @@ const PIECE_TURN: f64 = std::f64::consts::PI / 180.0;
 pub(crate) const PIECE_LENGTH: f64 = 3.0;
 
 /// A place in the program.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
 pub struct At {
     /// Index of the operation in the motion.
     pub operation: u32,

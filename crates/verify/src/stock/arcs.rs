@@ -5,7 +5,7 @@ use super::{FULL_ARC, StepPlace, StepRemoval};
 use crate::proof::piece::At;
 use ir::MoveKind;
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 use tool_stock::stock::{BlockCut, END_ERROR, Lune, SLICES, Sides, Slices};
 
@@ -22,7 +22,7 @@ const HALF_TURN: f64 = 180.0;
 const SAME_DIRECTION: f64 = 0.866;
 
 /// Largest upper bound of the arc over some steps.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ArcBound {
     /// Bound, degrees.
     pub value: f64,
@@ -36,7 +36,7 @@ pub struct ArcBound {
 
 /// Time and way of an operation at feed, by the arc of engagement. Class k holds arcs over k times 15 degrees up to
 /// k + 1 times 15 degrees; the first one holds arcs of zero as well.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ArcTimes {
     /// Time of each class by the feeds of the blocks, s.
     pub time: [f64; CLASSES],

@@ -18,7 +18,8 @@ use super::proof::piece::At;
 use base::progress::{Progress, Work};
 use diagnostics::{Diag, Sink, codes::verification};
 use ir::{ContractKind, Motion, MotionOperation, MoveKind, Program};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use tool_stock::stock::{self, BlockCut, Field, FieldError, Outcome, Slices, Step, Touched};
 
 use arcs::{Circle, StepArc};
@@ -59,7 +60,7 @@ pub struct Settings<'a> {
 }
 
 /// A largest value with its place.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Peak {
     /// Value.
     pub value: f64,
@@ -70,7 +71,7 @@ pub struct Peak {
 }
 
 /// Depth of cut at full width that loads the cutter as much as a cut of another arc.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SlotDepth {
     /// Sum over the heights of the share of the arc in 180 degrees, mm.
     pub value: f64,
@@ -99,10 +100,10 @@ pub struct ToothFeed {
 }
 
 /// Stock inside a part of the tool that must not touch it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StockCollision {
     /// `cutter at rapid`, `shank`, `holder`.
-    pub part: &'static str,
+    pub part: Cow<'static, str>,
     /// Depth of the deepest place below the surface of this part of the tool, mm.
     pub depth: f64,
     /// The deepest place, part frame, mm.
@@ -114,7 +115,7 @@ pub struct StockCollision {
 }
 
 /// Effect of an operation on the stock.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OperationStock {
     /// Index of the operation in the motion.
     pub operation: u32,
@@ -199,7 +200,7 @@ impl OperationStock {
 }
 
 /// Results of the stock simulation.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StockReport {
     /// Edge of the cells, mm. Smaller features may be missed; ends of rays are exact to [`stock::END_ERROR`].
     pub cell: f64,
@@ -214,7 +215,7 @@ pub struct StockReport {
 }
 
 /// Stock that was removed inside of the finished part.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MissingStock {
     /// Index of the operation in the motion.
     pub operation: u32,
@@ -428,7 +429,7 @@ impl Milled {
                 Touched::Holder => "holder",
             };
             let (point, at) = (c.point.coords.into(), self.at(c.block));
-            let found = StockCollision { part, depth: c.depth, point, height: c.height, at };
+            let found = StockCollision { part: part.into(), depth: c.depth, point, height: c.height, at };
             let same = collisions.iter_mut().rev().take_while(|x| x.at == found.at).find(|x| x.part == part);
             match same {
                 Some(x) if x.depth < found.depth => *x = found,

@@ -68,6 +68,27 @@ pub struct SurfaceId {
 }
 
 impl SurfaceId {
+    /// The surface of a name, as [`fmt::Display`](std::fmt::Display) gives it; `None` where no surface has the name.
+    pub fn named(name: &str) -> Option<Self> {
+        let numbers = name.split(|c: char| !(c.is_ascii_digit() || c == '.')).find(|word| !word.is_empty());
+        // The number of the sector, and behind a dot that of the blade or the passage in it.
+        let (sector, own) = numbers.map_or(("1", "0"), |word| word.split_once('.').unwrap_or((word, "0")));
+        let (sector, own) = (sector.parse::<u32>().ok()?.checked_sub(1)?, own.parse().ok()?);
+        let (blade, hub) = (BladeId::new(usize::from(own)), SurfaceKind::Hub(PassageId(own)));
+        let faces = blade.faces().into_iter().chain([0, 1].map(|end| blade.edge(end)));
+        let of_blade = [
+            SurfaceKind::Tip(blade),
+            SurfaceKind::InletEdge(blade),
+            SurfaceKind::OutletEdge(blade),
+            SurfaceKind::InletRoot(blade),
+            SurfaceKind::OutletRoot(blade),
+        ];
+        let turned = [hub, SurfaceKind::Rim, SurfaceKind::Back, SurfaceKind::Bore, SurfaceKind::Nose];
+        let kinds = faces.flat_map(|face| [SurfaceKind::Face(face), SurfaceKind::Fillet(face)]);
+        let mut ids = kinds.chain(of_blade).chain(turned).map(|kind| Self { kind, sector });
+        ids.find(|id| id.to_string() == name)
+    }
+
     /// True for milled surfaces.
     pub fn milled(self) -> bool {
         matches!(self.kind, SurfaceKind::Face(_) | SurfaceKind::Fillet(_) | SurfaceKind::Hub(_))
@@ -160,6 +181,34 @@ impl SurfaceClass {
             Self::Fillet => "fillet",
             Self::Hub => "hub",
             Self::Edge => "edge",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_gives_its_surface() {
+        let kinds = |own: u16| {
+            let blade = BladeId::new(usize::from(own));
+            let faces = blade.faces().map(SurfaceKind::Face).into_iter().chain(blade.faces().map(SurfaceKind::Fillet));
+            let turned = [SurfaceKind::Tip, SurfaceKind::InletEdge, SurfaceKind::OutletEdge].map(|of| of(blade));
+            let roots =
+                [SurfaceKind::InletRoot(blade), SurfaceKind::OutletRoot(blade), SurfaceKind::Hub(PassageId(own))];
+            faces.chain(turned).chain(roots)
+        };
+        for id in (0..3).flat_map(kinds).flat_map(|kind| [0, 1, 10].map(|sector| SurfaceId { kind, sector })) {
+            assert_eq!(SurfaceId::named(&id.to_string()), Some(id));
+        }
+        for (name, kind) in [("rim", SurfaceKind::Rim), ("back face", SurfaceKind::Back), ("nose", SurfaceKind::Nose)] {
+            assert_eq!(SurfaceId::named(name), Some(SurfaceId { kind, sector: 0 }));
+        }
+        for wrong in
+            ["", "vane", "vane 0 tip", "vane 1 hub", "vane 1.x tip", "vanes 1-2 tip", "hub of channel 99999999999"]
+        {
+            assert_eq!(SurfaceId::named(wrong), None, "{wrong}");
         }
     }
 }
