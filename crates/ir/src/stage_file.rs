@@ -83,24 +83,15 @@ impl StageValue {
     }
 }
 
-/// Stages that a file can begin at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-enum StageName {
-    Ir,
-    Cc,
-    Cl,
-    Motion,
-}
-
-impl StageName {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Ir => "ir",
-            Self::Cc => "cc",
-            Self::Cl => "cl",
-            Self::Motion => "motion",
-        }
+base::named! {
+    /// Stages that a file can begin at.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    enum StageName {
+        Ir = "ir",
+        Cc = "cc",
+        Cl = "cl",
+        Motion = "motion",
     }
 }
 

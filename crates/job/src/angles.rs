@@ -23,23 +23,14 @@ const EDGES: [&str; 2] = ["leading-edge", "trailing-edge"];
 /// Largest distance of the surfaces to the stated sections by default, mm.
 const FIT: f64 = 0.002;
 
-/// Direction from which beta is measured.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum BetaFrom {
-    /// The meridian.
-    Meridian,
-    /// The direction of growing theta.
-    Tangent,
-}
-
-impl BetaFrom {
-    const ALL: [Self; 2] = [Self::Meridian, Self::Tangent];
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Meridian => "meridian",
-            Self::Tangent => "tangent",
-        }
+base::named! {
+    /// Direction from which beta is measured.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    enum BetaFrom {
+        /// The meridian.
+        Meridian = "meridian",
+        /// The direction of growing theta.
+        Tangent = "tangent",
     }
 }
 

@@ -15,25 +15,14 @@ pub struct CurveSpec {
     pub span: Span,
 }
 
-/// Where a face looks, about Z and seen from +Z.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Looks {
-    /// Ahead in the sense of positive angles.
-    CounterClockwise,
-    /// The other way.
-    Clockwise,
-}
-
-impl Looks {
-    /// Both senses.
-    pub const ALL: [Self; 2] = [Self::CounterClockwise, Self::Clockwise];
-
-    /// Name in the job language.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::CounterClockwise => "counter-clockwise",
-            Self::Clockwise => "clockwise",
-        }
+base::named! {
+    /// Where a face looks, about Z and seen from +Z.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Looks {
+        /// Ahead in the sense of positive angles.
+        CounterClockwise = "counter-clockwise",
+        /// The other way.
+        Clockwise = "clockwise",
     }
 }
 

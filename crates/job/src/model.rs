@@ -125,28 +125,16 @@ impl PartialJob {
     }
 }
 
-/// Which rotary axes of a machine carry the tool, and which the part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MachineKind {
-    /// Both carry the part.
-    TableTable,
-    /// One carries the tool, one the part.
-    HeadTable,
-    /// Both carry the tool.
-    HeadHead,
-}
-
-impl MachineKind {
-    /// All kinds.
-    pub const ALL: [Self; 3] = [Self::TableTable, Self::HeadTable, Self::HeadHead];
-
-    /// Name in machine files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::TableTable => "table-table",
-            Self::HeadTable => "head-table",
-            Self::HeadHead => "head-head",
-        }
+base::named! {
+    /// Which rotary axes of a machine carry the tool, and which the part.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum MachineKind {
+        /// Both carry the part.
+        TableTable = "table-table",
+        /// One carries the tool, one the part.
+        HeadTable = "head-table",
+        /// Both carry the tool.
+        HeadHead = "head-head",
     }
 }
 
@@ -357,22 +345,14 @@ impl RevolvedSpec {
     }
 }
 
-/// How the curves of a face make its surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FaceForm {
-    /// Straight lines from root to tip.
-    Ruled,
-    /// A spline through root, sections and tip.
-    Lofted,
-}
-
-impl FaceForm {
-    /// All forms with their names in the job language.
-    pub const NAMES: [(Self, &'static str); 2] = [(Self::Ruled, "ruled"), (Self::Lofted, "lofted")];
-
-    /// Name in the job language.
-    pub fn name(self) -> &'static str {
-        Self::NAMES.into_iter().find(|n| n.0 == self).map_or("ruled", |n| n.1)
+base::named! {
+    /// How the curves of a face make its surface.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum FaceForm {
+        /// Straight lines from root to tip.
+        Ruled = "ruled",
+        /// A spline through root, sections and tip.
+        Lofted = "lofted",
     }
 }
 

@@ -434,10 +434,10 @@ fn face(word: &Name, values: &[&Value], cx: &mut Context<'_>) -> Option<FaceSpec
         );
         return None;
     };
-    let Some((form, _)) = FaceForm::NAMES.into_iter().find(|(_, name)| *name == kind.text) else {
+    let Some(form) = FaceForm::ALL.into_iter().find(|form| form.name() == kind.text) else {
         let diag =
             Diag::error(codes::NOT_IN_LANGUAGE, format!("faces of the kind `{}` are not in the language", kind.text));
-        let names = FaceForm::NAMES.map(|(_, name)| name);
+        let names = FaceForm::ALL.map(FaceForm::name);
         cx.sink.push(suggest(diag, &kind.text, kind.span, "kind of face", &names));
         return None;
     };

@@ -109,7 +109,7 @@ impl LibraryReader<'_> {
 
     fn frame(&mut self, frame: Frame, lines: &[SpannedText]) -> Vec<Template> {
         if let Some(line) = lines.get(MOST_LINES) {
-            let message = format!("the frame `{}` has more than {MOST_LINES} lines", frame.key());
+            let message = format!("the frame `{}` has more than {MOST_LINES} lines", frame.name());
             self.fault(self.span(line), message, "this line and those behind".to_owned(), "write a shorter frame");
         }
         let fields: Vec<Field> = frame.fields().collect();
@@ -179,8 +179,8 @@ impl LibraryReader<'_> {
             splines_span: table.text("splines").map(|text| self.span(&text)),
             smoothing: self.templates(table.table("smoothing")?, ["finish", "rough", "off"]),
             transformation: self.templates(table.table("transformation")?, ["angles", "vectors"]),
-            frames: Frame::ALL.map(|frame| self.frame(frame, &frames.texts(frame.key()).unwrap_or_default())),
-            end_span: frames.span(Frame::End.key(), self.source)?,
+            frames: Frame::ALL.map(|frame| self.frame(frame, &frames.texts(frame.name()).unwrap_or_default())),
+            end_span: frames.span(Frame::End.name(), self.source)?,
         };
         self.has_words(&post, &orientation);
         Some(post)

@@ -282,25 +282,18 @@ pub fn needed(program: &Program) -> f64 {
     sum(program, &estimate(program))
 }
 
-/// Figure that determines the distance between layers or lines.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Figure {
-    Depth,
-    Residual,
-    Stepover,
-    Scallop,
+base::named! {
+    /// Figure that determines the distance between layers or lines.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    enum Figure {
+        Depth = "depth",
+        Residual = "residual",
+        Stepover = "stepover",
+        Scallop = "scallop",
+    }
 }
 
 impl Figure {
-    fn name(self) -> &'static str {
-        match self {
-            Self::Depth => "depth",
-            Self::Residual => "residual",
-            Self::Stepover => "stepover",
-            Self::Scallop => "scallop",
-        }
-    }
-
     /// The figure of an operation; `None` where the operation has no such figure.
     fn of(self, kind: &mut OperationKind) -> Option<&mut Mm> {
         match (self, kind) {

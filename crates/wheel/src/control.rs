@@ -37,77 +37,45 @@ pub fn counts_in_part_frame(dialect: &str) -> bool {
     dialect == "apt-cl"
 }
 
-/// How blocks state the tool direction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Orientation {
-    /// By the positions of the rotary axes.
-    Angles,
-    /// By the vector from the tip to the holder in the part frame.
-    Vectors,
-}
-
-impl Orientation {
-    /// All.
-    pub const ALL: [Self; 2] = [Self::Angles, Self::Vectors];
-
-    /// The name in jobs and post files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Angles => "angles",
-            Self::Vectors => "vectors",
-        }
+base::named! {
+    /// How blocks state the tool direction.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Orientation {
+        /// By the positions of the rotary axes.
+        Angles = "angles",
+        /// By the vector from the tip to the holder in the part frame.
+        Vectors = "vectors",
     }
 }
 
-/// How the paths of finishing passes are written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum PathForm {
-    /// As straight blocks.
-    Lines,
-    /// As polynomials, on a control that has them.
-    Splines,
-}
-
-impl PathForm {
-    /// All.
-    pub const ALL: [Self; 2] = [Self::Lines, Self::Splines];
-
-    /// The name in jobs.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Lines => "lines",
-            Self::Splines => "splines",
-        }
+base::named! {
+    /// How the paths of finishing passes are written.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum PathForm {
+        /// As straight blocks.
+        Lines = "lines",
+        /// As polynomials, on a control that has them.
+        Splines = "splines",
     }
 }
 
-/// Spline blocks of a control for five axes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum SplineForm {
-    /// Polynomials of tip and second point: POLY with ORICURVE, up to degree five (Siemens).
-    Poly,
-    /// Cubics of tip and rotary axes: SPL (HEIDENHAIN iTNC 530).
-    Spl,
-    /// Curves of tip and second point: MOVNRB, up to degree five (CL data).
-    Movnrb,
+base::named! {
+    /// Spline blocks of a control for five axes.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum SplineForm {
+        /// Polynomials of tip and second point: POLY with ORICURVE, up to degree five (Siemens).
+        Poly = "poly",
+        /// Cubics of tip and rotary axes: SPL (HEIDENHAIN iTNC 530).
+        Spl = "spl",
+        /// Curves of tip and second point: MOVNRB, up to degree five (CL data).
+        Movnrb = "movnrb",
+    }
 }
 
 impl SplineForm {
-    /// All.
-    pub const ALL: [Self; 3] = [Self::Poly, Self::Spl, Self::Movnrb];
-
-    /// The name in post files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Poly => "poly",
-            Self::Spl => "spl",
-            Self::Movnrb => "movnrb",
-        }
-    }
-
     /// Degree of its polynomials.
     pub fn degree(self) -> usize {
         match self {
@@ -117,26 +85,15 @@ impl SplineForm {
     }
 }
 
-/// How the text says what several sectors repeat.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Sectors {
-    /// Move by move in every sector.
-    Inline,
-    /// Once, and called for each sector with the work frame turned to it.
-    Subprogram,
-}
-
-impl Sectors {
-    /// All.
-    pub const ALL: [Self; 2] = [Self::Inline, Self::Subprogram];
-
-    /// The name in jobs.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Inline => "inline",
-            Self::Subprogram => "subprogram",
-        }
+base::named! {
+    /// How the text says what several sectors repeat.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Sectors {
+        /// Move by move in every sector.
+        Inline = "inline",
+        /// Once, and called for each sector with the work frame turned to it.
+        Subprogram = "subprogram",
     }
 }
 

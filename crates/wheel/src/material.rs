@@ -7,20 +7,22 @@
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 
-/// Material of the stock.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Material {
-    /// Wrought aluminium.
-    Aluminium,
-    /// Unalloyed and low-alloy steel.
-    Steel,
-    /// Austenitic stainless steel.
-    Stainless,
-    /// Titanium alloy.
-    Titanium,
-    /// Nickel alloy.
-    Nickel,
+base::named! {
+    /// Material of the stock.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Material {
+        /// Wrought aluminium.
+        Aluminium = "aluminium",
+        /// Unalloyed and low-alloy steel.
+        Steel = "steel",
+        /// Austenitic stainless steel.
+        Stainless = "stainless",
+        /// Titanium alloy.
+        Titanium = "titanium",
+        /// Nickel alloy.
+        Nickel = "nickel",
+    }
 }
 
 /// Exponent of the thickness of the chip in the specific cutting force.
@@ -30,20 +32,6 @@ const EXPONENT: f64 = 0.25;
 const KILOWATT: f64 = 6e7;
 
 impl Material {
-    /// All materials.
-    pub const ALL: [Self; 5] = [Self::Aluminium, Self::Steel, Self::Stainless, Self::Titanium, Self::Nickel];
-
-    /// Name in the job language.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Aluminium => "aluminium",
-            Self::Steel => "steel",
-            Self::Stainless => "stainless",
-            Self::Titanium => "titanium",
-            Self::Nickel => "nickel",
-        }
-    }
-
     /// Share of the usual limits of a tool, which are those for aluminium.
     pub fn share(self) -> f64 {
         match self {

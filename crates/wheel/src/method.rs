@@ -3,26 +3,15 @@
 use base::units::Rad;
 use serde::{Deserialize, Serialize};
 
-/// Spacing of the lines on a floor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Spacing {
-    /// Everywhere the distance that the scallop height allows; new lines begin where the channel widens.
-    ConstantScallop,
-    /// Equal shares of the arc between the walls (Wei 13): the widest place decides the number of lines everywhere.
-    EqualDivision,
-}
-
-impl Spacing {
-    /// All methods, the default first.
-    pub const ALL: [Self; 2] = [Self::ConstantScallop, Self::EqualDivision];
-
-    /// Name in the job language.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::ConstantScallop => "constant-scallop",
-            Self::EqualDivision => "equal-division",
-        }
+base::named! {
+    /// Spacing of the lines on a floor.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Spacing {
+        /// Everywhere the distance that the scallop height allows; new lines begin where the channel widens.
+        ConstantScallop = "constant-scallop",
+        /// Equal shares of the arc between the walls (Wei 13): the widest place decides the number of lines everywhere.
+        EqualDivision = "equal-division",
     }
 }
 
@@ -55,52 +44,29 @@ impl Lines {
     }
 }
 
-/// Surfaces on which the tip of a roughing tool runs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Levels {
-    /// At constant heights over the hub. The top levels end where the vanes are lower.
-    Hub,
-    /// At constant depths under the shroud. The lowest levels end where they meet the hub; the hub is the last level.
-    Shroud,
-    /// At equal shares of the height from hub to shroud (Wei 3.1).
-    Morph,
-}
-
-impl Levels {
-    /// All of them, the default first.
-    pub const ALL: [Self; 3] = [Self::Hub, Self::Shroud, Self::Morph];
-
-    /// Name in the job language.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Hub => "from-hub",
-            Self::Shroud => "from-shroud",
-            Self::Morph => "morph",
-        }
+base::named! {
+    /// Surfaces on which the tip of a roughing tool runs.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Levels {
+        /// At constant heights over the hub. The top levels end where the vanes are lower.
+        Hub = "from-hub",
+        /// At constant depths under the shroud. The lowest levels end where they meet the hub; the hub is the last level.
+        Shroud = "from-shroud",
+        /// At equal shares of the height from hub to shroud (Wei 3.1).
+        Morph = "morph",
     }
 }
 
-/// Sense in which the side of a cutter meets the material. The spindle turns clockwise as seen from its drive (M3).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Milling {
-    /// The teeth enter at the full chip: the material lies to the right of the motion of a tool that turns clockwise.
-    Climb,
-    /// The teeth leave at the full chip.
-    Conventional,
-}
-
-impl Milling {
-    /// Both, the default first.
-    pub const ALL: [Self; 2] = [Self::Climb, Self::Conventional];
-
-    /// Name in the job language.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Climb => "climb",
-            Self::Conventional => "conventional",
-        }
+base::named! {
+    /// Sense in which the side of a cutter meets the material. The spindle turns clockwise as seen from its drive (M3).
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Milling {
+        /// The teeth enter at the full chip: the material lies to the right of the motion of a tool that turns clockwise.
+        Climb = "climb",
+        /// The teeth leave at the full chip.
+        Conventional = "conventional",
     }
 }
 
@@ -138,26 +104,15 @@ impl Slots {
     }
 }
 
-/// Order in which the faces of a blade are finished.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum FaceOrder {
-    /// One face after the other.
-    Faces,
-    /// Level by level, on all faces before the next level: the blade stays stiff below the level.
-    Levels,
-}
-
-impl FaceOrder {
-    /// Both, the default first.
-    pub const ALL: [Self; 2] = [Self::Faces, Self::Levels];
-
-    /// Name in the job language.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Faces => "faces",
-            Self::Levels => "levels",
-        }
+base::named! {
+    /// Order in which the faces of a blade are finished.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum FaceOrder {
+        /// One face after the other.
+        Faces = "faces",
+        /// Level by level, on all faces before the next level: the blade stays stiff below the level.
+        Levels = "levels",
     }
 }
 
@@ -194,78 +149,43 @@ impl AxisMethod {
     }
 }
 
-/// Method by which the side of a cutter finishes a face.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum FlankMethod {
-    /// The axis path whose swept envelope is nearest to the face; of the paths within the bounds the smoothest.
-    Minimax,
-    /// Offsets of both ends of each ruling, connected (Wei 10 to 12).
-    TwoPoint,
-    /// The offset of the middle of each ruling, the axis along the ruling (Liu 1995).
-    OnePoint,
-}
-
-impl FlankMethod {
-    /// All methods, the default first.
-    pub const ALL: [Self; 3] = [Self::Minimax, Self::TwoPoint, Self::OnePoint];
-
-    /// Name in the job language.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Minimax => "minimax",
-            Self::TwoPoint => "two-point",
-            Self::OnePoint => "one-point",
-        }
+base::named! {
+    /// Method by which the side of a cutter finishes a face.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum FlankMethod {
+        /// The axis path whose swept envelope is nearest to the face; of the paths within the bounds the smoothest.
+        Minimax = "minimax",
+        /// Offsets of both ends of each ruling, connected (Wei 10 to 12).
+        TwoPoint = "two-point",
+        /// The offset of the middle of each ruling, the axis along the ruling (Liu 1995).
+        OnePoint = "one-point",
     }
 }
 
-/// Side of a face on which the deviation of `minimax` may lie.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ErrorSide {
-    /// On both sides.
-    Both,
-    /// Only on the side of excess: no gouge.
-    Excess,
-}
-
-impl ErrorSide {
-    /// All sides, the default first.
-    pub const ALL: [Self; 2] = [Self::Both, Self::Excess];
-
-    /// Name in the job language.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Both => "both",
-            Self::Excess => "excess",
-        }
+base::named! {
+    /// Side of a face on which the deviation of `minimax` may lie.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum ErrorSide {
+        /// On both sides.
+        Both = "both",
+        /// Only on the side of excess: no gouge.
+        Excess = "excess",
     }
 }
 
-/// The bound that `minimax` relaxes where a pass cannot keep the bounds of gouge and excess.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Conflict {
-    /// Both bounds, evenly.
-    Balance,
-    /// Only the bound of excess.
-    GougeFree,
-    /// The bounds between both edges of a strip; the tool touches the edges.
-    ContactBoth,
-}
-
-impl Conflict {
-    /// All conflict rules, the default first.
-    pub const ALL: [Self; 3] = [Self::Balance, Self::GougeFree, Self::ContactBoth];
-
-    /// Name in the job language.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Balance => "balance",
-            Self::GougeFree => "gouge-free",
-            Self::ContactBoth => "contact-both",
-        }
+base::named! {
+    /// The bound that `minimax` relaxes where a pass cannot keep the bounds of gouge and excess.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Conflict {
+        /// Both bounds, evenly.
+        Balance = "balance",
+        /// Only the bound of excess.
+        GougeFree = "gouge-free",
+        /// The bounds between both edges of a strip; the tool touches the edges.
+        ContactBoth = "contact-both",
     }
 }
 

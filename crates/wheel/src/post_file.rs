@@ -45,28 +45,19 @@ pub struct PostFile {
     pub end_span: Span,
 }
 
-/// Ends of lines in NC text.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum LineEnd {
-    /// Line feed.
-    Lf,
-    /// Carriage return and line feed.
-    CrLf,
+base::named! {
+    /// Ends of lines in NC text.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum LineEnd {
+        /// Line feed.
+        Lf = "lf",
+        /// Carriage return and line feed.
+        CrLf = "crlf",
+    }
 }
 
 impl LineEnd {
-    /// All.
-    pub const ALL: [Self; 2] = [Self::Lf, Self::CrLf];
-
-    /// The name in jobs and post files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Lf => "lf",
-            Self::CrLf => "crlf",
-        }
-    }
-
     /// The characters.
     pub fn text(self) -> &'static str {
         match self {
@@ -83,36 +74,24 @@ impl PostFile {
     }
 }
 
-/// A part of the program that templates make.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Frame {
-    /// Before the comments of the head.
-    Start,
-    /// Behind these comments.
-    Head,
-    /// Before the moves of an operation: retract, tool, spindle, positions of the axes, transformation.
-    OperationStart,
-    /// Behind the moves of an operation.
-    OperationEnd,
-    /// End of the program.
-    End,
+base::named! {
+    /// A part of the program that templates make.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Frame {
+        /// Before the comments of the head.
+        Start = "start",
+        /// Behind these comments.
+        Head = "head",
+        /// Before the moves of an operation: retract, tool, spindle, positions of the axes, transformation.
+        OperationStart = "operation-start",
+        /// Behind the moves of an operation.
+        OperationEnd = "operation-end",
+        /// End of the program.
+        End = "end",
+    }
 }
 
 impl Frame {
-    /// All, in the order of the program.
-    pub const ALL: [Self; 5] = [Self::Start, Self::Head, Self::OperationStart, Self::OperationEnd, Self::End];
-
-    /// Its key in post files.
-    pub fn key(self) -> &'static str {
-        match self {
-            Self::Start => "start",
-            Self::Head => "head",
-            Self::OperationStart => "operation-start",
-            Self::OperationEnd => "operation-end",
-            Self::End => "end",
-        }
-    }
-
     /// The fields that a template of this frame may name.
     pub fn fields(self) -> impl Iterator<Item = Field> {
         Field::ALL.into_iter().filter(move |field| field.scope().contains(&self))
@@ -224,159 +203,83 @@ impl Template {
     }
 }
 
-/// A value that a template can name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Field {
-    /// Name of the part.
-    ProgramName,
-    /// The same in capitals, with `_` in the place of `-`: a file name of the control.
-    ProgramFile,
-    /// Number of the program, four digits.
-    ProgramNumber,
-    /// The work offset of the part.
-    WorkOffset,
-    /// Its number in G10 L2 of LinuxCNC.
-    WorkOffsetNumber,
-    /// Machine Z of the gauge line at the retract height.
-    Retract,
-    /// Words that end smoothing.
-    SmoothingOff,
-    /// Name of the operation.
-    OperationName,
-    /// Name of the tool.
-    ToolName,
-    /// Number of the tool.
-    ToolNumber,
-    /// Length of the tool from the tip to the gauge line.
-    ToolLength,
-    /// Spindle speed, rpm.
-    Spindle,
-    /// Words that smooth within the tolerances of the operation.
-    Smoothing,
-    /// Path tolerance of the operation.
-    Tolerance,
-    /// Path tolerance in finishing, the finest of all operations.
-    FinishTolerance,
-    /// Orientation tolerance of the operation, degrees.
-    OrientationTolerance,
-    /// Words of both rotary axes where tool centre point control is switched on: at the first target, or on controls that
-    /// fix the work frame to the table there, with the tables at zero.
-    Rotary,
-    /// Words of both rotary axes at zero.
-    RotaryZero,
-    /// Machine X over the first target.
-    X,
-    /// Machine Y over the first target.
-    Y,
-    /// Machine Z of the gauge line after the operation.
-    Z,
-    /// Words that switch tool centre point control on.
-    Transformation,
-    /// Tip of the tool at the first station, part frame: three numbers with commas.
-    StartTip,
-    /// Vector from the tip to the holder there.
-    StartAxis,
-    /// Tip of the tool at the last station.
-    EndTip,
-    /// Vector from the tip to the holder there.
-    EndAxis,
-    /// The APT statement of the cutter; no text for a cutter that its seven numbers cannot describe.
-    Cutter,
-    /// Word that unclamps rotary axis 1; no text for an axis without a clamp.
-    Unclamp1,
-    /// The same for rotary axis 2.
-    Unclamp2,
-    /// Word that clamps rotary axis 1.
-    Clamp1,
-    /// The same for rotary axis 2.
-    Clamp2,
-    /// Machine X where the machine parks; a line is left out where the machine file does not say it.
-    HomeX,
-    /// Machine Y where the machine parks.
-    HomeY,
-    /// Machine Z of the gauge line where the machine parks: the retract height where the machine file does not say it.
-    HomeZ,
+base::named! {
+    /// A value that a template can name.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Field {
+        /// Name of the part.
+        ProgramName = "program.name",
+        /// The same in capitals, with `_` in the place of `-`: a file name of the control.
+        ProgramFile = "program.file",
+        /// Number of the program, four digits.
+        ProgramNumber = "program.number",
+        /// The work offset of the part.
+        WorkOffset = "work-offset",
+        /// Its number in G10 L2 of LinuxCNC.
+        WorkOffsetNumber = "work-offset.number",
+        /// Machine Z of the gauge line at the retract height.
+        Retract = "retract",
+        /// Words that end smoothing.
+        SmoothingOff = "smoothing-off",
+        /// Name of the operation.
+        OperationName = "operation.name",
+        /// Name of the tool.
+        ToolName = "tool.name",
+        /// Number of the tool.
+        ToolNumber = "tool.number",
+        /// Length of the tool from the tip to the gauge line.
+        ToolLength = "tool.length",
+        /// Spindle speed, rpm.
+        Spindle = "spindle",
+        /// Words that smooth within the tolerances of the operation.
+        Smoothing = "smoothing",
+        /// Path tolerance of the operation.
+        Tolerance = "tolerance",
+        /// Path tolerance in finishing, the finest of all operations.
+        FinishTolerance = "finish-tolerance",
+        /// Orientation tolerance of the operation, degrees.
+        OrientationTolerance = "orientation-tolerance",
+        /// Words of both rotary axes where tool centre point control is switched on: at the first target, or on controls that
+        /// fix the work frame to the table there, with the tables at zero.
+        Rotary = "rotary",
+        /// Words of both rotary axes at zero.
+        RotaryZero = "rotary-zero",
+        /// Machine X over the first target.
+        X = "x",
+        /// Machine Y over the first target.
+        Y = "y",
+        /// Machine Z of the gauge line after the operation.
+        Z = "z",
+        /// Words that switch tool centre point control on.
+        Transformation = "transformation",
+        /// Tip of the tool at the first station, part frame: three numbers with commas.
+        StartTip = "start-tip",
+        /// Vector from the tip to the holder there.
+        StartAxis = "start-axis",
+        /// Tip of the tool at the last station.
+        EndTip = "end-tip",
+        /// Vector from the tip to the holder there.
+        EndAxis = "end-axis",
+        /// The APT statement of the cutter; no text for a cutter that its seven numbers cannot describe.
+        Cutter = "cutter",
+        /// Word that unclamps rotary axis 1; no text for an axis without a clamp.
+        Unclamp1 = "unclamp.1",
+        /// The same for rotary axis 2.
+        Unclamp2 = "unclamp.2",
+        /// Word that clamps rotary axis 1.
+        Clamp1 = "clamp.1",
+        /// The same for rotary axis 2.
+        Clamp2 = "clamp.2",
+        /// Machine X where the machine parks; a line is left out where the machine file does not say it.
+        HomeX = "home.x",
+        /// Machine Y where the machine parks.
+        HomeY = "home.y",
+        /// Machine Z of the gauge line where the machine parks: the retract height where the machine file does not say it.
+        HomeZ = "home.z",
+    }
 }
 
 impl Field {
-    /// All.
-    pub const ALL: [Self; 34] = [
-        Self::ProgramName,
-        Self::ProgramFile,
-        Self::ProgramNumber,
-        Self::WorkOffset,
-        Self::WorkOffsetNumber,
-        Self::Retract,
-        Self::SmoothingOff,
-        Self::OperationName,
-        Self::ToolName,
-        Self::ToolNumber,
-        Self::ToolLength,
-        Self::Spindle,
-        Self::Smoothing,
-        Self::Tolerance,
-        Self::FinishTolerance,
-        Self::OrientationTolerance,
-        Self::Rotary,
-        Self::RotaryZero,
-        Self::X,
-        Self::Y,
-        Self::Z,
-        Self::Transformation,
-        Self::StartTip,
-        Self::StartAxis,
-        Self::EndTip,
-        Self::EndAxis,
-        Self::Cutter,
-        Self::Unclamp1,
-        Self::Unclamp2,
-        Self::Clamp1,
-        Self::Clamp2,
-        Self::HomeX,
-        Self::HomeY,
-        Self::HomeZ,
-    ];
-
-    /// Its name in templates.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::ProgramName => "program.name",
-            Self::ProgramFile => "program.file",
-            Self::ProgramNumber => "program.number",
-            Self::WorkOffset => "work-offset",
-            Self::WorkOffsetNumber => "work-offset.number",
-            Self::Retract => "retract",
-            Self::SmoothingOff => "smoothing-off",
-            Self::OperationName => "operation.name",
-            Self::ToolName => "tool.name",
-            Self::ToolNumber => "tool.number",
-            Self::ToolLength => "tool.length",
-            Self::Spindle => "spindle",
-            Self::Smoothing => "smoothing",
-            Self::Tolerance => "tolerance",
-            Self::FinishTolerance => "finish-tolerance",
-            Self::OrientationTolerance => "orientation-tolerance",
-            Self::Rotary => "rotary",
-            Self::RotaryZero => "rotary-zero",
-            Self::X => "x",
-            Self::Y => "y",
-            Self::Z => "z",
-            Self::Transformation => "transformation",
-            Self::StartTip => "start-tip",
-            Self::StartAxis => "start-axis",
-            Self::EndTip => "end-tip",
-            Self::EndAxis => "end-axis",
-            Self::Cutter => "cutter",
-            Self::Unclamp1 => "unclamp.1",
-            Self::Unclamp2 => "unclamp.2",
-            Self::Clamp1 => "clamp.1",
-            Self::Clamp2 => "clamp.2",
-            Self::HomeX => "home.x",
-            Self::HomeY => "home.y",
-            Self::HomeZ => "home.z",
-        }
-    }
-
     /// The frames in which the value exists.
     fn scope(self) -> &'static [Frame] {
         use Frame::{End, Head, OperationEnd, OperationStart, Start};

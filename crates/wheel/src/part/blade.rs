@@ -104,23 +104,15 @@ impl FaceId {
     }
 }
 
-/// End of a ruling.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum RulingEnd {
-    /// At the hub.
-    Root,
-    /// At the shroud.
-    Tip,
-}
-
-impl RulingEnd {
-    /// Name in the job language.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Root => "root",
-            Self::Tip => "tip",
-        }
+base::named! {
+    /// End of a ruling.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum RulingEnd {
+        /// At the hub.
+        Root = "root",
+        /// At the shroud.
+        Tip = "tip",
     }
 }
 

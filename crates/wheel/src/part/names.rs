@@ -153,35 +153,21 @@ impl SurfaceKind {
     }
 }
 
-/// Surfaces that a scope can name; each class exists in every sector.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum SurfaceClass {
-    /// Pressure faces.
-    Pressure,
-    /// Suction faces.
-    Suction,
-    /// Fillets of both sides.
-    Fillet,
-    /// The hub.
-    Hub,
-    /// The tips and edges of the vanes, turned or milled.
-    Edge,
-}
-
-impl SurfaceClass {
-    /// All classes; the first four are milled.
-    pub const ALL: [Self; 5] = [Self::Pressure, Self::Suction, Self::Fillet, Self::Hub, Self::Edge];
-
-    /// Name in the job language.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Pressure => "pressure",
-            Self::Suction => "suction",
-            Self::Fillet => "fillet",
-            Self::Hub => "hub",
-            Self::Edge => "edge",
-        }
+base::named! {
+    /// Surfaces that a scope can name; each class exists in every sector.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum SurfaceClass {
+        /// Pressure faces.
+        Pressure = "pressure",
+        /// Suction faces.
+        Suction = "suction",
+        /// Fillets of both sides.
+        Fillet = "fillet",
+        /// The hub.
+        Hub = "hub",
+        /// The tips and edges of the vanes, turned or milled.
+        Edge = "edge",
     }
 }
 
