@@ -132,6 +132,15 @@ fn what_follows_from_a_fault_is_not_told_again() {
     assert_eq!(read(&broken).unwrap_err().len(), MOST_FAULTS);
 }
 
+/// Causes that do not follow from each other are told at once.
+#[test]
+fn all_that_is_missing_is_told() {
+    let bare = CL.replacen("COOLNT/FLOOD\n", "", 1).replacen("LINTOL/0.001\n", "", 1);
+    let faults = read(&bare).unwrap_err();
+    assert!(faults.len() == 2 && faults[0].line == faults[1].line, "{faults:?}");
+    assert!(faults[0].reason.contains("COOLNT/FLOOD") && faults[1].reason.contains("LINTOL"), "{faults:?}");
+}
+
 /// The stroke with two curves of order 3 in two spans, and GOTO along them.
 static CURVES: LazyLock<String> = LazyLock::new(|| {
     let axis = "0.17101007,-0.46984631,0.86602540";
@@ -169,6 +178,16 @@ fn curves_are_read_span_by_span() {
     }
     // The motion goes on where the curves end.
     assert!((sections[0].moves.len(), sections[0].moves[4].tip.x) == (5, 29.0));
+}
+
+/// Curves cut as GOTO do: behind them the tool is in the part.
+#[test]
+fn the_speed_does_not_change_behind_curves() {
+    let rapid = CURVES.replacen("FEDRAT/1000.0,MMPM\nGOTO/30.0", "RAPID\nGOTO/30.0", 1);
+    let fast = rapid.replacen("MOVNRB/5AXIS", "FEDRAT/1000.0,MMPM\nMOVNRB/5AXIS", 1);
+    assert!(read(&fast).is_ok(), "{:?}", read(&fast));
+    let faults = read(&fast.replacen("FEDRAT/250.0", "SPINDL/RPM,7000,CLW\nFEDRAT/250.0", 1)).unwrap_err();
+    assert!(faults.len() == 1 && faults[0].reason.contains("the speed of the spindle changes"), "{faults:?}");
 }
 
 #[test]

@@ -16,26 +16,17 @@ mod spindle;
 
 use self::movnrb::Movnrb;
 use super::statements::{self, Statement};
-use crate::control::{MOST_FAULTS, number, shown};
-use crate::nc::{Direction, ENDS_HERE, NcMove, NcPlace, NcPose, NcRetract, NcSection, NcStation, NcTool, ReadError};
+use crate::control::modal::{ModalGroup, Setting};
+use crate::control::{
+    FARTHEST, FASTEST, ProgramState, Smoothing, SmoothingTolerance, WIDEST_TOLERANCE_MM, number, shown, within,
+};
+use crate::nc::{Direction, NcMove, NcPlace, NcPose, NcRetract, NcSection, NcStation, NcTool, ReadError};
 use crate::tool_shape::{NcCutter, NcToolShape};
-use five_axis::{Interpolation, Machine, PoseCurve};
+use five_axis::{Machine, PoseCurve};
 use nalgebra::{Point3, Vector3};
-
-/// Most moves of one text: it bounds the memory of the checks that follow.
-const MOST_MOVES: usize = 4_000_000;
-
-/// Largest coordinate, mm: larger than any machine.
-const FARTHEST: f64 = 1e5;
-
-/// Largest feed, mm/min, and spindle speed, rpm.
-const FASTEST: f64 = 1e6;
 
 /// Largest number of a tool.
 const LARGEST_TOOL: f64 = 1e8;
-
-/// Widest tolerance of the path, mm.
-const WIDEST: f64 = 10.0;
 
 /// Largest error of the length of a direction vector: vectors of other lengths are not meant as directions.
 const UNIT: f64 = 1e-4;
@@ -48,62 +39,31 @@ pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<
     let mut state = State::new(machine);
     let mut last = 1;
     statements::each(text, |line, found| {
-        (state.line, state.quiet, last) = (line, false, line);
+        last = line;
+        state.program.begin_line(line);
         match found {
             Ok(statement) => state.run(&statement),
-            Err(reason) => state.fault(reason),
+            Err(reason) => state.program.fault(reason),
         }
-        state.faults.len() < MOST_FAULTS
+        !state.program.is_full()
     });
-    if !state.ended && state.faults.len() < MOST_FAULTS {
-        (state.line, state.quiet) = (text.lines().count().max(last), false);
-        state.fault(format!("{ENDS_HERE}FINI"));
-    }
-    if state.faults.is_empty() { Ok(state.sections) } else { Err(state.faults) }
+    state.program.finished(text.lines().count().max(last), "FINI")
 }
 
-/// The spindle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Spindle {
-    Unknown,
-    Off,
-    /// Speed, rpm; clockwise or not; line.
-    On(f64, bool, usize),
-}
-
-/// Coolant.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Coolant {
-    Unknown,
-    Off,
-    /// Line.
-    On(usize),
-}
-
-/// The moves with the tool that is loaded.
+/// The way with the tool that is loaded.
 struct Path {
-    /// FROM.
-    from: NcPose,
-    /// Where the tool stands.
+    /// Where the tool stands; at the start that is FROM.
     at: NcPose,
+    /// The first GOTO, which goes to the pose of FROM, is behind.
+    begun: bool,
     /// The path has a move at feed.
     cuts: bool,
-    /// Line of the first GOTO, which goes to the pose of FROM.
-    start: Option<usize>,
-    moves: Vec<NcMove>,
 }
 
 struct State<'a> {
     machine: &'a Machine,
-    line: usize,
-    millimetres: bool,
-    multax: bool,
-    tool: Option<u32>,
+    program: ProgramState,
     shape: NcToolShape,
-    spindle: Spindle,
-    coolant: Coolant,
-    tolerance: Option<f64>,
-    feed: Option<f64>,
     /// RAPID stands before this statement, in this line.
     rapid: Option<usize>,
     path: Option<Path>,
@@ -111,73 +71,29 @@ struct State<'a> {
     curves: Option<Movnrb>,
     /// The first statement is behind.
     begun: bool,
-    ended: bool,
-    sections: Vec<NcSection>,
-    moves: usize,
-    faults: Vec<ReadError>,
-    /// The statement has a fault already.
-    quiet: bool,
-    /// Faults that are reported once, since each following statement would have them.
-    reported: Vec<&'static str>,
 }
 
 impl<'a> State<'a> {
     fn new(machine: &'a Machine) -> Self {
-        Self {
-            machine,
-            line: 0,
-            millimetres: false,
-            multax: false,
-            tool: None,
-            shape: NcToolShape::default(),
-            spindle: Spindle::Unknown,
-            coolant: Coolant::Unknown,
-            tolerance: None,
-            feed: None,
-            rapid: None,
-            path: None,
-            curves: None,
-            begun: false,
-            ended: false,
-            sections: Vec::new(),
-            moves: 0,
-            faults: Vec::new(),
-            quiet: false,
-            reported: Vec::new(),
-        }
-    }
-
-    /// Reports a fault unless the statement has one already.
-    fn fault(&mut self, reason: impl Into<String>) {
-        if !self.quiet && self.faults.len() < MOST_FAULTS {
-            self.faults.push(ReadError { line: self.line, reason: reason.into() });
-        }
-        self.quiet = true;
-    }
-
-    /// Reports once what each following statement would report as well.
-    fn fault_once(&mut self, about: &'static str, reason: impl Into<String>) {
-        if !self.reported.contains(&about) {
-            self.reported.push(about);
-            self.fault(reason);
-        }
+        let (program, shape) = (ProgramState::new(), NcToolShape::default());
+        Self { machine, program, shape, rapid: None, path: None, curves: None, begun: false }
     }
 
     fn run(&mut self, statement: &Statement<'_>) {
-        if self.ended {
-            return self.fault_once("ended", "a statement behind FINI");
+        if self.program.ended {
+            return self.program.fault_once("ended", "a statement behind FINI");
         }
         let first = !std::mem::replace(&mut self.begun, true);
         let rapid = self.rapid.take();
         if let Some(line) = rapid.filter(|_| statement.word != "GOTO") {
-            self.fault(format!(
+            self.program.fault(format!(
                 "`{}` between RAPID in line {line} and its GOTO: post-processors differ in what RAPID counts for; write RAPID \
                  right before GOTO",
                 shown(statement.word, 10)
             ));
         }
         if let Err(reason) = self.statement(statement, first, rapid.is_some()) {
-            self.fault(reason);
+            self.program.fault(reason);
         }
     }
 
@@ -201,7 +117,7 @@ impl<'a> State<'a> {
             ("PARTNO", _) => Self::name(first),
             ("PPRINT", _) => Ok(()),
             ("RAPID", false) => {
-                self.rapid = Some(self.line);
+                self.rapid = Some(self.program.line);
                 Ok(())
             }
             ("FINI", false) => {
@@ -221,7 +137,7 @@ impl<'a> State<'a> {
             ("SPINDL", true) => self.spindle(values),
             ("COOLNT", true) => self.coolant(values),
             ("FEDRAT", true) => self.feed(values),
-            ("LINTOL", true) => self.tolerance(values),
+            ("LINTOL", true) => self.lintol(values),
             ("STOP" | "OPSTOP", false) | ("DELAY", true) => self.wait(word, values),
             (
                 "GOTO" | "MOVNRB" | "FROM" | "UNITS" | "MULTAX" | "MACHIN" | "LOADTL" | "CUTTER" | "SPINDL" | "COOLNT"
@@ -242,7 +158,7 @@ impl<'a> State<'a> {
     fn units(&mut self, values: &[&str]) -> Result<(), String> {
         match values {
             ["MM"] => {
-                self.millimetres = true;
+                self.program.say(ModalGroup::Units, "MM");
                 Ok(())
             }
             ["INCH" | "INCHES" | "CM" | "FEET"] => {
@@ -254,18 +170,27 @@ impl<'a> State<'a> {
 
     /// Without UNITS a length is in the units that the processor was left in.
     fn needs_units(&mut self) {
-        if !self.millimetres {
-            self.fault_once("units", "no statement before this one says in which units lengths are: write UNITS/MM");
+        if self.program.setting(ModalGroup::Units) == Setting::Unknown {
+            self.program
+                .fault_once("units", "no statement before this one says in which units lengths are: write UNITS/MM");
         }
     }
 
     fn multax(&mut self, values: &[&str]) -> Result<(), String> {
-        self.multax = match values {
-            ["ON"] => true,
-            ["OFF"] => false,
+        let word = match values {
+            ["ON"] => "ON",
+            ["OFF"] => "OFF",
             _ => return Err(format!("`MULTAX/{}` is not understood: write MULTAX/ON", listed(values))),
         };
+        self.program.say(ModalGroup::Turning, word);
         Ok(())
+    }
+
+    /// Without MULTAX a processor may leave the direction out.
+    fn needs_multax(&mut self) {
+        if !matches!(self.program.setting(ModalGroup::Turning), Setting::Said("ON", _)) {
+            self.program.fault_once("multax", "no statement before says that the tool tilts: write MULTAX/ON");
+        }
     }
 
     /// The name of a post-processor, and its number.
@@ -283,17 +208,16 @@ impl<'a> State<'a> {
     fn load(&mut self, values: &[&str]) -> Result<(), String> {
         self.leave();
         // Whatever the statement says, the tool before is no longer known.
-        (self.tool, self.shape) = (None, NcToolShape::default());
-        (self.spindle, self.coolant, self.feed) = (Spindle::Unknown, Coolant::Unknown, None);
+        (self.program.tool, self.program.feed, self.shape) = (None, None, NcToolShape::default());
+        self.stop_unsaid();
+        self.program.forget(ModalGroup::Coolant);
         let Some((tool, mut rest)) = values.split_first() else { return Err("LOADTL without a tool".to_owned()) };
-        let tool = self.tool_number(tool)?;
+        let tool = tool_number(tool)?;
         let mut register = None;
         while let [key, value, more @ ..] = rest {
             match *key {
-                "LENGTH" if self.shape.length.is_none() => {
-                    self.shape.length = Some(self.positive(key, value, FARTHEST)?)
-                }
-                "OSETNO" if register.is_none() => register = Some(self.tool_number(value)?),
+                "LENGTH" if self.shape.length.is_none() => self.shape.length = Some(positive(key, value, FARTHEST)?),
+                "OSETNO" if register.is_none() => register = Some(tool_number(value)?),
                 "LENGTH" | "OSETNO" => return Err(format!("`{key}` occurs twice in one statement")),
                 _ => return Err(format!("`{}` of LOADTL is not understood", shown(key, 20))),
             }
@@ -302,7 +226,7 @@ impl<'a> State<'a> {
         if let [key] = rest {
             return Err(format!("`{}` of LOADTL is not understood", shown(key, 20)));
         }
-        self.tool = Some(tool);
+        self.program.tool = Some(NcTool::Number(tool));
         if self.shape.length.is_none() {
             return Err(format!(
                 "LOADTL without the length of the tool from tip to gauge line: write LOADTL/{tool},LENGTH and the length"
@@ -317,26 +241,8 @@ impl<'a> State<'a> {
         }
     }
 
-    fn tool_number(&self, text: &str) -> Result<u32, String> {
-        let value = number(text)?;
-        if value.fract() == 0.0 && (1.0..=LARGEST_TOOL).contains(&value) {
-            Ok(value as u32)
-        } else {
-            Err(format!("`{}` is no number of a tool", shown(text, 20)))
-        }
-    }
-
-    fn positive(&self, name: &str, text: &str, most: f64) -> Result<f64, String> {
-        let value = number(text).map_err(|reason| format!("{name}: {reason}"))?;
-        if value > 0.0 && value <= most {
-            Ok(value)
-        } else {
-            Err(format!("{name} = {value} is out of range: more than 0, at most {most:.0}"))
-        }
-    }
-
     fn cutter(&mut self, values: &[&str]) -> Result<(), String> {
-        if self.tool.is_none() || self.path.is_some() {
+        if self.program.tool.is_none() || self.path.is_some() {
             return Err("CUTTER before a tool is loaded, or in a path: write it right behind LOADTL".to_owned());
         }
         let mut numbers = Vec::new();
@@ -375,22 +281,23 @@ impl<'a> State<'a> {
     }
 
     fn feed(&mut self, values: &[&str]) -> Result<(), String> {
-        self.feed = None;
+        self.program.feed = None;
         let feed = match values {
-            [feed, "MMPM"] | ["MMPM", feed] => self.positive("FEDRAT", feed, FASTEST)?,
+            [feed, "MMPM"] | ["MMPM", feed] => positive("FEDRAT", feed, FASTEST)?,
             [_] => return Err("FEDRAT without the units of the feed: write MMPM behind it".to_owned()),
             _ => return Err(format!("`FEDRAT/{}` is not understood: write the feed and MMPM", listed(values))),
         };
-        self.feed = Some(feed);
+        self.program.feed = Some(feed);
         Ok(())
     }
 
-    fn tolerance(&mut self, values: &[&str]) -> Result<(), String> {
-        self.tolerance = None;
+    fn lintol(&mut self, values: &[&str]) -> Result<(), String> {
+        self.program.smoothing = None;
         let [value] = values else {
             return Err(format!("`LINTOL/{}` is not understood: write one tolerance", listed(values)));
         };
-        self.tolerance = Some(self.positive("LINTOL", value, WIDEST)?);
+        let path = positive("LINTOL", value, WIDEST_TOLERANCE_MM)?;
+        self.program.smoothing = Some(Smoothing::Within(SmoothingTolerance { path, turn: None }));
         self.needs_units();
         Ok(())
     }
@@ -401,7 +308,7 @@ impl<'a> State<'a> {
         }
         match values {
             [] => Ok(()),
-            [time] => self.positive(word, time, FARTHEST).map(|_| ()),
+            [time] => positive(word, time, FARTHEST).map(|_| ()),
             _ => Err(format!("`{word}/{}` is not understood", listed(values))),
         }
     }
@@ -413,18 +320,14 @@ impl<'a> State<'a> {
                 "{word} without the direction of the tool: its last direction would stay; write i, j and k as well"
             ));
         }
-        if !self.multax {
-            self.fault_once("multax", "no statement before says that the tool tilts: write MULTAX/ON");
-        }
+        self.needs_multax();
         let Ok(texts) = <[&str; 6]>::try_from(values) else {
             return Err(format!("{word} has x, y, z, i, j and k, not {} values", values.len()));
         };
         let mut numbers = [0.0; 6];
         for (value, (text, name)) in numbers.iter_mut().zip(texts.into_iter().zip(["x", "y", "z", "i", "j", "k"])) {
-            *value = number(text).map_err(|reason| format!("{word}, {name}: {reason}"))?;
-            if value.abs() > FARTHEST {
-                return Err(format!("{word}, {name} = {value} is out of range: at most {FARTHEST:.0}"));
-            }
+            let read = number(text).map_err(|reason| format!("{word}, {name}: {reason}"))?;
+            *value = within(&format!("{word}, {name}"), read, FARTHEST)?;
         }
         let [x, y, z, i, j, k] = numbers;
         let axis = Vector3::new(i, j, k);
@@ -439,8 +342,8 @@ impl<'a> State<'a> {
 
     fn from(&mut self, values: &[&str]) -> Result<(), String> {
         let pose = self.pose("FROM", values)?;
-        if self.tool.is_none() {
-            self.fault(
+        if self.program.tool.is_none() {
+            self.program.fault(
                 "FROM before a tool is loaded: the tool in the spindle and its length are unknown; write LOADTL before",
             );
         }
@@ -448,7 +351,9 @@ impl<'a> State<'a> {
             return Err("FROM in a path: it moves nothing, so that the tool stands elsewhere; write GOTO".to_owned());
         }
         self.check_height("FROM", &pose);
-        self.path = Some(Path { from: pose, at: pose, cuts: false, start: None, moves: Vec::new() });
+        let start = NcStation { line: self.program.line, place: NcPlace::Pose(pose) };
+        self.program.begin_section(start, self.shape);
+        self.path = Some(Path { at: pose, begun: false, cuts: false });
         Ok(())
     }
 
@@ -473,10 +378,10 @@ impl<'a> State<'a> {
         let Some(length) = self.shape.length else { return };
         let Some(height) = self.height(pose, length) else {
             let [.., first, second] = machine.names();
-            return self.fault(format!("{word}: no angles of {first} and {second} give this direction"));
+            return self.program.fault(format!("{word}: no angles of {first} and {second} give this direction"));
         };
         if height < machine.retract - ROUNDING {
-            self.fault(format!(
+            self.program.fault(format!(
                 "{word}: the gauge line stands at Z {height:.3} of the machine; where a path begins and ends, it stands at the \
                  retract height {:.3} of the machine file",
                 machine.retract
@@ -485,151 +390,144 @@ impl<'a> State<'a> {
     }
 
     fn goto(&mut self, values: &[&str], rapid: bool) -> Result<(), String> {
-        let line = self.line;
         let pose = self.pose("GOTO", values)?;
         let Some(path) = self.path.as_mut() else {
             return Err("GOTO, and nothing says where the tool stands before: write FROM behind LOADTL".to_owned());
         };
-        if path.start.is_none() {
-            let from = path.from;
-            path.start = Some(line);
-            if !rapid || (pose.tip - from.tip).amax() > 0.0 || (pose.axis - from.axis).amax() > 0.0 {
-                self.fault(
+        if !std::mem::replace(&mut path.begun, true) {
+            let line = self.program.line;
+            if let Some(section) = self.program.section() {
+                section.start.line = line;
+            }
+            if !rapid || (pose.tip - path.at.tip).amax() > 0.0 || (pose.axis - path.at.axis).amax() > 0.0 {
+                self.program.fault(
                     "the first GOTO goes elsewhere than FROM, or is no rapid: a post-processor that skips FROM would go \
                      straight down from the tool change; write RAPID and GOTO with the pose of FROM",
                 );
             }
             return Ok(());
         }
-        path.at = pose;
-        path.cuts |= !rapid;
         if rapid && path.cuts && !self.turns() {
-            self.fault_once(
+            self.program.fault_once(
                 "spindle",
                 "RAPID and GOTO with the spindle at rest behind a cut: the tool may be in the part",
             );
         }
         let feed = if rapid { None } else { Some(self.feed_of_move()) };
         if rapid {
-            self.feed = None;
+            self.program.feed = None;
         }
-        self.go(line, &pose, feed, None);
+        self.go(&pose, feed, None);
         Ok(())
     }
 
     /// Adds a move, at rapid without a feed.
-    fn go(&mut self, line: usize, pose: &NcPose, feed: Option<f64>, curve: Option<PoseCurve>) {
-        let speed = if let Spindle::On(speed, ..) = self.spindle { speed } else { 0.0 };
-        if self.moves >= MOST_MOVES {
-            self.fault_once("moves", format!("more than {MOST_MOVES} moves; divide the program by operations"));
+    fn go(&mut self, pose: &NcPose, feed: Option<f64>, curve: Option<PoseCurve>) {
+        if let Some(path) = self.path.as_mut().filter(|path| path.begun) {
+            path.at = *pose;
+            path.cuts |= feed.is_some();
         }
-        let tool = NcTool::Number(self.tool.unwrap_or(0));
-        let smoothing = self.tolerance.unwrap_or(0.0);
-        if let Some(path) = self.path.as_mut().filter(|_| self.faults.is_empty()) {
-            let (tip, direction) = (pose.tip, Direction::Axis(pose.axis));
-            // What the axes do between the poses is for the post-processor; the proof assumes that they turn evenly.
-            let interpolation = Interpolation::RotaryLinear;
-            let smoothing = Some(smoothing);
-            let time = None;
-            path.moves.push(NcMove {
-                line,
-                rapid: feed.is_none(),
-                tip,
-                direction,
-                interpolation,
-                feed,
-                time,
-                tool,
-                speed,
-                smoothing,
-                turn: None,
-                curve,
-                frame_turned: false,
-            });
-            self.moves += 1;
-        }
+        self.program.judge_count();
+        // What the axes do between the poses is for the post-processor; the proof assumes that they turn evenly.
+        let straight = self.program.straight(pose.tip, Direction::Axis(pose.axis), feed);
+        self.program.keep(NcMove { smoothing: Some(self.tolerance()), curve, ..straight });
+    }
+
+    /// How far the path may be left between poses, mm.
+    fn tolerance(&self) -> f64 {
+        if let Some(Smoothing::Within(tolerance)) = self.program.smoothing { tolerance.path } else { 0.0 }
     }
 
     /// The feed of a move, mm/min; checks what a move at feed needs.
     fn feed_of_move(&mut self) -> f64 {
-        match self.spindle {
-            Spindle::On(_, true, _) => {}
-            Spindle::On(_, false, line) => {
-                self.fault_once("spindle", format!("a move at feed with the spindle counter-clockwise, by line {line}"));
+        let unsafe_spindle = match self.program.setting(ModalGroup::Spindle) {
+            Setting::Said("CLW", _) => None,
+            Setting::Said("CCLW", line) => {
+                Some(format!("a move at feed with the spindle counter-clockwise, by line {line}"))
             }
-            Spindle::Off => self.fault_once("spindle", "a move at feed with the spindle off: write SPINDL/RPM before"),
-            Spindle::Unknown => self.fault_once(
-                "spindle",
-                "a move at feed, and no statement since LOADTL starts the spindle: write SPINDL/RPM, the speed, and CLW",
+            Setting::Said(..) => Some("a move at feed with the spindle off: write SPINDL/RPM before".to_owned()),
+            _ => Some(
+                "a move at feed, and no statement since LOADTL starts the spindle: write SPINDL/RPM, the speed, and CLW"
+                    .to_owned(),
             ),
+        };
+        if let Some(reason) = unsafe_spindle {
+            self.program.fault_once("spindle", reason);
         }
-        match self.coolant {
-            Coolant::On(_) => {}
-            Coolant::Off => {
-                self.fault_once("coolant", "a move at feed with the coolant off: write COOLNT/FLOOD before")
-            }
-            Coolant::Unknown => self.fault_once(
-                "coolant",
-                "a move at feed, and no statement since LOADTL starts the coolant: write COOLNT/FLOOD before",
-            ),
+        let dry = match self.program.setting(ModalGroup::Coolant) {
+            Setting::Said("ON", _) => None,
+            Setting::Said(..) => Some("a move at feed with the coolant off: write COOLNT/FLOOD before"),
+            _ => Some("a move at feed, and no statement since LOADTL starts the coolant: write COOLNT/FLOOD before"),
+        };
+        if let Some(reason) = dry {
+            self.program.fault_once("coolant", reason);
         }
-        if self.tolerance.is_none() {
-            self.fault_once(
+        if self.program.smoothing.is_none() {
+            self.program.fault_once(
                 "tolerance",
                 "a move at feed, and nothing says how far the path may be left between poses: write LINTOL and a tolerance",
             );
         }
-        let Some(feed) = self.feed else {
-            self.fault(
+        if self.program.feed.is_none() {
+            self.program.fault(
                 "a move at feed without a feed since LOADTL or the last rapid: post-processors differ in whether RAPID still \
                  counts; write FEDRAT before",
             );
-            self.feed = Some(1.0);
-            return 1.0;
-        };
-        feed
+        }
+        *self.program.feed.get_or_insert(1.0)
     }
 
     /// The path with the tool ends: its last move is the retract.
     fn leave(&mut self) {
-        let Some(Path { from, start, mut moves, .. }) = self.path.take() else { return };
-        let Some(start) = start else {
-            return self.fault("a path without GOTO: leave out FROM, or write RAPID and GOTO");
-        };
-        if !self.faults.is_empty() {
-            return;
+        let Some(Path { begun, .. }) = self.path.take() else { return };
+        if !begun {
+            return self.program.fault("a path without GOTO: leave out FROM, or write RAPID and GOTO");
         }
-        let Some(last) = moves.pop() else { return };
-        let Direction::Axis(axis) = last.direction else { return };
-        let end = NcPose { tip: last.tip, axis };
-        if !last.rapid {
-            self.fault(
+        let Some(section) = self.program.section() else { return };
+        let Some(NcMove { line, rapid, tip, direction: Direction::Axis(axis), .. }) = section.moves.pop() else {
+            self.program.sections.pop();
+            return;
+        };
+        if !rapid {
+            self.program.fault(
                 "the path ends at feed with the tool in the part: write RAPID and GOTO to the retract height before this \
                  statement",
             );
         }
+        let end = NcPose { tip, axis };
         self.check_height("the last GOTO before this statement", &end);
-        if moves.is_empty() {
-            return;
-        }
-        let station = NcStation { line: start, place: NcPlace::Pose(from) };
-        let retract = Some((last.line, NcRetract::Pose(end)));
-        self.sections.push(NcSection { start: station, moves, retract, shape: self.shape });
+        self.program.end_section(line, NcRetract::Pose(end));
     }
 
     fn finish(&mut self) {
         self.leave();
-        match self.spindle {
-            Spindle::On(.., line) => {
-                self.fault(format!("the program ends with the spindle on, by line {line}: write SPINDL/OFF before"));
-            }
-            Spindle::Off | Spindle::Unknown => {}
+        if let (Setting::Said(_, line), Some(_)) = (self.program.setting(ModalGroup::Spindle), self.program.speed) {
+            self.program
+                .fault(format!("the program ends with the spindle on, by line {line}: write SPINDL/OFF before"));
         }
-        if let Coolant::On(line) = self.coolant {
-            self.quiet = false;
-            self.fault(format!("the program ends with the coolant on, by line {line}: write COOLNT/OFF before"));
+        if let Setting::Said("ON", line) = self.program.setting(ModalGroup::Coolant) {
+            self.program
+                .fault_apart(format!("the program ends with the coolant on, by line {line}: write COOLNT/OFF before"));
         }
-        self.ended = true;
+        self.program.ended = true;
+    }
+}
+
+fn tool_number(text: &str) -> Result<u32, String> {
+    let value = number(text)?;
+    if value.fract() == 0.0 && (1.0..=LARGEST_TOOL).contains(&value) {
+        Ok(value as u32)
+    } else {
+        Err(format!("`{}` is no number of a tool", shown(text, 20)))
+    }
+}
+
+fn positive(name: &str, text: &str, most: f64) -> Result<f64, String> {
+    let value = number(text).map_err(|reason| format!("{name}: {reason}"))?;
+    if value > 0.0 && value <= most {
+        Ok(value)
+    } else {
+        Err(format!("{name} = {value} is out of range: more than 0, at most {most:.0}"))
     }
 }
 

@@ -10,7 +10,7 @@ pub(super) mod modal;
 pub(super) mod spline;
 mod state;
 
-pub(super) use state::{Line, control_character, read, read_in_order};
+pub(super) use state::{Line, ProgramState, control_character, read, read_in_order};
 
 use crate::nc::NcTool;
 use five_axis::Machine;
@@ -21,17 +21,20 @@ use std::sync::Arc;
 /// Most faults of one text that are reported.
 pub const MOST_FAULTS: usize = 50;
 
-/// Most moves of one text: it bounds the memory of the checks that follow.
-const MOST_MOVES: usize = 4_000_000;
-
 /// Longest number, in characters.
 pub(super) const LONGEST_NUMBER: usize = 24;
 
 /// Largest coordinate, mm: larger than any machine.
-const FARTHEST: f64 = 1e5;
+pub(super) const FARTHEST: f64 = 1e5;
 
 /// Largest feed (mm/min), largest spindle speed (rpm), and largest F in inverse time (1/min).
-const FASTEST: f64 = 1e6;
+pub(super) const FASTEST: f64 = 1e6;
+
+/// Widest tolerance of the path that a text may give the control, mm.
+pub(super) const WIDEST_TOLERANCE_MM: f64 = 10.0;
+
+/// Widest tolerance of the direction of the tool that a text may give the control, degrees.
+pub(super) const WIDEST_TURN_DEG: f64 = 0.1;
 
 /// Slowest feed of a block in inverse time, mm/min. The interpreter of LinuxCNC uses no slower feed, so a slower block
 /// takes another time than F says.
@@ -281,11 +284,16 @@ pub(super) fn once<T>(slot: &mut Option<T>, address: &str, value: T) -> Result<(
     if slot.replace(value).is_some() { Err(format!("`{address}` occurs twice in one block")) } else { Ok(()) }
 }
 
-fn store(slot: &mut Option<f64>, address: &str, value: f64, limit: f64) -> Result<(), String> {
+/// A value whose amount is within a limit.
+pub(super) fn within(address: &str, value: f64, limit: f64) -> Result<f64, String> {
     if value.abs() > limit {
         return Err(format!("{address} = {value} is out of range: at most {limit:.0}"));
     }
-    once(slot, address, value)
+    Ok(value)
+}
+
+fn store(slot: &mut Option<f64>, address: &str, value: f64, limit: f64) -> Result<(), String> {
+    once(slot, address, within(address, value, limit)?)
 }
 
 impl NcBlock {

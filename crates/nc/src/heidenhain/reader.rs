@@ -8,19 +8,14 @@ use super::spline;
 use super::straight::{self, PLACES, RATE_PLACES, count, decimal};
 use crate::control::modal::{Modal, ModalGroup, Needed};
 use crate::control::{
-    self, Act, Control, MotionWord, NcBlock, Smoothing, SmoothingTolerance, WorkOffsets, once, shown,
+    self, Act, Control, MotionWord, NcBlock, Smoothing, SmoothingTolerance, WIDEST_TOLERANCE_MM, WIDEST_TURN_DEG,
+    WorkOffsets, once, shown,
 };
 use crate::nc::{ENDS_HERE, NcSection, NcTool, ReadError};
 use five_axis::Machine;
 
 /// Longest block with its continued lines.
 const LONGEST_BLOCK: usize = 512;
-
-/// Largest tolerance of cycle 32, mm.
-const WIDEST: f64 = 10.0;
-
-/// Widest tolerance of rotary axes in cycle 32, degrees.
-const WIDEST_TURN: f64 = 0.1;
 
 /// Largest tool number of the tool table.
 const LARGEST_TOOL: u32 = 32_767;
@@ -439,11 +434,11 @@ impl<'a> ProgramReader<'a> {
             }
             ("32.1", Some(Cycle::Named), []) => smoothing(Smoothing::Left("CYCL DEF 32.1 without T")),
             ("32.1", Some(Cycle::Named), [word]) => {
-                self.cycle = Some(Cycle::Tolerance(tolerance(word, "T", WIDEST, "mm")?));
+                self.cycle = Some(Cycle::Tolerance(tolerance(word, "T", WIDEST_TOLERANCE_MM, "mm")?));
                 Ok(None)
             }
             ("32.2", Some(Cycle::Tolerance(within)), ["HSC-MODE:0" | "HSC-MODE:1", word]) => {
-                let turn = tolerance(word, "TA", WIDEST_TURN, "deg")?;
+                let turn = tolerance(word, "TA", WIDEST_TURN_DEG, "deg")?;
                 smoothing(Smoothing::Within(SmoothingTolerance { path: within, turn: Some(turn.to_radians()) }))
             }
             ("32.0" | "32.1" | "32.2", ..) => {

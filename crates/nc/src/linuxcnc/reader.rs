@@ -8,8 +8,8 @@ use super::comments::{COMMENT, behind_number, code_of};
 use super::subprograms;
 use crate::control::modal::{Modal, ModalGroup, Needed};
 use crate::control::{
-    self, Act, Control, LengthWord, Line, MotionWord, NcBlock, Smoothing, SmoothingTolerance, WorkOffsets, number,
-    once, shown,
+    self, Act, Control, LengthWord, Line, MotionWord, NcBlock, Smoothing, SmoothingTolerance, WIDEST_TOLERANCE_MM,
+    WorkOffsets, number, once, shown,
 };
 use crate::nc::{NcSection, NcTool, ReadError};
 use five_axis::Machine;
@@ -19,9 +19,6 @@ const DIGITS: f64 = 1e-6;
 
 /// Most M words of a block.
 const MOST_M_WORDS: usize = 4;
-
-/// Widest tolerance of G64, mm.
-const WIDEST: f64 = 10.0;
 
 /// Largest turn of the work offset, degrees.
 const MOST_TURN: f64 = 360.0;
@@ -377,7 +374,7 @@ fn block(
 
 /// Checks the codes and parameters of one block together.
 fn together(block: &mut NcBlock, parameters: &Parameters, offset: u32) -> Result<(), String> {
-    let good = |tolerance: f64| tolerance > 0.0 && tolerance <= WIDEST;
+    let good = |tolerance: f64| tolerance > 0.0 && tolerance <= WIDEST_TOLERANCE_MM;
     let Parameters { p, q, .. } = *parameters;
     let mut used = [false; 2];
     match parameters.path {
@@ -390,9 +387,9 @@ fn together(block: &mut NcBlock, parameters: &Parameters, offset: u32) -> Result
             if p == 0.0 {
                 block.smoothing = Some(Smoothing::Left("G64 P0"));
             } else if !good(p) {
-                return Err(format!("the tolerance P of G64 must be above 0 and at most {WIDEST}"));
+                return Err(format!("the tolerance P of G64 must be above 0 and at most {WIDEST_TOLERANCE_MM}"));
             } else if q.is_some_and(|q| q != 0.0 && !good(q)) {
-                return Err(format!("the tolerance Q of G64 must be at most {WIDEST}"));
+                return Err(format!("the tolerance Q of G64 must be at most {WIDEST_TOLERANCE_MM}"));
             } else {
                 // P is the tolerance of blending at corners. Before blending, moves nearly in line are joined within Q;
                 // without Q the interpreter uses P.

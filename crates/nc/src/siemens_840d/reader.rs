@@ -9,8 +9,8 @@ use super::words::{WordValue, count, is_count, split, upper};
 use crate::control::modal::{Modal, ModalGroup, Needed};
 use crate::control::spline::SplineWords;
 use crate::control::{
-    self, Act, Control, LengthWord, Line, MotionWord, NcBlock, Smoothing, SmoothingTolerance, WorkOffsets, number,
-    once, shown,
+    self, Act, Control, FARTHEST, LengthWord, Line, MotionWord, NcBlock, Smoothing, SmoothingTolerance,
+    WIDEST_TOLERANCE_MM, WIDEST_TURN_DEG, WorkOffsets, number, once, shown,
 };
 use crate::nc::{NcSection, NcTool, ReadError};
 use five_axis::Machine;
@@ -24,12 +24,6 @@ const MOST_TRANSFORMATIONS: u32 = 10;
 
 /// Longest block of the control.
 const LONGEST_BLOCK: usize = 512;
-
-/// Largest tolerance of CYCLE832, mm and degrees.
-const WIDEST: f64 = 10.0;
-
-/// Widest tolerance of the direction, degrees, as in the writer.
-const WIDEST_TURN: f64 = 0.1;
 
 /// The settable work offsets: G54 to G57, and further ones where machine data provide them.
 pub(super) const OFFSETS: WorkOffsets =
@@ -559,9 +553,6 @@ impl BlockReader<'_> {
 /// Most numbers of a polynomial: the end and the coefficients of degrees two to five.
 const HIGHEST: usize = 5;
 
-/// Largest coordinate and coefficient, mm.
-const FARTHEST: f64 = 1e5;
-
 /// Reports a plain word of an axis modulo 360 deg.
 fn plain(name: &str, machine: &Machine) -> Result<(), String> {
     if machine.rotary_axis(name).is_some_and(|k| machine.rotary[k].modulo.is_some()) {
@@ -588,13 +579,13 @@ fn smoothing(arguments: &str) -> Result<Smoothing, String> {
         return Err("CYCLE832 needs a tolerance, a mode and a tolerance of the direction".to_owned());
     };
     let (tolerance, turn) = (number(tolerance)?, number(turn)?);
-    if !(0.0..=WIDEST).contains(&tolerance) || !(0.0..=WIDEST).contains(&turn) {
-        return Err(format!("a tolerance of CYCLE832 is outside 0..{WIDEST}"));
+    if !(0.0..=WIDEST_TOLERANCE_MM).contains(&tolerance) || !(0.0..=WIDEST_TOLERANCE_MM).contains(&turn) {
+        return Err(format!("a tolerance of CYCLE832 is outside 0..{WIDEST_TOLERANCE_MM}"));
     }
     match &*upper(mode) {
         "_OFF" => Ok(Smoothing::Left("CYCLE832 with _OFF")),
-        "_ORI_FINISH" | "_ORI_SEMIFIN" | "_ORI_ROUGH" if turn > WIDEST_TURN => {
-            Err(format!("CYCLE832 allows a tilt error of {turn} deg; the limit is {WIDEST_TURN} deg"))
+        "_ORI_FINISH" | "_ORI_SEMIFIN" | "_ORI_ROUGH" if turn > WIDEST_TURN_DEG => {
+            Err(format!("CYCLE832 allows a tilt error of {turn} deg; the limit is {WIDEST_TURN_DEG} deg"))
         }
         "_ORI_FINISH" | "_ORI_SEMIFIN" | "_ORI_ROUGH" if tolerance == 0.0 || turn == 0.0 => {
             Err("a tolerance of 0 in CYCLE832 makes the control use its own tolerance".to_owned())

@@ -1,31 +1,31 @@
 //! Statements of spindle and coolant.
 
-use super::{Coolant, FASTEST, Spindle, State, listed};
+use super::{FASTEST, State, listed, positive};
+use crate::control::modal::{ModalGroup, Setting};
 
 impl State<'_> {
     pub(super) fn spindle(&mut self, values: &[&str]) -> Result<(), String> {
-        let (turned, before) = (self.turns(), self.spindle);
-        self.spindle = match values {
-            ["OFF"] => Spindle::Off,
+        let (turned, before) = (self.turns(), self.program.speed);
+        let (word, speed) = match values {
+            ["OFF"] => ("OFF", None),
             ["RPM", speed, turn @ ("CLW" | "CCLW")] | [speed, "RPM", turn @ ("CLW" | "CCLW")] => {
-                Spindle::On(self.positive("SPINDL", speed, FASTEST)?, *turn == "CLW", self.line)
+                (if *turn == "CLW" { "CLW" } else { "CCLW" }, Some(positive("SPINDL", speed, FASTEST)?))
             }
             _ => {
-                self.spindle = Spindle::Unknown;
+                self.stop_unsaid();
                 return Err(format!(
                     "`SPINDL/{}` is not understood: write SPINDL/RPM, the speed, and CLW",
                     listed(values)
                 ));
             }
         };
+        self.program.say(ModalGroup::Spindle, word);
+        self.program.speed = speed;
         // Behind a fault the place of the tool is not known.
-        let stops = turned && !self.turns() && self.faults.is_empty();
-        let changes = match (before, self.spindle) {
-            (Spindle::On(a, ..), Spindle::On(b, ..)) => a != b && self.faults.is_empty(),
-            _ => false,
-        };
+        let stops = turned && !self.turns() && self.program.faults.is_empty();
+        let changes = before.is_some_and(|before| speed.is_some_and(|speed| speed != before));
         let in_part = self.path.as_ref().is_some_and(|path| path.cuts && !self.is_retracted(&path.at));
-        if !stops && changes && in_part {
+        if !stops && changes && in_part && self.program.faults.is_empty() {
             return Err(
                 "the speed of the spindle changes with the tool in the part: write SPINDL/RPM before the path, or behind its \
                  last GOTO"
@@ -41,20 +41,27 @@ impl State<'_> {
         Ok(())
     }
 
+    /// Nobody knows whether the spindle turns.
+    pub(super) fn stop_unsaid(&mut self) {
+        self.program.forget(ModalGroup::Spindle);
+        self.program.speed = None;
+    }
+
     /// Whether the spindle turns clockwise.
     pub(super) fn turns(&self) -> bool {
-        matches!(self.spindle, Spindle::On(_, true, _))
+        matches!(self.program.setting(ModalGroup::Spindle), Setting::Said("CLW", _))
     }
 
     pub(super) fn coolant(&mut self, values: &[&str]) -> Result<(), String> {
-        self.coolant = match values {
-            ["OFF"] => Coolant::Off,
-            ["ON" | "FLOOD" | "MIST" | "THRU"] => Coolant::On(self.line),
+        let word = match values {
+            ["OFF"] => "OFF",
+            ["ON" | "FLOOD" | "MIST" | "THRU"] => "ON",
             _ => {
-                self.coolant = Coolant::Unknown;
+                self.program.forget(ModalGroup::Coolant);
                 return Err(format!("`COOLNT/{}` is not understood: write COOLNT/FLOOD or COOLNT/OFF", listed(values)));
             }
         };
+        self.program.say(ModalGroup::Coolant, word);
         Ok(())
     }
 }

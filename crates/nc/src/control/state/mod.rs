@@ -2,14 +2,17 @@
 
 mod modes;
 mod moves;
+mod program;
 mod spindle;
 mod splines;
 mod switching;
 
+pub(crate) use program::ProgramState;
+
 use super::{Act, Control, LengthWord, MOST_FAULTS, MotionWord, NcBlock, ROUNDING, Smoothing, figure};
 use crate::control::flow::{Flow, MOST_EXECUTED, Step};
-use crate::control::modal::{GROUPS, ModalGroup, Setting};
-use crate::nc::{Direction, ENDS_HERE, NcSection, NcTool, ReadError};
+use crate::control::modal::{ModalGroup, Setting};
+use crate::nc::{Direction, NcSection, NcTool, ReadError};
 use five_axis::{Angles, Machine};
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -51,8 +54,7 @@ enum Length {
 struct ControlState<'a> {
     control: &'a Control,
     machine: &'a Machine,
-    line: usize,
-    modal: [Setting; GROUPS],
+    program: ProgramState,
     offset: Setting<Arc<str>>,
     /// The work offset that holds the part origin.
     part_offset: &'a str,
@@ -69,12 +71,8 @@ struct ControlState<'a> {
     /// Second point of the tool axis, where a block has stated it, part frame, mm.
     second: Option<Vector3<f64>>,
     motion: Option<MotionWord>,
-    feed: Option<f64>,
     ready: Option<NcTool>,
-    tool: Option<NcTool>,
     length: Length,
-    speed: Option<f64>,
-    smoothing: Option<Smoothing>,
     /// Whether rotary axes are clamped; `None` where no block says so.
     clamped: [Option<bool>; 2],
     /// A section has begun, and its retract is still missing.
@@ -83,20 +81,8 @@ struct ControlState<'a> {
     at_start: bool,
     /// Position of the tip while tables turn at the start, machine frame, mm.
     turned: Option<Vector3<f64>>,
-    ended: bool,
     /// Turn of the work frame about Z, radians.
     frame_turn: f64,
-    sections: Vec<NcSection>,
-    moves: usize,
-    /// Line of the call that is executed.
-    call: Option<usize>,
-    faults: Vec<ReadError>,
-    /// The block has a fault already: faults that follow from it are not reported.
-    quiet: bool,
-    /// All words of the block were understood.
-    understood: bool,
-    /// Faults that are reported only once, since they would occur in every block.
-    reported: Vec<&'static str>,
 }
 
 impl<'a> ControlState<'a> {
@@ -104,8 +90,7 @@ impl<'a> ControlState<'a> {
         Self {
             control,
             machine,
-            line: 0,
-            modal: [Setting::Unknown; GROUPS],
+            program: ProgramState::new(),
             offset: Setting::Unknown,
             part_offset,
             doubtful: false,
@@ -117,55 +102,26 @@ impl<'a> ControlState<'a> {
             rotary: [0.0; 2],
             second: None,
             motion: None,
-            feed: None,
             ready: None,
-            tool: None,
             length: Length::Unknown,
-            speed: None,
-            smoothing: None,
             clamped: [None; 2],
             open: false,
             at_start: false,
             turned: None,
-            ended: false,
             frame_turn: 0.0,
-            sections: Vec::new(),
-            moves: 0,
-            call: None,
-            faults: Vec::new(),
-            quiet: false,
-            understood: true,
-            reported: Vec::new(),
         }
     }
 
-    /// Reports a fault of this block unless the block has one already.
     fn fault(&mut self, reason: impl Into<String>) {
-        // A line that is called again has the same faults.
-        let known = self.call.is_some() && self.faults.iter().any(|f| f.line == self.line);
-        if !self.quiet && !known && self.faults.len() < MOST_FAULTS {
-            let mut reason = reason.into();
-            if let Some(call) = self.call {
-                reason.push_str(&format!(" (called in line {call})"));
-            }
-            self.faults.push(ReadError { line: self.line, reason });
-        }
-        self.quiet = true;
+        self.program.fault(reason);
     }
 
-    /// Reports a fault that does not follow from another fault of this block.
     fn fault_apart(&mut self, reason: impl Into<String>) {
-        self.quiet = !self.understood;
-        self.fault(reason);
+        self.program.fault_apart(reason);
     }
 
-    /// Reports once a fault that would occur in every block from here on.
     fn fault_once(&mut self, about: &'static str, reason: impl Into<String>) {
-        if self.reported.contains(&about) || !self.understood {
-            return;
-        }
-        self.reported.push(about);
-        self.fault_apart(reason);
+        self.program.fault_once(about, reason);
     }
 
     fn retract_words(&self) -> String {
@@ -180,7 +136,7 @@ impl<'a> ControlState<'a> {
 
     /// Executes one block. A move is executed also with a faulty state; the result then does not hold it.
     fn run(&mut self, block: &NcBlock) {
-        if self.ended {
+        if self.program.ended {
             return self.fault_once("ended", "text after the end of the program");
         }
         if let Some(word) = block.outside {
@@ -195,7 +151,7 @@ impl<'a> ControlState<'a> {
                         self.turn_frame(turn);
                     }
                 }
-                Act::Feed => self.feed = block.feed.or(self.feed),
+                Act::Feed => self.program.feed = block.feed.or(self.program.feed),
                 Act::Speed => self.set_speed(block),
                 Act::Select => {
                     if let Some(tool) = &block.tool {
@@ -213,7 +169,7 @@ impl<'a> ControlState<'a> {
                         self.set_length(word);
                     }
                 }
-                Act::Smooth => self.smoothing = block.smoothing.or(self.smoothing),
+                Act::Smooth => self.program.smoothing = block.smoothing.or(self.program.smoothing),
                 Act::Wait => {
                     if let Some(word) = block.wait {
                         self.wait(word);
@@ -275,7 +231,7 @@ impl<'a> ControlState<'a> {
         }
         if self.control.wait_switches_off {
             for group in [ModalGroup::Spindle, ModalGroup::Coolant] {
-                self.modal[group as usize] = Setting::Unknown;
+                self.program.modal[group as usize] = Setting::Unknown;
             }
         }
     }
@@ -283,7 +239,7 @@ impl<'a> ControlState<'a> {
     fn set(&mut self, group: ModalGroup, block: &NcBlock) {
         if group == ModalGroup::WorkOffset {
             if let Some(offset) = &block.offset {
-                self.offset = Setting::Said(offset.clone(), self.line);
+                self.offset = Setting::Said(offset.clone(), self.program.line);
             }
             return;
         }
@@ -303,15 +259,15 @@ impl<'a> ControlState<'a> {
             self.fault(format!("`{word}` with the transformation on: write {off} before this block"));
             return;
         }
-        let before = self.modal[group as usize];
+        let before = self.program.modal[group as usize];
         // A control forgets the feed when the feed mode changes.
         if group == ModalGroup::FeedMode
             && before != Setting::Unknown
             && (self.control.feed_mode_drops_feed || !matches!(before, Setting::Said(w, _) if w == word))
         {
-            self.feed = None;
+            self.program.feed = None;
         }
-        self.modal[group as usize] = Setting::Said(word, self.line);
+        self.program.modal[group as usize] = Setting::Said(word, self.program.line);
     }
 
     fn change(&mut self) {
@@ -325,7 +281,7 @@ impl<'a> ControlState<'a> {
         if self.ready.is_none() {
             self.fault("a tool change before any T: the next tool is unknown");
         }
-        self.tool = self.ready.clone().or(Some(NcTool::Number(0)));
+        self.program.tool = self.ready.clone().or(Some(NcTool::Number(0)));
         if self.control.change_drops_length {
             self.length = Length::Unknown;
         }
@@ -333,7 +289,7 @@ impl<'a> ControlState<'a> {
             self.set_length(&LengthWord::OfSpindle);
         }
         // A tool change stops the spindle.
-        self.modal[ModalGroup::Spindle as usize] = Setting::Unknown;
+        self.program.modal[ModalGroup::Spindle as usize] = Setting::Unknown;
     }
 
     fn set_length(&mut self, word: &LengthWord) {
@@ -357,8 +313,8 @@ impl<'a> ControlState<'a> {
         }
         self.length = match word {
             LengthWord::Off => Length::Off,
-            LengthWord::OfSpindle => match self.tool.clone() {
-                Some(tool) => Length::Of(tool, self.line),
+            LengthWord::OfSpindle => match self.program.tool.clone() {
+                Some(tool) => Length::Of(tool, self.program.line),
                 None => {
                     self.fault(format!(
                         "the tool length before a tool change: the tool in the spindle is unknown \
@@ -367,14 +323,14 @@ impl<'a> ControlState<'a> {
                     Length::Unknown
                 }
             },
-            LengthWord::Of(number) => Length::Of(self.own_length(*number), self.line),
+            LengthWord::Of(number) => Length::Of(self.own_length(*number), self.program.line),
         };
     }
 
     /// The tool whose length acts after a word with the number of another one, which is reported.
     fn own_length(&mut self, number: u32) -> NcTool {
         let (given, length) = (NcTool::Number(number), self.control.length);
-        match self.tool.clone().filter(|tool| *tool != given) {
+        match self.program.tool.clone().filter(|tool| *tool != given) {
             None => given,
             Some(tool) => {
                 self.fault(format!(
@@ -424,7 +380,7 @@ impl<'a> ControlState<'a> {
             for (group, due, what) in
                 [(ModalGroup::Spindle, "M5", "the spindle"), (ModalGroup::Coolant, "M9", "the coolant")]
             {
-                if let Setting::Said(word, line) = self.modal[group as usize]
+                if let Setting::Said(word, line) = self.program.modal[group as usize]
                     && word != due
                 {
                     self.fault(format!(
@@ -433,7 +389,7 @@ impl<'a> ControlState<'a> {
                 }
             }
         }
-        self.ended = true;
+        self.program.ended = true;
     }
 }
 
@@ -486,34 +442,30 @@ pub(crate) fn read_in_order(
         at += 1;
         match step {
             Some(Step::SkipTo(next)) => at = at.max(*next),
-            Some(Step::Call { lines: called, times, arguments }) if state.faults.len() < MOST_FAULTS => {
-                state.call = Some(at);
+            Some(Step::Call { lines: called, times, arguments }) if !state.program.is_full() => {
+                state.program.call = Some(at);
                 executed = executed.saturating_add(called.len().saturating_mul(*times as usize));
                 if executed > MOST_EXECUTED {
                     state.fault(format!(
                         "more than {MOST_EXECUTED} lines are executed; divide the program by operations"
                     ));
-                    return Err(state.faults);
+                    return Err(state.program.faults);
                 }
                 for line in (0..*times).flat_map(|_| called.clone()) {
                     state.line_of(lines[line], line, arguments, flow.0.get(&line), &mut block);
-                    if state.faults.len() >= MOST_FAULTS {
+                    if state.program.is_full() {
                         break;
                     }
                 }
-                state.call = None;
+                state.program.call = None;
             }
             _ => {}
         }
-        if state.faults.len() >= MOST_FAULTS {
-            return Err(state.faults);
+        if state.program.is_full() {
+            return Err(state.program.faults);
         }
     }
-    if !state.ended {
-        (state.quiet, state.understood, state.line) = (false, true, lines.len());
-        state.fault(format!("{ENDS_HERE}{}", control.end));
-    }
-    if state.faults.is_empty() { Ok(state.sections) } else { Err(state.faults) }
+    state.program.finished(lines.len(), control.end)
 }
 
 impl ControlState<'_> {
@@ -526,7 +478,7 @@ impl ControlState<'_> {
         step: Option<&Step>,
         block: &mut impl FnMut(Line<'_>, &mut Vec<String>) -> Option<NcBlock>,
     ) {
-        (self.line, self.quiet) = (at + 1, false);
+        self.program.begin_line(at + 1);
         let mut reasons = Vec::new();
         let found = match (control_character(line.strip_suffix('\r').unwrap_or(line)), step) {
             (Some(reason), _) => {
@@ -536,15 +488,15 @@ impl ControlState<'_> {
             (None, Some(step)) => {
                 if let Step::Fault(reason) = step {
                     reasons.push(reason.clone());
-                } else if self.ended {
+                } else if self.program.ended {
                     reasons.push("text after the end of the program".to_owned());
                 }
                 None
             }
             (None, None) => block(Line { text: line, number: at + 1, arguments }, &mut reasons),
         };
-        self.understood = reasons.is_empty();
-        self.doubtful |= !self.understood;
+        self.program.understood = reasons.is_empty();
+        self.doubtful |= !self.program.understood;
         if let Some(first) = reasons.into_iter().next() {
             self.fault(first);
         }

@@ -14,14 +14,14 @@ impl ControlState<'_> {
                 Needed::Transformed => transformed,
                 Needed::AtFeed => feed,
             };
-            if !needed || !self.understood {
+            if !needed || !self.program.understood {
                 continue;
             }
             if modal.group == ModalGroup::WorkOffset {
                 unsaid.extend(self.judge_offset(modal.what));
                 continue;
             }
-            let setting = self.modal[modal.group as usize];
+            let setting = self.program.modal[modal.group as usize];
             let due = modal.right[0];
             match setting {
                 Setting::Reported => continue,
@@ -32,7 +32,7 @@ impl ControlState<'_> {
                 )),
                 Setting::Unknown => unsaid.push(format!("{}: write {due}", modal.what)),
             }
-            self.modal[modal.group as usize] = Setting::Reported;
+            self.program.modal[modal.group as usize] = Setting::Reported;
         }
         if !unsaid.is_empty() {
             self.fault_apart(format!("no block before this move ensures {}", unsaid.join("; ")));
@@ -85,8 +85,8 @@ impl ControlState<'_> {
         self.doubtful = false;
         if on {
             // Some controls have it in the block that switches.
-            if self.modal[ModalGroup::Turning as usize] == Setting::Unknown {
-                self.modal[ModalGroup::Turning as usize] = Setting::Reported;
+            if self.program.modal[ModalGroup::Turning as usize] == Setting::Unknown {
+                self.program.modal[ModalGroup::Turning as usize] = Setting::Reported;
             }
             return self.begin();
         }

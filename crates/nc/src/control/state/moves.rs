@@ -2,8 +2,8 @@
 
 use super::{AxisPosition, ControlState, Length, Transformation};
 use crate::control::modal::{ModalGroup, Setting};
-use crate::control::{Control, MOST_MOVES, MotionWord, NcBlock, ROUNDING, SLOWEST_INVERSE, Smoothing, figure};
-use crate::nc::{Direction, NcMove, NcPlace, NcRetract, NcTool, STANDS};
+use crate::control::{Control, MotionWord, NcBlock, ROUNDING, SLOWEST_INVERSE, Smoothing, figure};
+use crate::nc::{Direction, NcMove, NcPlace, NcRetract, STANDS};
 use five_axis::{Carries, Interpolation, Joints, between};
 use nalgebra::{Point3, Vector3};
 use std::f64::consts::{PI, TAU};
@@ -124,7 +124,7 @@ impl ControlState<'_> {
         }
         // Continue as the block intended.
         self.axes[2] = self.axes[2].known().map_or(AxisPosition::At(retract), |z| AxisPosition::At(z.max(retract)));
-        self.placed = self.line;
+        self.placed = self.program.line;
     }
 
     fn within_travel(&mut self, words: &[Option<f64>; 5]) {
@@ -148,13 +148,7 @@ impl ControlState<'_> {
         if !std::mem::take(&mut self.open) {
             return;
         }
-        if let Some(section) = self.sections.last_mut().filter(|_| self.faults.is_empty()) {
-            if section.moves.is_empty() {
-                self.sections.pop();
-            } else {
-                section.retract = Some((self.line, NcRetract::Height(z)));
-            }
-        }
+        self.program.end_section(self.program.line, NcRetract::Height(z));
     }
 
     /// Executes a move of the tip.
@@ -197,51 +191,22 @@ impl ControlState<'_> {
             self.judge_spindle();
         }
         let smoothing = self.smoothing_of(rapid);
-        self.judge_count();
+        self.program.judge_count();
         if self.turns_at_start(&tip, &direction, rapid) {
             return;
         }
         self.at_start = false;
         self.turn_to(direction);
         self.axes = [AxisPosition::Left; 5];
-        let tool = self.tool.clone().unwrap_or(NcTool::Number(0));
-        let (line, speed, interpolation) = (self.line, self.speed.unwrap_or(0.0), self.interpolation());
-        let turn = self.turn_tolerance();
-        self.keep(NcMove {
-            line,
+        let straight = self.program.straight(tip, direction, feed);
+        self.program.keep(NcMove {
             rapid,
-            tip,
-            direction,
-            interpolation,
-            feed,
+            interpolation: self.interpolation(),
             time,
-            tool,
-            speed,
             smoothing,
-            turn,
-            curve: None,
             frame_turned: self.frame_turn != 0.0 || block.shifted,
+            ..straight
         });
-    }
-
-    /// Keeps a move for the result, as long as the text has no fault.
-    pub(super) fn keep(&mut self, made: NcMove) {
-        if let Some(section) = self.sections.last_mut().filter(|_| self.faults.is_empty()) {
-            section.moves.push(made);
-            self.moves += 1;
-        }
-    }
-
-    /// Reports a text with more moves than can be checked.
-    pub(super) fn judge_count(&mut self) {
-        if self.moves >= MOST_MOVES {
-            self.fault_once("moves", format!("more than {MOST_MOVES} moves; divide the program by operations"));
-        }
-    }
-
-    /// Tolerance of the direction through smoothing, radians, where a word states it.
-    pub(super) fn turn_tolerance(&self) -> Option<f64> {
-        if let Some(Smoothing::Within(deviation)) = self.smoothing { deviation.turn } else { None }
     }
 
     /// The tip at the end of a block.
@@ -323,7 +288,7 @@ impl ControlState<'_> {
 
     /// Rule of the moves of the tip.
     pub(super) fn interpolation(&self) -> Interpolation {
-        match self.modal[ModalGroup::Turning as usize] {
+        match self.program.modal[ModalGroup::Turning as usize] {
             Setting::Said(word, _) if self.control.great_circle.contains(&word) => Interpolation::GreatCircle,
             _ => Interpolation::RotaryLinear,
         }
@@ -331,7 +296,7 @@ impl ControlState<'_> {
 
     /// Tolerance of a move; `None` where only the control knows it.
     pub(super) fn smoothing_of(&mut self, rapid: bool) -> Option<f64> {
-        match self.smoothing {
+        match self.program.smoothing {
             Some(Smoothing::Within(deviation)) => Some(deviation.path),
             Some(Smoothing::AtControl) => None,
             _ if rapid => Some(0.0),
@@ -372,7 +337,7 @@ impl ControlState<'_> {
         }
         self.turned = Some(at);
         self.turn_to(*direction);
-        if let Some(section) = self.sections.last_mut().filter(|_| self.faults.is_empty())
+        if let Some(section) = self.program.section()
             && let NcPlace::Axes { rotary, turned, .. } = &mut section.start.place
         {
             (*rotary, *turned) = (to, self.turned);
@@ -389,13 +354,13 @@ impl ControlState<'_> {
         tip: &Point3<f64>,
         direction: &Direction,
     ) -> (Option<f64>, Option<f64>) {
-        let inverse = matches!(self.modal[ModalGroup::FeedMode as usize], Setting::Said("G93", _));
-        let Some(word) = (if inverse { block.feed } else { self.feed }) else {
+        let inverse = matches!(self.program.modal[ModalGroup::FeedMode as usize], Setting::Said("G93", _));
+        let Some(word) = (if inverse { block.feed } else { self.program.feed }) else {
             if inverse {
                 self.fault("a move at feed in inverse time (G93) needs F in its own block");
             } else {
                 self.fault("a move at feed without a feed: write F in this block");
-                self.feed = Some(1.0);
+                self.program.feed = Some(1.0);
             }
             return (Some(1.0), None);
         };

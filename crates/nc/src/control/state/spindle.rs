@@ -25,11 +25,11 @@ impl ControlState<'_> {
     /// Whether a word stops the turning spindle or turns it round before the retract; reports it.
     pub(super) fn stops_in_part(&mut self, word: &str) -> bool {
         let modal = self.control.modal.iter().find(|modal| modal.group == ModalGroup::Spindle);
-        let Setting::Said(now, _) = self.modal[ModalGroup::Spindle as usize] else { return false };
+        let Setting::Said(now, _) = self.program.modal[ModalGroup::Spindle as usize] else { return false };
         let stops = self.open && now != word && modal.is_some_and(|modal| modal.right.contains(&now));
         if stops {
             self.report_stopped(word);
-            self.modal[ModalGroup::Spindle as usize] = Setting::Reported;
+            self.program.modal[ModalGroup::Spindle as usize] = Setting::Reported;
         }
         stops
     }
@@ -45,23 +45,23 @@ impl ControlState<'_> {
 
     /// S.
     pub(super) fn set_speed(&mut self, block: &NcBlock) {
-        if block.speed == Some(0.0) && self.open && self.speed.is_some_and(|speed| speed > 0.0) {
+        if block.speed == Some(0.0) && self.open && self.program.speed.is_some_and(|speed| speed > 0.0) {
             return self.report_stopped("S0");
         }
-        let cuts = self.open && self.sections.last().is_some_and(|section| !section.moves.is_empty());
-        if let Some(speed) = block.speed.filter(|speed| cuts && self.speed.is_some_and(|now| now != *speed)) {
+        let cuts = self.open && self.program.sections.last().is_some_and(|section| !section.moves.is_empty());
+        if let Some(speed) = block.speed.filter(|speed| cuts && self.program.speed.is_some_and(|now| now != *speed)) {
             self.fault(format!(
                 "`S{}` changes the speed of the spindle with the tool in the part: write {} before it",
                 figure(speed),
                 self.retract_words()
             ));
         }
-        self.speed = block.speed.or(self.speed);
+        self.program.speed = block.speed.or(self.program.speed);
     }
 
     /// Reports a move at feed without a speed of the spindle.
     pub(super) fn judge_spindle(&mut self) {
-        if !self.speed.is_some_and(|s| s > 0.0) {
+        if !self.program.speed.is_some_and(|s| s > 0.0) {
             self.fault_once("speed", "a move at feed with the spindle at rest: no S before this block sets its speed");
         }
     }

@@ -4,7 +4,7 @@ use super::{AxisPosition, ControlState};
 use crate::control::modal::{ModalGroup, Setting};
 use crate::control::spline::{SplineStart, SplineWords};
 use crate::control::{MotionWord, NcBlock};
-use crate::nc::{Direction, NcMove, NcTool};
+use crate::nc::{Direction, NcMove};
 use five_axis::{CurveDirection, PoseCurve};
 use nalgebra::{Point3, Vector3};
 
@@ -20,7 +20,7 @@ const SAME_PLACE: f64 = 1e-7;
 impl ControlState<'_> {
     /// Whether the tool turns by the second point of its axis.
     pub(super) fn turns_by_second_point(&self) -> bool {
-        matches!(self.modal[ModalGroup::Turning as usize], Setting::Said("ORICURVE", _))
+        matches!(self.program.modal[ModalGroup::Turning as usize], Setting::Said("ORICURVE", _))
     }
 
     /// Executes a block with XH YH ZH and without polynomials: it states the second point where the tool stands.
@@ -86,10 +86,10 @@ impl ControlState<'_> {
             return self
                 .fault("a polynomial before the first place is known: write a straight block with X Y Z before");
         };
-        let Some(feed) = self.feed else {
+        let Some(feed) = self.program.feed else {
             return self.fault("a move at feed without a feed: write F in this block");
         };
-        if matches!(self.modal[ModalGroup::FeedMode as usize], Setting::Said("G93", _)) {
+        if matches!(self.program.modal[ModalGroup::FeedMode as usize], Setting::Said("G93", _)) {
             self.fault("a polynomial in inverse time (G93) is not read: write G94");
         }
         self.judge_spindle();
@@ -103,7 +103,7 @@ impl ControlState<'_> {
 
     /// The tool runs along a curve.
     fn follow(&mut self, curve: PoseCurve, feed: f64) {
-        self.judge_count();
+        self.program.judge_count();
         let smoothing = self.smoothing_of(false);
         let (tip, _) = curve.at(1.0);
         self.tip = [Some(tip.x), Some(tip.y), Some(tip.z)];
@@ -117,21 +117,8 @@ impl ControlState<'_> {
         self.second = curve.levers().and_then(|levers| levers.last().map(|lever| tip.coords + lever));
         self.at_start = false;
         self.axes = [AxisPosition::Left; 5];
-        let made = NcMove {
-            line: self.line,
-            rapid: false,
-            tip,
-            direction: self.direction,
-            interpolation: self.interpolation(),
-            feed: Some(feed),
-            time: None,
-            tool: self.tool.clone().unwrap_or(NcTool::Number(0)),
-            speed: self.speed.unwrap_or(0.0),
-            smoothing,
-            turn: self.turn_tolerance(),
-            curve: Some(curve),
-            frame_turned: false,
-        };
-        self.keep(made);
+        let straight = self.program.straight(tip, self.direction, Some(feed));
+        let interpolation = self.interpolation();
+        self.program.keep(NcMove { interpolation, smoothing, curve: Some(curve), ..straight });
     }
 }

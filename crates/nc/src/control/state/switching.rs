@@ -3,7 +3,7 @@
 use super::{AxisPosition, ControlState, Length, Transformation};
 use crate::control::modal::{ModalGroup, Setting};
 use crate::control::{Control, LengthWord, NcBlock, ROUNDING, figure};
-use crate::nc::{Direction, NcPlace, NcSection, NcStation, NcTool};
+use crate::nc::{Direction, NcPlace, NcStation, NcTool};
 use crate::tool_shape::NcToolShape;
 use five_axis::{Carries, RotaryAxis};
 use nalgebra::Vector3;
@@ -21,7 +21,7 @@ impl ControlState<'_> {
             // The control cancels the programmable frame and the work offset.
             self.offset = Setting::Unknown;
             if let Some(shift) = self.control.modal.iter().find(|m| m.group == ModalGroup::Shift) {
-                self.modal[ModalGroup::Shift as usize] = Setting::Said(shift.right[0], self.line);
+                self.program.modal[ModalGroup::Shift as usize] = Setting::Said(shift.right[0], self.program.line);
             }
         }
         if !on {
@@ -59,12 +59,12 @@ impl ControlState<'_> {
         if self.control.switching_sets_length
             && let Some(LengthWord::Of(number)) = block.length
         {
-            self.length = Length::Of(NcTool::Number(number), self.line);
+            self.length = Length::Of(NcTool::Number(number), self.program.line);
         }
         let Length::Of(of, _) = &self.length else {
             let length = self.control.length;
             let on_again = self.transformation == Transformation::On;
-            match &self.tool {
+            match &self.program.tool {
                 _ if on_again => {}
                 Some(_) => self
                     .fault_apart(format!("{word} without the length of the tool: write `{length}` before this block")),
@@ -76,8 +76,8 @@ impl ControlState<'_> {
             }
             return self.begin();
         };
-        if self.tool.as_ref() != Some(of) {
-            let tool = self.tool.as_ref().map_or("an unknown tool".to_owned(), |t| format!("tool {t}"));
+        if self.program.tool.as_ref() != Some(of) {
+            let tool = self.program.tool.as_ref().map_or("an unknown tool".to_owned(), |t| format!("tool {t}"));
             let reason = format!(
                 "{tool} is in the spindle with the length of another tool, {of}: write `{}`",
                 self.control.length
@@ -127,11 +127,8 @@ impl ControlState<'_> {
         self.turn_to(Direction::Rotary(rotary));
         self.second = None;
         (self.at_start, self.turned) = (true, None);
-        if self.faults.is_empty() {
-            let place = NcPlace::Axes { xyz: Vector3::new(x, y, z), rotary, turned: None };
-            let start = NcStation { line: self.placed, place };
-            self.sections.push(NcSection { start, moves: Vec::new(), retract: None, shape: NcToolShape::default() });
-        }
+        let place = NcPlace::Axes { xyz: Vector3::new(x, y, z), rotary, turned: None };
+        self.program.begin_section(NcStation { line: self.placed, place }, NcToolShape::default());
         self.open = true;
     }
 }
