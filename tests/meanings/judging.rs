@@ -98,7 +98,7 @@ fn cells() -> Settings<'static> {
 /// The text of a job in a dialect, without block numbers.
 fn written(post: &dyn Post, program: &Program, motion: &Motion) -> String {
     let text = nc::emit(post, program, motion, &[]).text();
-    let prefix = post.form().numbers.prefix;
+    let prefix = post.dialect().form.numbers.prefix;
     let bare = |line: &str| match line.strip_prefix(prefix).and_then(|l| l.split_once(' ')) {
         Some((number, rest)) if !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit()) => rest.to_owned(),
         _ => line.to_owned(),
@@ -108,7 +108,7 @@ fn written(post: &dyn Post, program: &Program, motion: &Motion) -> String {
 
 /// A text with block numbers, where the dialect has one in every block. Blocks keep a number that they have.
 fn numbered(post: &dyn Post, text: &str) -> String {
-    let form = post.form();
+    let form = &post.dialect().form;
     if !form.numbers.always {
         return text.to_owned();
     }

@@ -59,7 +59,7 @@ fn both_orientations_read_back() {
             post.check(&program, motion, &mut sink);
             if sink.has_errors() {
                 // G43.5 leaves the choice of the rotary positions to the control, which is not certain with two tables.
-                assert_eq!((post.family(), orientation), ("fanuc", Orientation::Vectors));
+                assert_eq!((post.dialect().family, orientation), ("fanuc", Orientation::Vectors));
                 continue;
             }
             let text = nc::emit(*post, &program, motion, &[]).text();
@@ -131,7 +131,7 @@ fn the_work_offset_is_stated_once() {
     for (dialect, offsets, others) in cases {
         let post = nc::find(dialect).unwrap();
         let (mut program, motion) = program(post);
-        let usual = post.offsets().unwrap().usual;
+        let usual = post.dialect().offsets.unwrap().usual;
         let frames = |program: &Program| {
             let mut sink = Sink::default();
             nc::trial::check(post, program, &mut sink);

@@ -36,7 +36,7 @@ pub fn judge(
         return None;
     }
     // The text may be for another control than the post of the job.
-    let has = |name: &&str| post.offsets().is_some_and(|offsets| (offsets.has)(name));
+    let has = |name: &&str| post.dialect().offsets.is_some_and(|offsets| (offsets.has)(name));
     let offset = program.post.work_offset().filter(has);
     let in_words = &*work_frame::program(post.name(), program);
     let sections = match post.read_with_offset(text, &in_words.machine, offset) {

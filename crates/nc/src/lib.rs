@@ -32,12 +32,13 @@ mod work_frame;
 mod write;
 
 pub use control::{MOST_FAULTS, WorkOffsets};
-pub use dialect::{Post, WriteBlock};
+pub use dialect::{Dialect, Post, WriteBlock};
 pub use divided::Divided;
 pub use form::{NumberForm, TextForm};
 pub use judgement::{NcCommands, TextFault, judge};
 pub use nc::{
     Direction, NcLine, NcMove, NcPlace, NcPose, NcProgram, NcRetract, NcSection, NcStation, NcTool, ReadError,
+    ReadResult,
 };
 pub use read_back::{ReadBack, read_back, refused};
 pub use tool_shape::{NcCutter, NcToolShape};
@@ -59,12 +60,12 @@ pub const POSTS: &[&dyn Post] = &[
 /// What the proof assumes of those who take the text of a program further and of the settings of the control, a line each.
 pub fn assumptions(post: &dyn Post, program: &Program) -> Vec<String> {
     let file = &program.post;
-    let offset = file.work_offset().or_else(|| Some(post.offsets()?.usual)).unwrap_or_default();
+    let offset = file.work_offset().or_else(|| Some(post.dialect().offsets?.usual)).unwrap_or_default();
     let transformation = file.transformation[usize::from(file.control.orientation == Orientation::Vectors)].text();
     let filled = |what: &&str| what.replace("{work-offset}", offset).replace("{transformation}", &transformation);
-    let own = post.assumptions().iter().map(filled);
+    let own = post.dialect().assumptions.iter().map(filled);
     let turned = work_frame::assumptions(post.name(), program);
-    own.chain(turned).chain(modulo::assumptions(post.form(), &program.machine)).collect()
+    own.chain(turned).chain(modulo::assumptions(&post.dialect().form, &program.machine)).collect()
 }
 
 /// The dialect with a name.
@@ -95,7 +96,7 @@ pub fn recognise(text: &str) -> Option<&'static dyn Post> {
     let most = *counts.iter().max()?;
     let mut best = counts.iter().zip(POSTS).filter(|(n, _)| **n == most && most > 0).map(|(_, p)| *p);
     let first = best.next()?;
-    best.all(|other| other.family() == first.family()).then_some(first)
+    best.all(|other| other.dialect().family == first.dialect().family).then_some(first)
 }
 
 /// Ratio of the lines of another dialect to those of the expected one from which on the text counts as the other

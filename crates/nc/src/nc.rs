@@ -161,6 +161,9 @@ pub struct NcMove {
 /// Begin of the reason where a text has no end.
 pub(super) const ENDS_HERE: &str = "the text ends here, without ";
 
+/// What a reader makes of a text: the sections, or the faults in order.
+pub type ReadResult = Result<Vec<NcSection>, Vec<ReadError>>;
+
 /// A line that a reader does not understand, or that makes the program invalid.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ReadError {

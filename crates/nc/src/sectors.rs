@@ -27,7 +27,7 @@ pub(super) fn divided<'a>(
     // Polynomials have no words that count with a turn, and words within one turn do not.
     if endless(program).is_some()
         || program.post.control.sectors == Sectors::Inline
-        || post.no_subprograms().is_some()
+        || post.dialect().no_subprograms.is_some()
         || !operation.splines.is_empty()
     {
         return None;
@@ -76,7 +76,7 @@ pub fn remark(post: &dyn Post, program: &Program, motion: &Motion, sink: &mut Si
         diag
     };
     let all = "the text has every sector move by move, without subprograms";
-    let why = match (post.no_subprograms(), Symmetry::of(program).err()) {
+    let why = match (post.dialect().no_subprograms, Symmetry::of(program).err()) {
         (Some(why), _) => Some(why.to_owned()),
         (None, Some(_)) if turned => Some(
             "a turn of the work frame about the axis of a part that does not stand along Z is not written yet"

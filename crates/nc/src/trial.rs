@@ -35,7 +35,7 @@ pub fn check(post: &dyn Post, program: &Program, sink: &mut Sink) {
         return;
     }
     let nc = emit(post, program, &motion, &[]);
-    let longest = post.form().longest;
+    let longest = post.dialect().form.longest;
     let long = nc.lines.iter().position(|line| line.text.len() > longest);
     let fault = match (long, read_back(post, program, &motion, &nc.text())) {
         (Some(at), _) => {
@@ -51,7 +51,7 @@ pub fn check(post: &dyn Post, program: &Program, sink: &mut Sink) {
 /// Refuses a work offset that the control does not have.
 fn check_offset(post: &dyn Post, program: &Program, sink: &mut Sink) {
     let Some((name, span)) = &program.post.offset else { return };
-    let help = match post.offsets() {
+    let help = match post.dialect().offsets {
         Some(offsets) if (offsets.has)(name) => return,
         Some(offsets) => format!("the work offsets of the control are {}", offsets.all),
         None => "remove the line: poses of this dialect count from the part origin".to_owned(),
@@ -66,8 +66,8 @@ fn check_offset(post: &dyn Post, program: &Program, sink: &mut Sink) {
 /// Refuses spline blocks that the dialect does not have.
 fn check_splines(post: &dyn Post, program: &Program, sink: &mut Sink) {
     let PostFile { control, splines_span, .. } = &program.post;
-    let Some(form) = control.splines.filter(|form| post.splines() != Some(*form)) else { return };
-    let help = match post.splines() {
+    let Some(form) = control.splines.filter(|form| post.dialect().splines != Some(*form)) else { return };
+    let help = match post.dialect().splines {
         Some(own) => format!("write `splines = \"{}\"`, or remove the line", own.name()),
         None => "remove the line: the dialect has straight blocks".to_owned(),
     };

@@ -15,6 +15,38 @@ use std::collections::BTreeMap;
 use wheel::control::Orientation;
 use wheel::post_file::{Field, Frame, Template};
 
+/// F of the blocks of a path. It is written where it changes, and behind a rapid again, so that every pass can be read by itself.
+pub(super) struct FeedWord {
+    last: String,
+    number: fn(f64, usize) -> String,
+}
+
+impl FeedWord {
+    /// Before the first block, with the form of a number in the dialect.
+    pub(super) fn new(number: fn(f64, usize) -> String) -> Self {
+        Self { last: String::new(), number }
+    }
+
+    /// The next F is written also if it is the same.
+    pub(super) fn forget(&mut self) {
+        self.last.clear();
+    }
+
+    /// The feed of a move, mm/min; `None` where it still holds.
+    pub(super) fn changed(&mut self, program: &Program, m: &JointMove) -> Option<&str> {
+        let decimals = program.post.control.decimals.feed;
+        let text = (self.number)(words::feed(m.feed.unwrap_or(0.0), decimals), decimals);
+        let changed = text != self.last;
+        self.last = text;
+        changed.then_some(&self.last)
+    }
+
+    /// The word behind a block, with a blank; no text where F still holds.
+    pub(super) fn word(&mut self, program: &Program, m: &JointMove) -> String {
+        self.changed(program, m).map_or_else(String::new, |feed| format!(" F{feed}"))
+    }
+}
+
 /// Digits of tolerances: mm and degrees.
 const TOLERANCE_DECIMALS: usize = 4;
 
@@ -26,7 +58,7 @@ pub fn emit(post: &dyn Post, program: &Program, motion: &Motion, header: &[Strin
     debug_assert_eq!(post.name(), program.post.dialect);
     let (motion, program) =
         (&*work_frame::motion(post.name(), program, motion), &*work_frame::program(post.name(), program));
-    let form = post.form();
+    let form = &post.dialect().form;
     let step = if form.numbers.always { 1 } else { program.post.block_numbers };
     let first = if form.numbers.always { 0 } else { u64::from(step) };
     let nc = NcProgram { lines: Vec::new(), end: program.post.line_end.text() };
@@ -104,7 +136,7 @@ pub(super) fn between(operation: &MotionOperation) -> impl Iterator<Item = (usiz
 
 /// Words of both rotary axes in the sense of the machine.
 pub(super) fn rotary(post: &dyn Post, program: &Program, angles: Angles) -> String {
-    let form = post.form();
+    let form = &post.dialect().form;
     let numbers = rotary_numbers(post, program, angles);
     let words = program.machine.rotary.iter().zip(numbers).map(|(axis, number)| {
         let known = form.modulo.as_ref().ok().filter(|_| axis.modulo.is_some());
@@ -146,7 +178,7 @@ pub(super) fn pose(post: &dyn Post, program: &Program, joints: &Joints) -> [Stri
 
 /// Name of the work offset of the part; no text in a dialect without work offsets.
 fn offset<'a>(post: &dyn Post, program: &'a Program) -> &'a str {
-    program.post.work_offset().or_else(|| Some(post.offsets()?.usual)).unwrap_or_default()
+    program.post.work_offset().or_else(|| Some(post.dialect().offsets?.usual)).unwrap_or_default()
 }
 
 /// Its number in words that change it; no text in a dialect that writes none.

@@ -15,9 +15,8 @@ mod reader;
 mod statements;
 mod writer;
 
-use crate::dialect::{Post, WriteBlock};
-use crate::form::TextForm;
-use crate::nc::{NcSection, ReadError};
+use crate::dialect::{Dialect, Post, WriteBlock};
+use crate::nc::ReadResult;
 use crate::words;
 use base::source::Span;
 use diagnostics::Sink;
@@ -25,60 +24,46 @@ use five_axis::Machine;
 use ir::{Motion, MotionOperation, Program};
 use wheel::control::SplineForm;
 
+static DIALECT: Dialect = Dialect {
+    name: "apt-cl",
+    about: "CL data of APT for a later post-processor: GOTO with tool axis, FEDRAT, RAPID",
+    family: "apt-cl",
+    assumptions: &[
+        "between two poses the tip goes straight; how the rotary axes turn is the choice of the post-processor",
+        "this proof holds where both rotary axes of the machine file turn evenly between the poses",
+        "from LOADTL to FROM all axes but Z stay at the retract height; the post-processor sees to it",
+        "MOVNRB, where it stands, is its curves, or the GOTO within it along the same curves",
+        "FEDRAT is the speed of the tip, 100 % at most; the first feed waits for the spindle",
+        "zero and axes of the work offset are those of the part frame; the length of LOADTL acts",
+    ],
+    form: writer::FORM,
+    splines: Some(SplineForm::Movnrb),
+    no_subprograms: Some("CL data have no calls that every later post-processor expands alike"),
+    offsets: None,
+};
+
 /// The dialect.
 pub(super) struct AptCl;
 
 impl Post for AptCl {
-    fn name(&self) -> &'static str {
-        "apt-cl"
-    }
-
-    fn about(&self) -> &'static str {
-        "CL data of APT for a later post-processor: GOTO with tool axis, FEDRAT, RAPID"
+    fn dialect(&self) -> &'static Dialect {
+        &DIALECT
     }
 
     fn check_machine(&self, machine: &Machine, chosen: Option<Span>, sink: &mut Sink) {
         words::check_planning(machine, chosen, sink);
     }
 
-    fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink) {
+    fn check_motion(&self, program: &Program, motion: &Motion, sink: &mut Sink) {
         writer::check(program, motion, sink);
-    }
-
-    fn assumptions(&self) -> &'static [&'static str] {
-        &[
-            "between two poses the tip goes straight; how the rotary axes turn is the choice of the post-processor",
-            "this proof holds where both rotary axes of the machine file turn evenly between the poses",
-            "from LOADTL to FROM all axes but Z stay at the retract height; the post-processor sees to it",
-            "MOVNRB, where it stands, is its curves, or the GOTO within it along the same curves",
-            "FEDRAT is the speed of the tip, 100 % at most; the first feed waits for the spindle",
-            "zero and axes of the work offset are those of the part frame; the length of LOADTL acts",
-        ]
-    }
-
-    fn form(&self) -> &'static TextForm {
-        &writer::FORM
-    }
-
-    fn splines(&self) -> Option<SplineForm> {
-        Some(SplineForm::Movnrb)
     }
 
     fn moves(&self, program: &Program, operation: &MotionOperation, _smoothing: &str, write: &mut WriteBlock<'_>) {
         writer::moves(program, operation, write);
     }
 
-    fn read_with_offset(
-        &self,
-        text: &str,
-        machine: &Machine,
-        _offset: Option<&str>,
-    ) -> Result<Vec<NcSection>, Vec<ReadError>> {
+    fn sections(&self, text: &str, machine: &Machine, _offset: &str) -> ReadResult {
         reader::read(text, machine)
-    }
-
-    fn no_subprograms(&self) -> Option<&'static str> {
-        Some("CL data have no calls that every later post-processor expands alike")
     }
 
     fn recognises(&self, code: &str) -> bool {

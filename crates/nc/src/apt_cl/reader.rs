@@ -20,7 +20,7 @@ use crate::control::modal::{ModalGroup, Setting};
 use crate::control::{
     FARTHEST, FASTEST, ProgramState, Smoothing, SmoothingTolerance, WIDEST_TOLERANCE_MM, number, shown, within,
 };
-use crate::nc::{Direction, NcMove, NcPlace, NcPose, NcRetract, NcSection, NcStation, NcTool, ReadError};
+use crate::nc::{Direction, NcMove, NcPlace, NcPose, NcRetract, NcStation, NcTool, ReadResult};
 use crate::tool_shape::{NcCutter, NcToolShape};
 use five_axis::{Machine, PoseCurve};
 use nalgebra::{Point3, Vector3};
@@ -35,7 +35,7 @@ const UNIT: f64 = 1e-4;
 const ROUNDING: f64 = 1e-3;
 
 /// Reads a text.
-pub(super) fn read(text: &str, machine: &Machine) -> Result<Vec<NcSection>, Vec<ReadError>> {
+pub(super) fn read(text: &str, machine: &Machine) -> ReadResult {
     let mut state = State::new(machine);
     let mut last = 1;
     statements::each(text, |line, found| {

@@ -3,8 +3,8 @@
 use super::{AptCl, curve_statements};
 use crate::dialect::WriteBlock;
 use crate::form::{NumberForm, TextForm};
-use crate::words::{self, feed, fixed};
-use crate::write;
+use crate::words::{self, fixed};
+use crate::write::{self, FeedWord};
 use diagnostics::{Diag, Sink, codes::post};
 use ir::{Motion, MotionOperation, MoveKind, Program};
 use wheel::control::Decimals;
@@ -21,8 +21,6 @@ pub(super) const FORM: TextForm = TextForm {
 
 /// Refuses a motion that CL data cannot express.
 pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
-    words::check_planning(&program.machine, program.post.span, sink);
-    words::check(program, motion, sink);
     words::check_vectors(program, motion, sink);
     let (digits, fine) = (&program.post.control.decimals, Decimals::FINE);
     if digits.length < fine.length || digits.vector < fine.vector {
@@ -51,20 +49,17 @@ pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
 
 /// Writes the statements of the moves of an operation.
 pub(super) fn moves(program: &Program, operation: &MotionOperation, write: &mut WriteBlock<'_>) {
-    let decimals = program.post.control.decimals.feed;
-    let mut last_feed = String::new();
+    let mut feed = FeedWord::new(fixed);
     for (i, m) in write::between(operation) {
         let spline = operation.spline(i).map(|(_, spline)| spline);
         if m.kind == MoveKind::Rapid {
             write("RAPID".to_owned(), None);
-            last_feed.clear();
-        } else if spline.is_none_or(|spline| spline.first == i) {
+            feed.forget();
+        } else if spline.is_none_or(|spline| spline.first == i)
             // A spline block has one feed.
-            let f = fixed(feed(m.feed.unwrap_or(0.0), decimals), decimals);
-            if f != last_feed {
-                write(format!("FEDRAT/{f},MMPM"), None);
-                last_feed = f;
-            }
+            && let Some(feed) = feed.changed(program, m)
+        {
+            write(format!("FEDRAT/{feed},MMPM"), None);
         }
         if let Some(spline) = spline.filter(|spline| spline.first == i) {
             curve_statements::begin(spline, program.post.control.decimals.length, |values| {

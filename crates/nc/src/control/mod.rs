@@ -136,6 +136,39 @@ pub(super) struct Control {
 }
 
 impl Control {
+    /// What most controls with words of ISO 6983 have; a dialect says its modal groups, the order of its words, and what it has
+    /// otherwise.
+    pub(super) const ISO: Self = Self {
+        modal: &[],
+        order: &[],
+        transformation: [""; 2],
+        machine_frame: "G53 G0",
+        behind: "",
+        rapid: "G0",
+        clamps: true,
+        spline_motion: MotionWord::Feed,
+        change: "T and M6",
+        vector: [""; 3],
+        length: "",
+        smoothing: "",
+        end: "M30",
+        offsets: &WorkOffsets { usual: "", all: "", has: |_| false },
+        unturned: "",
+        great_circle: &[],
+        machine_frame_drops_length: false,
+        switching_drops_frames: false,
+        switching_sets_length: false,
+        frame_of_switch: false,
+        feed_mode_drops_feed: false,
+        change_drops_length: false,
+        change_sets_length: false,
+        shorter_way: false,
+        modulo: true,
+        stops_behind: false,
+        wait_switches_off: false,
+        end_switches_off: false,
+    };
+
     /// The words that bring a tool into the spindle and activate its length.
     fn change_words(&self) -> String {
         if self.change_sets_length {

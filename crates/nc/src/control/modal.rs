@@ -67,7 +67,65 @@ pub(crate) struct Modal {
     pub(crate) needed: Needed,
 }
 
+/// Groups that several controls have with the same words.
 impl Modal {
+    pub(crate) const PLANE: Self = Self {
+        group: ModalGroup::Plane,
+        what: "the plane, which determines the direction of the tool length",
+        right: &["G17"],
+        wrong: &["G18", "G19"],
+        needed: Needed::Transformed,
+    };
+    pub(crate) const UNITS: Self = Self {
+        group: ModalGroup::Units,
+        what: "lengths in mm",
+        right: &["G21"],
+        wrong: &["G20"],
+        needed: Needed::Always,
+    };
+    pub(crate) const DISTANCE: Self = Self {
+        group: ModalGroup::Distance,
+        what: "absolute coordinates",
+        right: &["G90"],
+        wrong: &["G91"],
+        needed: Needed::Always,
+    };
+    pub(crate) const FEED_MODE: Self = Self {
+        group: ModalGroup::FeedMode,
+        what: "feed per minute",
+        right: &["G94", "G93"],
+        wrong: &["G95"],
+        needed: Needed::AtFeed,
+    };
+    pub(crate) const COMPENSATION: Self = Self {
+        group: ModalGroup::Compensation,
+        what: "no cutter radius compensation",
+        right: &["G40"],
+        wrong: &["G41", "G42"],
+        needed: Needed::Always,
+    };
+    pub(crate) const WORK_OFFSET: Self = Self {
+        group: ModalGroup::WorkOffset,
+        what: "the work offset",
+        right: &["G54"],
+        wrong: &["G55", "G56", "G57", "G58", "G59"],
+        needed: Needed::InWorkFrame,
+    };
+    pub(crate) const SPINDLE: Self = Self {
+        group: ModalGroup::Spindle,
+        what: "the spindle on, clockwise",
+        right: &["M3"],
+        wrong: &["M4", "M5"],
+        needed: Needed::AtFeed,
+    };
+    pub(crate) const COOLANT: Self = Self {
+        group: ModalGroup::Coolant,
+        what: "coolant on",
+        right: &["M8", "M7"],
+        wrong: &["M9"],
+        needed: Needed::AtFeed,
+    };
+
     /// The word of this group with this spelling.
     pub(crate) fn word(&self, text: &str) -> Option<&'static str> {
         self.right.iter().chain(self.wrong).copied().find(|w| *w == text)

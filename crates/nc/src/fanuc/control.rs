@@ -1,7 +1,9 @@
 //! Modal groups and order of words of the family, and what differs between its members.
 
+use super::writer;
 use crate::control::modal::{Modal, ModalGroup, Needed};
-use crate::control::{Act, Control, MotionWord, WorkOffsets};
+use crate::control::{Act, Control, WorkOffsets};
+use crate::dialect::{Dialect, NO_TURNED_FRAME};
 
 /// The word that takes back shifts of the work frame, as a message names it.
 pub(super) const PRESET: &str = "G92.1 X0. Y0. Z0. with both rotary axes at 0.";
@@ -12,12 +14,9 @@ pub(super) const LINEAR: &str = "P0";
 pub(super) const IN_PLANE: &str = "P1";
 
 /// What differs between the controls of the family.
-#[derive(Debug, PartialEq, Eq)]
 pub(crate) struct Member {
-    /// Name in the job language and on the command line.
-    pub(super) name: &'static str,
-    /// One line for the help.
-    pub(super) about: &'static str,
+    /// The dialect.
+    pub(super) dialect: Dialect,
     /// Digits of a program number.
     pub(super) program_digits: u32,
     /// A program may have a name `<...>` instead of a number.
@@ -30,64 +29,76 @@ pub(crate) struct Member {
     pub(super) posture: bool,
     /// G05.1 Q1 may have a level R1 to R10.
     pub(super) levels: bool,
-    /// What the control must be set to; the text cannot say it.
-    pub(super) assumed: &'static [&'static str],
     /// Setting that gives a number without a decimal point its unit.
     pub(super) point: &'static str,
 }
 
 /// Fanuc 30i and 31i. Sources: Fanuc B-63944EN/02 (format), A-79348E (tool centre point control), A-79294E (P0, P1).
 pub(super) const FANUC: Member = Member {
-    name: "fanuc",
-    about: "Fanuc 30i and 31i-B5: G43.4 with rotary words, G43.5 with I J K, G05.1 Q1",
+    dialect: Dialect {
+        name: "fanuc",
+        about: "Fanuc 30i and 31i-B5: G43.4 with rotary words, G43.5 with I J K, G05.1 Q1",
+        family: "fanuc",
+        assumptions: &[
+            "G0 runs linearly (parameter 1401#1 LRP = 1)",
+            "G43.4 and G49 alone in a block move no axis (5006#6 TOS = 1)",
+            "under G43.4 X Y Z turn with the table (19696#5 WKP = 0)",
+            "a block turns the rotary axes linearly (19604#0 TPC = 0)",
+            "a rotary axis that rolls over takes the shorter way (1008#1 RAB = 0)",
+            "RESET and M30 cancel scaling, mirror image and polar coordinates (3402#6 CLR = 1)",
+            "G05.1 Q1 leaves the path by no more than the chord tolerance of each operation",
+            "{work-offset} is the part origin with the rotary axes at zero, and has no rotary offsets",
+            "the external work offset (EXT) is 0, and no handle interruption acts",
+            "H is the length of the head, and its wear is 0",
+            "feed override is 100 % at most, no dry run; the first feed waits for the spindle (3708#0 SAR = 1)",
+            "M6 leaves Z at the retract height",
+        ],
+        form: writer::FANUC,
+        splines: None,
+        no_subprograms: NO_TURNED_FRAME,
+        offsets: Some(&OFFSETS),
+    },
     program_digits: 4,
     program_names: true,
     block_digits: 8,
     decimals: 4,
     posture: true,
     levels: true,
-    assumed: &[
-        "G0 runs linearly (parameter 1401#1 LRP = 1)",
-        "G43.4 and G49 alone in a block move no axis (5006#6 TOS = 1)",
-        "under G43.4 X Y Z turn with the table (19696#5 WKP = 0)",
-        "a block turns the rotary axes linearly (19604#0 TPC = 0)",
-        "a rotary axis that rolls over takes the shorter way (1008#1 RAB = 0)",
-        "RESET and M30 cancel scaling, mirror image and polar coordinates (3402#6 CLR = 1)",
-        "G05.1 Q1 leaves the path by no more than the chord tolerance of each operation",
-        "{work-offset} is the part origin with the rotary axes at zero, and has no rotary offsets",
-        "the external work offset (EXT) is 0, and no handle interruption acts",
-        "H is the length of the head, and its wear is 0",
-        "feed override is 100 % at most, no dry run; the first feed waits for the spindle (3708#0 SAR = 1)",
-        "M6 leaves Z at the retract height",
-    ],
     point: "parameter 3401#0",
 };
 
 /// Mitsubishi M700 and M800. Source: M700V/M70V programming manual, 3.5 (numbers), 5.3 (decimal point), 13.24 (tool centre
 /// point control).
 pub(super) const MITSUBISHI: Member = Member {
-    name: "mitsubishi",
-    about: "Mitsubishi M700 and M800: G43.4 with rotary words, G43.5 with I J K, G05.1 Q1 or G05 P10000",
+    dialect: Dialect {
+        name: "mitsubishi",
+        about: "Mitsubishi M700 and M800: G43.4 with rotary words, G43.5 with I J K, G05.1 Q1 or G05 P10000",
+        family: "fanuc",
+        assumptions: &[
+            "G0 runs linearly",
+            "G43.4 and G49 alone in a block move no axis",
+            "under G43.4 X Y Z turn with the table: the programming coordinate system is that of the table",
+            "a block turns the rotary axes linearly: joint interpolation, not rotation about a single axis",
+            "a rotary axis that rolls over takes the shorter way",
+            "RESET and M30 cancel scaling, mirror image and polar coordinates",
+            "G05.1 Q1 leaves the path by no more than the chord tolerance of each operation",
+            "{work-offset} is the part origin with the rotary axes at zero, and has no rotary offsets",
+            "the external work offset (EXT) is 0, and no handle interruption acts",
+            "H is the length of the head, and its wear is 0",
+            "feed override is 100 % at most, no dry run; the first feed waits for the spindle",
+            "M6 leaves Z at the retract height",
+        ],
+        form: writer::MITSUBISHI,
+        splines: None,
+        no_subprograms: NO_TURNED_FRAME,
+        offsets: Some(&OFFSETS),
+    },
     program_digits: 8,
     program_names: false,
     block_digits: 6,
     decimals: 4,
     posture: false,
     levels: false,
-    assumed: &[
-        "G0 runs linearly",
-        "G43.4 and G49 alone in a block move no axis",
-        "under G43.4 X Y Z turn with the table: the programming coordinate system is that of the table",
-        "a block turns the rotary axes linearly: joint interpolation, not rotation about a single axis",
-        "a rotary axis that rolls over takes the shorter way",
-        "RESET and M30 cancel scaling, mirror image and polar coordinates",
-        "G05.1 Q1 leaves the path by no more than the chord tolerance of each operation",
-        "{work-offset} is the part origin with the rotary axes at zero, and has no rotary offsets",
-        "the external work offset (EXT) is 0, and no handle interruption acts",
-        "H is the length of the head, and its wear is 0",
-        "feed override is 100 % at most, no dry run; the first feed waits for the spindle",
-        "M6 leaves Z at the retract height",
-    ],
     point: "parameter #1078",
 };
 
@@ -106,42 +117,12 @@ pub(super) fn is_offset(name: &str) -> bool {
 /// The control.
 pub(super) const CONTROL: Control = Control {
     modal: &[
-        Modal {
-            group: ModalGroup::Plane,
-            what: "the plane, which determines the direction of the tool length",
-            right: &["G17"],
-            wrong: &["G18", "G19"],
-            needed: Needed::Transformed,
-        },
-        Modal {
-            group: ModalGroup::Units,
-            what: "lengths in mm",
-            right: &["G21"],
-            wrong: &["G20"],
-            needed: Needed::Always,
-        },
-        Modal {
-            group: ModalGroup::Distance,
-            what: "absolute coordinates",
-            right: &["G90"],
-            wrong: &["G91"],
-            needed: Needed::Always,
-        },
+        Modal::PLANE,
+        Modal::UNITS,
+        Modal::DISTANCE,
         // No manual states what F means in inverse time under tool centre point control.
-        Modal {
-            group: ModalGroup::FeedMode,
-            what: "feed per minute",
-            right: &["G94"],
-            wrong: &["G93", "G95"],
-            needed: Needed::AtFeed,
-        },
-        Modal {
-            group: ModalGroup::Compensation,
-            what: "no cutter radius compensation",
-            right: &["G40"],
-            wrong: &["G41", "G42"],
-            needed: Needed::Always,
-        },
+        Modal { right: &["G94"], wrong: &["G93", "G95"], ..Modal::FEED_MODE },
+        Modal::COMPENSATION,
         Modal {
             group: ModalGroup::Cutting,
             what: "cutting mode, without exact stops and with feed hold",
@@ -149,13 +130,7 @@ pub(super) const CONTROL: Control = Control {
             wrong: &["G61", "G61.1", "G62", "G63"],
             needed: Needed::AtFeed,
         },
-        Modal {
-            group: ModalGroup::WorkOffset,
-            what: "the work offset",
-            right: &["G54"],
-            wrong: &["G55", "G56", "G57", "G58", "G59"],
-            needed: Needed::InWorkFrame,
-        },
+        Modal::WORK_OFFSET,
         Modal {
             group: ModalGroup::Shift,
             what: "no remaining shift of G92, G52 or of a hand",
@@ -177,20 +152,8 @@ pub(super) const CONTROL: Control = Control {
             wrong: &[],
             needed: Needed::Transformed,
         },
-        Modal {
-            group: ModalGroup::Spindle,
-            what: "the spindle on, clockwise",
-            right: &["M3"],
-            wrong: &["M4", "M5"],
-            needed: Needed::AtFeed,
-        },
-        Modal {
-            group: ModalGroup::Coolant,
-            what: "coolant on",
-            right: &["M8", "M7"],
-            wrong: &["M9"],
-            needed: Needed::AtFeed,
-        },
+        Modal::SPINDLE,
+        Modal::COOLANT,
     ],
     order: &[
         Act::Set(ModalGroup::Plane),
@@ -216,31 +179,15 @@ pub(super) const CONTROL: Control = Control {
         Act::End,
     ],
     transformation: ["G43.4", "G49"],
-    machine_frame: "G53 G0",
-    behind: "",
-    rapid: "G0",
-    clamps: true,
-    spline_motion: MotionWord::Feed,
-    change: "T and M6",
     vector: ["I", "J", "K"],
     length: "G43.4 H",
     smoothing: "G05.1 Q1",
-    end: "M30",
     offsets: &OFFSETS,
-    unturned: "",
     great_circle: &[IN_PLANE],
-    machine_frame_drops_length: false,
-    switching_drops_frames: false,
     switching_sets_length: true,
     frame_of_switch: true,
-    feed_mode_drops_feed: false,
-    change_drops_length: false,
-    change_sets_length: false,
     shorter_way: true,
-    modulo: true,
-    stops_behind: false,
-    wait_switches_off: false,
-    end_switches_off: false,
+    ..Control::ISO
 };
 
 /// Words that cancel what moves must not have, and nothing else.

@@ -19,12 +19,8 @@ mod writer;
 #[cfg(test)]
 mod tests;
 
-use crate::control::WorkOffsets;
-use crate::dialect::{Post, WriteBlock};
-use crate::form::TextForm;
-use crate::nc::{NcSection, ReadError};
-use crate::{modulo, words};
-use base::source::Span;
+use crate::dialect::{Dialect, Post, WriteBlock};
+use crate::nc::ReadResult;
 use control::Member;
 use diagnostics::Sink;
 use five_axis::{Angles, Machine};
@@ -33,47 +29,22 @@ use ir::{Motion, MotionOperation, Program};
 /// A dialect of the family.
 pub(super) struct Family {
     member: &'static Member,
-    form: &'static TextForm,
 }
 
 impl Family {
     /// Fanuc, and Makino with the words of its machine in a post file.
-    pub(super) const FANUC: Self = Self { member: &control::FANUC, form: &writer::FANUC };
+    pub(super) const FANUC: Self = Self { member: &control::FANUC };
     /// Mitsubishi.
-    pub(super) const MITSUBISHI: Self = Self { member: &control::MITSUBISHI, form: &writer::MITSUBISHI };
+    pub(super) const MITSUBISHI: Self = Self { member: &control::MITSUBISHI };
 }
 
 impl Post for Family {
-    fn name(&self) -> &'static str {
-        self.member.name
+    fn dialect(&self) -> &'static Dialect {
+        &self.member.dialect
     }
 
-    fn about(&self) -> &'static str {
-        self.member.about
-    }
-
-    fn family(&self) -> &'static str {
-        control::FANUC.name
-    }
-
-    // The sense of each rotary axis is a parameter of the control.
-    fn check_machine(&self, machine: &Machine, chosen: Option<Span>, sink: &mut Sink) {
-        words::check_planning(machine, chosen, sink);
-        words::check_length_to(machine, chosen, sink);
-        modulo::check_machine(self.form, machine, chosen, sink);
-    }
-
-    fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink) {
-        self.check_machine(&program.machine, program.post.span, sink);
+    fn check_motion(&self, program: &Program, motion: &Motion, sink: &mut Sink) {
         writer::check(self.member, program, motion, sink);
-    }
-
-    fn assumptions(&self) -> &'static [&'static str] {
-        self.member.assumed
-    }
-
-    fn form(&self) -> &'static TextForm {
-        self.form
     }
 
     fn at_switch(&self, machine: &Machine, start: Angles) -> Angles {
@@ -88,17 +59,8 @@ impl Post for Family {
         writer::moves(self, program, operation, write);
     }
 
-    fn read_with_offset(
-        &self,
-        text: &str,
-        machine: &Machine,
-        offset: Option<&str>,
-    ) -> Result<Vec<NcSection>, Vec<ReadError>> {
-        reader::read(text, (machine, offset.unwrap_or(control::OFFSETS.usual)), self.member)
-    }
-
-    fn offsets(&self) -> Option<&'static WorkOffsets> {
-        Some(&control::OFFSETS)
+    fn sections(&self, text: &str, machine: &Machine, offset: &str) -> ReadResult {
+        reader::read(text, (machine, offset), self.member)
     }
 
     fn recognises(&self, code: &str) -> bool {

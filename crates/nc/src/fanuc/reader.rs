@@ -8,7 +8,7 @@ use super::control::{CONTROL, HARMLESS, IN_PLANE, LINEAR, Member, OFFSETS, PRESE
 use super::text::{code_name, count, decimal, first_word, program_name, without_comments};
 use crate::control::modal::ModalGroup;
 use crate::control::{self, LengthWord, MOST_FAULTS, MotionWord, NcBlock, Smoothing, once, shown};
-use crate::nc::{ENDS_HERE, NcSection, NcTool, ReadError};
+use crate::nc::{ENDS_HERE, NcTool, ReadError, ReadResult};
 use five_axis::Machine;
 
 /// Largest level of G05.1 Q1.
@@ -39,11 +39,7 @@ enum Directed {
 }
 
 /// Reads a program.
-pub(super) fn read(
-    text: &str,
-    (machine, offset): (&Machine, &str),
-    member: &Member,
-) -> Result<Vec<NcSection>, Vec<ReadError>> {
+pub(super) fn read(text: &str, (machine, offset): (&Machine, &str), member: &Member) -> ReadResult {
     let mut reader = Reader { machine, member, tape: Tape::Leader, directed: Directed::Angles };
     let result = control::read(text, &CONTROL, (machine, offset), |line, _, faults| reader.line(line, faults));
     if reader.tape == Tape::Closed {

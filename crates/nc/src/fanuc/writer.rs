@@ -2,11 +2,11 @@
 
 use super::Family;
 use super::control::Member;
-use crate::dialect::{Post, WriteBlock};
+use crate::dialect::WriteBlock;
 use crate::form::{ModuloForm, NumberForm, TextForm};
 use crate::modulo;
-use crate::words::{self, feed, fixed};
-use crate::write;
+use crate::words::{self, fixed};
+use crate::write::{self, FeedWord};
 use diagnostics::{Diag, Sink, codes::job, codes::post};
 use five_axis::control::ModuloWay;
 use five_axis::{Angles, Carries, Joints, Machine, between, most_turn};
@@ -74,7 +74,6 @@ fn check_program_number(member: &Member, program: &Program, sink: &mut Sink) {
 
 /// Refuses a motion that the dialect cannot express.
 pub(super) fn check(member: &Member, program: &Program, motion: &Motion, sink: &mut Sink) {
-    words::check(program, motion, sink);
     check_program_number(member, program, sink);
     modulo::check_way(program, motion, |axis| axis.modulo.is_some(), sink);
     let vectors = program.post.control.orientation == Orientation::Vectors;
@@ -121,8 +120,7 @@ pub(super) fn check(member: &Member, program: &Program, motion: &Motion, sink: &
 
 /// Writes the blocks of the moves of an operation.
 pub(super) fn moves(post: &Family, program: &Program, operation: &MotionOperation, write: &mut WriteBlock<'_>) {
-    let mut last_feed = String::new();
-    let mut last_kind = None;
+    let mut feed = FeedWord::new(number);
     if let Some(first) = operation.moves.first() {
         turns(post, program, &first.joints, write);
     }
@@ -130,18 +128,12 @@ pub(super) fn moves(post: &Family, program: &Program, operation: &MotionOperatio
         let tip = write::tip(post, program, &m.joints);
         let direction = direction(post, program, &m.joints);
         let text = match m.kind {
-            MoveKind::Rapid => format!("G0 {tip} {direction}"),
-            MoveKind::Link | MoveKind::Cut => {
-                let decimals = program.post.control.decimals.feed;
-                let f = post.number(feed(m.feed.unwrap_or(0.0), decimals), decimals);
-                // After a rapid F is written again, so that every pass can be read by itself.
-                let say = f != last_feed || last_kind == Some(MoveKind::Rapid);
-                let word = if say { format!(" F{f}") } else { String::new() };
-                last_feed = f;
-                format!("G1 {tip} {direction}{word}")
+            MoveKind::Rapid => {
+                feed.forget();
+                format!("G0 {tip} {direction}")
             }
+            MoveKind::Link | MoveKind::Cut => format!("G1 {tip} {direction}{}", feed.word(program, m)),
         };
-        last_kind = Some(m.kind);
         write(text, Some(i));
     }
 }

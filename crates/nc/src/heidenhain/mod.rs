@@ -16,62 +16,42 @@ mod spline;
 mod straight;
 mod writer;
 
-use crate::control::WorkOffsets;
-use crate::dialect::{Post, WriteBlock};
-use crate::form::TextForm;
-use crate::nc::{NcSection, ReadError};
-use crate::{modulo, words};
-use base::source::Span;
+use crate::dialect::{Dialect, NO_TURNED_FRAME, Post, WriteBlock};
+use crate::nc::ReadResult;
 use diagnostics::Sink;
 use five_axis::Machine;
 use ir::{Motion, MotionOperation, Program};
 use wheel::control::SplineForm;
 
-/// What must be set at the control.
-const ASSUMED: &[&str] = &[
-    "preset {work-offset} is the part origin with the rotary axes at 0, and has no rotary offsets",
-    "L of the tool table is the length to the tip, also of ball end mills; DL, DR and DR2 are 0",
-    "no pallet preset, no global program settings and no handwheel superimposition (M118) act",
-    "positions with M91 count from the machine datum of the machine file, Z without the tool length",
-    "the kinematics of the control are those of the machine file; cycle 32 is enabled, and nothing else smooths",
-    "feed override is 100 % at most, and no adaptive feed control (AFC) acts",
-    "M3 ends when the spindle has its speed; TOOL CALL leaves Z at the retract height",
-];
+static DIALECT: Dialect = Dialect {
+    name: "heidenhain",
+    about: "HEIDENHAIN iTNC 530 and TNC 640: Klartext with FUNCTION TCPM or M128, angles or LN vectors",
+    family: "heidenhain",
+    assumptions: &[
+        "preset {work-offset} is the part origin with the rotary axes at 0, and has no rotary offsets",
+        "L of the tool table is the length to the tip, also of ball end mills; DL, DR and DR2 are 0",
+        "no pallet preset, no global program settings and no handwheel superimposition (M118) act",
+        "positions with M91 count from the machine datum of the machine file, Z without the tool length",
+        "the kinematics of the control are those of the machine file; cycle 32 is enabled, and nothing else smooths",
+        "feed override is 100 % at most, and no adaptive feed control (AFC) acts",
+        "M3 ends when the spindle has its speed; TOOL CALL leaves Z at the retract height",
+    ],
+    form: writer::FORM,
+    splines: Some(SplineForm::Spl),
+    no_subprograms: NO_TURNED_FRAME,
+    offsets: Some(&reader::OFFSETS),
+};
 
 /// The dialect.
 pub(super) struct Heidenhain;
 
 impl Post for Heidenhain {
-    fn name(&self) -> &'static str {
-        "heidenhain"
+    fn dialect(&self) -> &'static Dialect {
+        &DIALECT
     }
 
-    fn about(&self) -> &'static str {
-        "HEIDENHAIN iTNC 530 and TNC 640: Klartext with FUNCTION TCPM or M128, angles or LN vectors"
-    }
-
-    // The sense of each rotary axis is in the kinematics of the control.
-    fn check_machine(&self, machine: &Machine, chosen: Option<Span>, sink: &mut Sink) {
-        words::check_planning(machine, chosen, sink);
-        words::check_length_to(machine, chosen, sink);
-        modulo::check_machine(&writer::FORM, machine, chosen, sink);
-    }
-
-    fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink) {
-        self.check_machine(&program.machine, program.post.span, sink);
+    fn check_motion(&self, program: &Program, motion: &Motion, sink: &mut Sink) {
         writer::check(program, motion, sink);
-    }
-
-    fn splines(&self) -> Option<SplineForm> {
-        Some(SplineForm::Spl)
-    }
-
-    fn assumptions(&self) -> &'static [&'static str] {
-        ASSUMED
-    }
-
-    fn form(&self) -> &'static TextForm {
-        &writer::FORM
     }
 
     fn number(&self, value: f64, decimals: usize) -> String {
@@ -82,17 +62,8 @@ impl Post for Heidenhain {
         writer::moves(program, operation, write);
     }
 
-    fn read_with_offset(
-        &self,
-        text: &str,
-        machine: &Machine,
-        offset: Option<&str>,
-    ) -> Result<Vec<NcSection>, Vec<ReadError>> {
-        reader::read(text, machine, offset.unwrap_or(reader::OFFSETS.usual))
-    }
-
-    fn offsets(&self) -> Option<&'static WorkOffsets> {
-        Some(&reader::OFFSETS)
+    fn sections(&self, text: &str, machine: &Machine, offset: &str) -> ReadResult {
+        reader::read(text, machine, offset)
     }
 
     fn recognises(&self, code: &str) -> bool {

@@ -8,10 +8,10 @@ use super::spline;
 use super::straight::{self, PLACES, RATE_PLACES, count, decimal};
 use crate::control::modal::{Modal, ModalGroup, Needed};
 use crate::control::{
-    self, Act, Control, MotionWord, NcBlock, Smoothing, SmoothingTolerance, WIDEST_TOLERANCE_MM, WIDEST_TURN_DEG,
-    WorkOffsets, once, shown,
+    self, Act, Control, NcBlock, Smoothing, SmoothingTolerance, WIDEST_TOLERANCE_MM, WIDEST_TURN_DEG, WorkOffsets,
+    once, shown,
 };
-use crate::nc::{ENDS_HERE, NcSection, NcTool, ReadError};
+use crate::nc::{ENDS_HERE, NcTool, ReadError, ReadResult};
 use five_axis::Machine;
 
 /// Longest block with its continued lines.
@@ -38,13 +38,7 @@ fn preset_block(number: impl std::fmt::Display) -> String {
 
 /// Modal groups.
 const MODAL: &[Modal] = &[
-    Modal {
-        group: ModalGroup::Units,
-        what: "lengths in mm",
-        right: &["BEGIN PGM .. MM"],
-        wrong: &[],
-        needed: Needed::Always,
-    },
+    Modal { right: &["BEGIN PGM .. MM"], wrong: &[], ..Modal::UNITS },
     Modal {
         group: ModalGroup::Compensation,
         what: "no radius compensation",
@@ -76,14 +70,8 @@ const MODAL: &[Modal] = &[
         wrong: &[],
         needed: Needed::Transformed,
     },
-    Modal {
-        group: ModalGroup::Spindle,
-        what: "the spindle on, clockwise",
-        right: &["M3"],
-        wrong: &["M4", "M5"],
-        needed: Needed::AtFeed,
-    },
-    Modal { group: ModalGroup::Coolant, what: "coolant on", right: &["M8"], wrong: &["M9"], needed: Needed::AtFeed },
+    Modal::SPINDLE,
+    Modal { right: &["M8"], ..Modal::COOLANT },
 ];
 
 const ORDER: &[Act] = &[
@@ -117,30 +105,21 @@ const fn klartext(transformation: [&'static str; 2]) -> Control {
         machine_frame: "L",
         behind: " R0 FMAX M91",
         rapid: "FMAX",
-        clamps: true,
-        spline_motion: MotionWord::Feed,
         change: "TOOL CALL",
         vector: ["TX", "TY", "TZ"],
         length: "TOOL CALL",
         smoothing: "CYCL DEF 32.1 T with a tolerance",
-        end: "M30",
         offsets: &OFFSETS,
         // M128 has no word for the interpolation: the rotary axes run linearly, as with PATHCTRL AXIS.
-        unturned: "",
         great_circle: &["PATHCTRL VECTOR"],
         machine_frame_drops_length: true,
-        switching_drops_frames: false,
-        switching_sets_length: false,
-        frame_of_switch: false,
-        feed_mode_drops_feed: false,
-        change_drops_length: false,
         change_sets_length: true,
         shorter_way: true,
-        modulo: true,
         // Lists of miscellaneous functions in the manuals (TNC 155, page 15): M5 and M9 act at the end of the block.
         stops_behind: true,
         wait_switches_off: true,
         end_switches_off: true,
+        ..Control::ISO
     }
 }
 
@@ -148,7 +127,7 @@ static TCPM: Control = klartext(["FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS", "
 static M128: Control = klartext(["M128", "M129"]);
 
 /// Reads a program.
-pub(super) fn read(text: &str, machine: &Machine, preset: &str) -> Result<Vec<NcSection>, Vec<ReadError>> {
+pub(super) fn read(text: &str, machine: &Machine, preset: &str) -> ReadResult {
     let control = if !text.contains("TCPM") && text.contains("M128") { &M128 } else { &TCPM };
     let mut reader = ProgramReader::new(control, machine);
     let sections =

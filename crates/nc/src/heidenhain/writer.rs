@@ -4,8 +4,8 @@ use super::Heidenhain;
 use crate::dialect::WriteBlock;
 use crate::form::{ModuloForm, NumberForm, TextForm};
 use crate::modulo;
-use crate::words::{self, feed, fixed};
-use crate::write;
+use crate::words::{self, fixed};
+use crate::write::{self, FeedWord};
 use diagnostics::{Diag, Sink, codes::post};
 use five_axis::control::ModuloWay;
 use five_axis::{RotaryAxis, TurnCurve};
@@ -18,7 +18,6 @@ const LARGEST_TOOL: u32 = 32_767;
 
 /// Refuses a motion that the dialect cannot express.
 pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
-    words::check(program, motion, sink);
     words::check_vectors(program, motion, sink);
     for operation in &motion.operations {
         let declared = &program.operations[operation.operation];
@@ -65,29 +64,22 @@ pub(super) fn number(value: f64, decimals: usize) -> String {
 /// Writes the blocks of the moves of an operation.
 pub(super) fn moves(program: &Program, operation: &MotionOperation, write: &mut WriteBlock<'_>) {
     let post = &Heidenhain;
-    let decimals = program.post.control.decimals.feed;
-    let mut last_feed = String::new();
+    let mut feed = FeedWord::new(fixed);
     for (i, m) in write::between(operation) {
         if let Some((_, spline)) = operation.spline(i) {
             if i == spline.first {
-                let f = fixed(feed(m.feed.unwrap_or(0.0), decimals), decimals);
-                let word = if f == last_feed { String::new() } else { format!(" F{f}") };
-                last_feed = f;
-                spline_block(program, spline, &word, &mut |text| write(text, Some(i)));
+                spline_block(program, spline, &feed.word(program, m), &mut |text| write(text, Some(i)));
             }
             continue;
         }
         let tip = write::tip(post, program, &m.joints);
         let rotary = || write::rotary(post, program, m.joints.rotary);
         if m.kind == MoveKind::Rapid {
-            // After a rapid F is written again, so that every pass can be read by itself.
-            last_feed.clear();
+            feed.forget();
             write(format!("L {tip} {} R0 FMAX", rotary()), Some(i));
             continue;
         }
-        let f = fixed(feed(m.feed.unwrap_or(0.0), decimals), decimals);
-        let word = if f == last_feed { String::new() } else { format!(" F{f}") };
-        last_feed = f;
+        let word = feed.word(program, m);
         let text = match program.post.control.orientation {
             Orientation::Angles => format!("L {tip} {}{word}", rotary()),
             // LN has nothing modal: every block has all six words.

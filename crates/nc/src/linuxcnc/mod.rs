@@ -18,82 +18,63 @@ mod reader;
 mod subprograms;
 mod writer;
 
-use crate::control::WorkOffsets;
-use crate::dialect::{Post, WriteBlock};
+use crate::dialect::{Dialect, Post, WriteBlock};
 use crate::divided::Divided;
-use crate::form::TextForm;
-use crate::nc::{NcSection, ReadError};
+use crate::nc::ReadResult;
 use base::source::Span;
 use diagnostics::Sink;
 use five_axis::Machine;
 use ir::{Motion, MotionOperation, Program};
 
-/// What must be set at the control.
-const ASSUMED: &[&str] = &[
-    "LinuxCNC 2.9 with xyzac-trt or xyzbc-trt and the points of the machine file; M428 and M429 switch and wait",
-    "a positive rotary word turns its table right-handed; no pin conventional-directions is set",
-    "[AXIS_A], [AXIS_B] and [AXIS_C] have no WRAPPED_ROTARY = 1: the sign of a word would be its direction",
-    "M6 moves no axis: [EMCIO] has no TOOL_CHANGE_POSITION, TOOL_CHANGE_QUILL_UP and TOOL_CHANGE_AT_G30",
-    "no REMAP changes a word but M428 and M429",
-    "no external offsets (eoffset) act, and feed override is 100 % at most",
-    "spindle.0.at-speed tells that the spindle has its speed, so that the first feed waits for it",
-    "{work-offset} is the part origin in the machine frame, without rotary offsets; all axes are homed",
-    "the tool table has the lengths of the head as Z and nothing in X, Y, A, B, C, U, V, W, which G43 takes too",
-    "tool lengths drive the kinematics (motion.tooloffset.z to tool-offset)",
-    "rapids are G1 in inverse time: G0 with M428 would keep no limit of a joint",
-];
+static DIALECT: Dialect = Dialect {
+    name: "linuxcnc",
+    about: "LinuxCNC with xyzac-trt or xyzbc-trt kinematics: M428, rotary words, G94",
+    family: "linuxcnc",
+    assumptions: &[
+        "LinuxCNC 2.9 with xyzac-trt or xyzbc-trt and the points of the machine file; M428 and M429 switch and wait",
+        "a positive rotary word turns its table right-handed; no pin conventional-directions is set",
+        "[AXIS_A], [AXIS_B] and [AXIS_C] have no WRAPPED_ROTARY = 1: the sign of a word would be its direction",
+        "M6 moves no axis: [EMCIO] has no TOOL_CHANGE_POSITION, TOOL_CHANGE_QUILL_UP and TOOL_CHANGE_AT_G30",
+        "no REMAP changes a word but M428 and M429",
+        "no external offsets (eoffset) act, and feed override is 100 % at most",
+        "spindle.0.at-speed tells that the spindle has its speed, so that the first feed waits for it",
+        "{work-offset} is the part origin in the machine frame, without rotary offsets; all axes are homed",
+        "the tool table has the lengths of the head as Z and nothing in X, Y, A, B, C, U, V, W, which G43 takes too",
+        "tool lengths drive the kinematics (motion.tooloffset.z to tool-offset)",
+        "rapids are G1 in inverse time: G0 with M428 would keep no limit of a joint",
+    ],
+    form: writer::FORM,
+    splines: None,
+    no_subprograms: None,
+    offsets: Some(&reader::OFFSETS),
+};
 
 /// The dialect.
 pub(super) struct LinuxCnc;
 
 impl Post for LinuxCnc {
-    fn name(&self) -> &'static str {
-        "linuxcnc"
-    }
-
-    fn about(&self) -> &'static str {
-        "LinuxCNC with xyzac-trt or xyzbc-trt kinematics: M428, rotary words, G94"
+    fn dialect(&self) -> &'static Dialect {
+        &DIALECT
     }
 
     fn check_machine(&self, machine: &Machine, chosen: Option<Span>, sink: &mut Sink) {
         writer::check_machine(machine, chosen, sink);
     }
 
-    fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink) {
+    fn check_motion(&self, program: &Program, motion: &Motion, sink: &mut Sink) {
         writer::check(program, motion, sink);
-    }
-
-    fn assumptions(&self) -> &'static [&'static str] {
-        ASSUMED
-    }
-
-    fn form(&self) -> &'static TextForm {
-        &writer::FORM
     }
 
     fn moves(&self, program: &Program, operation: &MotionOperation, smoothing: &str, write: &mut WriteBlock<'_>) {
         writer::moves(program, operation, smoothing, write);
     }
 
-    fn no_subprograms(&self) -> Option<&'static str> {
-        None
-    }
-
     fn subprograms(&self, program: &Program, divided: &Divided<'_>, smoothing: &str, write: &mut WriteBlock<'_>) {
         writer::subprograms(program, divided, smoothing, write);
     }
 
-    fn read_with_offset(
-        &self,
-        text: &str,
-        machine: &Machine,
-        offset: Option<&str>,
-    ) -> Result<Vec<NcSection>, Vec<ReadError>> {
-        reader::read(text, machine, offset.unwrap_or(reader::OFFSETS.usual))
-    }
-
-    fn offsets(&self) -> Option<&'static WorkOffsets> {
-        Some(&reader::OFFSETS)
+    fn sections(&self, text: &str, machine: &Machine, offset: &str) -> ReadResult {
+        reader::read(text, machine, offset)
     }
 
     fn offset_number(&self, name: &str) -> Option<u32> {

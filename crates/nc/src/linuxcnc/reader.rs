@@ -11,7 +11,7 @@ use crate::control::{
     self, Act, Control, LengthWord, Line, MotionWord, NcBlock, Smoothing, SmoothingTolerance, WIDEST_TOLERANCE_MM,
     WorkOffsets, number, once, shown,
 };
-use crate::nc::{NcSection, NcTool, ReadError};
+use crate::nc::{NcTool, ReadError, ReadResult};
 use five_axis::Machine;
 
 /// Rounding of ten times the number of a G word: G61.1 is one code, G61.11 is none.
@@ -41,27 +41,9 @@ pub(super) fn offset_number(name: &str) -> Option<u32> {
 /// The control.
 const LINUXCNC: Control = Control {
     modal: &[
-        Modal {
-            group: ModalGroup::Plane,
-            what: "the plane",
-            right: &["G17"],
-            wrong: &["G18", "G19", "G17.1", "G18.1", "G19.1"],
-            needed: Needed::Transformed,
-        },
-        Modal {
-            group: ModalGroup::Units,
-            what: "lengths in mm",
-            right: &["G21"],
-            wrong: &["G20"],
-            needed: Needed::Always,
-        },
-        Modal {
-            group: ModalGroup::Distance,
-            what: "absolute coordinates",
-            right: &["G90"],
-            wrong: &["G91"],
-            needed: Needed::Always,
-        },
+        Modal { what: "the plane", wrong: &["G18", "G19", "G17.1", "G18.1", "G19.1"], ..Modal::PLANE },
+        Modal::UNITS,
+        Modal::DISTANCE,
         Modal {
             group: ModalGroup::Diameter,
             what: "X as a coordinate, not as a diameter",
@@ -69,13 +51,7 @@ const LINUXCNC: Control = Control {
             wrong: &["G7"],
             needed: Needed::Always,
         },
-        Modal {
-            group: ModalGroup::FeedMode,
-            what: "feed per minute",
-            right: &["G94", "G93"],
-            wrong: &["G95"],
-            needed: Needed::AtFeed,
-        },
+        Modal::FEED_MODE,
         Modal {
             group: ModalGroup::SpindleMode,
             what: "spindle speed in rpm",
@@ -83,20 +59,8 @@ const LINUXCNC: Control = Control {
             wrong: &["G96"],
             needed: Needed::AtFeed,
         },
-        Modal {
-            group: ModalGroup::Compensation,
-            what: "no cutter radius compensation",
-            right: &["G40"],
-            wrong: &["G41", "G42", "G41.1", "G42.1"],
-            needed: Needed::Always,
-        },
-        Modal {
-            group: ModalGroup::WorkOffset,
-            what: "the work offset",
-            right: &["G54"],
-            wrong: &["G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3"],
-            needed: Needed::InWorkFrame,
-        },
+        Modal { wrong: &["G41", "G42", "G41.1", "G42.1"], ..Modal::COMPENSATION },
+        Modal { wrong: &["G55", "G56", "G57", "G58", "G59", "G59.1", "G59.2", "G59.3"], ..Modal::WORK_OFFSET },
         Modal {
             group: ModalGroup::Shift,
             what: "no remaining offset of G92 or G52",
@@ -111,20 +75,8 @@ const LINUXCNC: Control = Control {
             wrong: &[],
             needed: Needed::InWorkFrame,
         },
-        Modal {
-            group: ModalGroup::Spindle,
-            what: "the spindle on, clockwise",
-            right: &["M3"],
-            wrong: &["M4", "M5"],
-            needed: Needed::AtFeed,
-        },
-        Modal {
-            group: ModalGroup::Coolant,
-            what: "coolant on",
-            right: &["M8", "M7"],
-            wrong: &["M9"],
-            needed: Needed::AtFeed,
-        },
+        Modal::SPINDLE,
+        Modal::COOLANT,
     ],
     order: &[
         Act::Set(ModalGroup::FeedMode),
@@ -152,31 +104,17 @@ const LINUXCNC: Control = Control {
         Act::End,
     ],
     transformation: ["M428", "M429"],
-    machine_frame: "G53 G0",
-    behind: "",
-    rapid: "G0",
     clamps: false,
-    spline_motion: MotionWord::Feed,
-    change: "T and M6",
-    vector: [""; 3],
     length: "G43",
     smoothing: "G64 P with a tolerance",
     end: "M2",
     offsets: &OFFSETS,
     unturned: "write `G10 L2 P1 R0` before this block",
-    great_circle: &[],
     machine_frame_drops_length: true,
-    switching_drops_frames: false,
-    switching_sets_length: false,
-    frame_of_switch: false,
     feed_mode_drops_feed: true,
-    change_drops_length: false,
-    change_sets_length: false,
-    shorter_way: false,
     modulo: false,
-    stops_behind: false,
-    wait_switches_off: false,
     end_switches_off: true,
+    ..Control::ISO
 };
 
 /// State of the `%` lines.
@@ -191,7 +129,7 @@ enum Tape {
 }
 
 /// Reads a program.
-pub(super) fn read(text: &str, machine: &Machine, offset: &str) -> Result<Vec<NcSection>, Vec<ReadError>> {
+pub(super) fn read(text: &str, machine: &Machine, offset: &str) -> ReadResult {
     let mut tape = Tape::Start;
     let mut ended = false;
     let mut selected: Option<(usize, NcTool)> = None;

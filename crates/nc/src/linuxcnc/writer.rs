@@ -5,8 +5,8 @@ use crate::dialect::WriteBlock;
 use crate::divided::{Divided, degrees, frame_degrees};
 use crate::form::{NumberForm, TextForm};
 use crate::modulo;
-use crate::words::{self, feed, fixed, inverse_time};
-use crate::write;
+use crate::words::{self, fixed, inverse_time};
+use crate::write::{self, FeedWord};
 use base::source::Span;
 use diagnostics::{Diag, Sink, codes::post};
 use five_axis::control::Planning;
@@ -100,8 +100,6 @@ fn kinematics(machine: &Machine, chosen: Option<Span>, sink: &mut Sink) -> Optio
 
 /// Refuses a motion that the dialect cannot express.
 pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
-    check_machine(&program.machine, program.post.span, sink);
-    words::check(program, motion, sink);
     for operation in &motion.operations {
         let declared = &program.operations[operation.operation];
         check_smoothing(program, declared, operation, sink);
@@ -152,7 +150,7 @@ fn stretch(
     smoothing: &str,
     write: &mut WriteBlock<'_>,
 ) {
-    let mut modes = Modes::default();
+    let mut modes = Modes { inverse: false, stop: false, feed: FeedWord::new(fixed) };
     let count = operation.moves.len();
     for i in range {
         let m = &operation.moves[i];
@@ -222,19 +220,17 @@ enum CallWords {
 }
 
 /// Modal state from block to block.
-#[derive(Default)]
 struct Modes {
     /// G93.
     inverse: bool,
     /// G61.1.
     stop: bool,
     /// F of G94.
-    feed: String,
+    feed: FeedWord,
 }
 
 fn block(program: &Program, m: &JointMove, (stop, words): (bool, CallWords), modes: &mut Modes) -> String {
     let post = &LinuxCnc;
-    let decimals = program.post.control.decimals.feed;
     let mut text = String::new();
     if stop && !modes.stop {
         text.push_str("G61.1 ");
@@ -244,7 +240,7 @@ fn block(program: &Program, m: &JointMove, (stop, words): (bool, CallWords), mod
     if inverse != modes.inverse {
         text.push_str(if inverse { "G93 " } else { "G94 " });
         // The control forgets F when the feed mode changes.
-        modes.feed.clear();
+        modes.feed.forget();
     }
     modes.inverse = inverse;
     let tip = write::tip(post, program, &m.joints);
@@ -255,12 +251,8 @@ fn block(program: &Program, m: &JointMove, (stop, words): (bool, CallWords), mod
         CallWords::ShiftOfCall => format!("{a}{first} {b}[{second}+#1]"),
         CallWords::BranchOfCall => format!("{a}[{first}*#2] {b}[{second}+#1]"),
     };
-    text.push_str(&format!("G1 {tip} {rotary}"));
-    let f = if inverse { inverse_time(m.time) } else { fixed(feed(m.feed.unwrap_or(0.0), decimals), decimals) };
-    if inverse || f != modes.feed {
-        text.push_str(&format!(" F{f}"));
-        modes.feed = f;
-    }
+    let word = if inverse { format!(" F{}", inverse_time(m.time)) } else { modes.feed.word(program, m) };
+    text.push_str(&format!("G1 {tip} {rotary}{word}"));
     text
 }
 

@@ -22,93 +22,58 @@ mod repetition;
 mod words;
 mod writer;
 
-use crate::control::WorkOffsets;
-use crate::dialect::{Post, WriteBlock};
+use crate::dialect::{Dialect, Post, WriteBlock};
 use crate::divided::Divided;
-use crate::form::TextForm;
-use crate::nc::{NcSection, ReadError};
+use crate::nc::ReadResult;
 use diagnostics::Sink;
 use five_axis::Machine;
 use ir::{Motion, MotionOperation, Program};
-
-use crate::modulo;
-use crate::words as checks;
-use base::source::Span;
 use wheel::control::SplineForm;
 
-/// What must be set at the control.
-const ASSUMED: &[&str] = &[
-    "{transformation} is the transformation of the machine file: its points, its directions, its sense of the rotary axes",
-    "ORIAXES and ORICURVE act as words (MD21104 ORI_IPO_WITH_G_CODE = 1)",
-    "TRAORI takes the tool length of D1, which is that of the head; other lengths, wear and sum offset of D1 are 0",
-    "{work-offset} is the part origin with the rotary axes at 0, and has no turns and no rotary offsets",
-    "no other frame acts: base frames, external offset, DRF and system frames (CYCLE800, TCARR, TOROT, PAROT) are 0",
-    "with SUPA and D0, X Y Z count from the machine datum of the machine file, Z at the gauge line",
-    "G0 moves all axes together (RTLION), with ORIAXES as at feed",
-    "CYCLE832 keeps its tolerances, also in G0 (MD20560 G0_TOLERANCE_FACTOR = 1); nothing else smooths",
-    "F is the speed of the tip: no rotary axis is in FGROUP; feed override is 100 % at most, no dry run",
-    "the first feed waits for the spindle (MD35500 SPIND_ON_SPEED_AT_IPO_START); M6 leaves Z at the retract height",
-];
+static DIALECT: Dialect = Dialect {
+    name: "siemens-840d",
+    about: "SINUMERIK 840D sl and ONE: TRAORI, tool direction as A3= B3= C3=, CYCLE832",
+    family: "siemens-840d",
+    assumptions: &[
+        "{transformation} is the transformation of the machine file: its points, its directions, its sense of the rotary axes",
+        "ORIAXES and ORICURVE act as words (MD21104 ORI_IPO_WITH_G_CODE = 1)",
+        "TRAORI takes the tool length of D1, which is that of the head; other lengths, wear and sum offset of D1 are 0",
+        "{work-offset} is the part origin with the rotary axes at 0, and has no turns and no rotary offsets",
+        "no other frame acts: base frames, external offset, DRF and system frames (CYCLE800, TCARR, TOROT, PAROT) are 0",
+        "with SUPA and D0, X Y Z count from the machine datum of the machine file, Z at the gauge line",
+        "G0 moves all axes together (RTLION), with ORIAXES as at feed",
+        "CYCLE832 keeps its tolerances, also in G0 (MD20560 G0_TOLERANCE_FACTOR = 1); nothing else smooths",
+        "F is the speed of the tip: no rotary axis is in FGROUP; feed override is 100 % at most, no dry run",
+        "the first feed waits for the spindle (MD35500 SPIND_ON_SPEED_AT_IPO_START); M6 leaves Z at the retract height",
+    ],
+    form: writer::FORM,
+    splines: Some(SplineForm::Poly),
+    no_subprograms: None,
+    offsets: Some(&reader::OFFSETS),
+};
 
 /// The dialect.
 pub(super) struct Siemens840d;
 
 impl Post for Siemens840d {
-    fn name(&self) -> &'static str {
-        "siemens-840d"
+    fn dialect(&self) -> &'static Dialect {
+        &DIALECT
     }
 
-    fn about(&self) -> &'static str {
-        "SINUMERIK 840D sl and ONE: TRAORI, tool direction as A3= B3= C3=, CYCLE832"
-    }
-
-    // The sense of each rotary axis is machine data of the control.
-    fn check_machine(&self, machine: &Machine, chosen: Option<Span>, sink: &mut Sink) {
-        checks::check_planning(machine, chosen, sink);
-        checks::check_length_to(machine, chosen, sink);
-        modulo::check_machine(&writer::FORM, machine, chosen, sink);
-    }
-
-    fn check(&self, program: &Program, motion: &Motion, sink: &mut Sink) {
-        self.check_machine(&program.machine, program.post.span, sink);
+    fn check_motion(&self, program: &Program, motion: &Motion, sink: &mut Sink) {
         writer::check(program, motion, sink);
-    }
-
-    fn splines(&self) -> Option<SplineForm> {
-        Some(SplineForm::Poly)
-    }
-
-    fn assumptions(&self) -> &'static [&'static str] {
-        ASSUMED
-    }
-
-    fn form(&self) -> &'static TextForm {
-        &writer::FORM
     }
 
     fn moves(&self, program: &Program, operation: &MotionOperation, _smoothing: &str, write: &mut WriteBlock<'_>) {
         writer::moves(program, operation, write);
     }
 
-    fn no_subprograms(&self) -> Option<&'static str> {
-        None
-    }
-
     fn subprograms(&self, program: &Program, divided: &Divided<'_>, _smoothing: &str, write: &mut WriteBlock<'_>) {
         writer::subprograms(program, divided, write);
     }
 
-    fn read_with_offset(
-        &self,
-        text: &str,
-        machine: &Machine,
-        offset: Option<&str>,
-    ) -> Result<Vec<NcSection>, Vec<ReadError>> {
-        reader::read(text, machine, offset.unwrap_or(reader::OFFSETS.usual))
-    }
-
-    fn offsets(&self) -> Option<&'static WorkOffsets> {
-        Some(&reader::OFFSETS)
+    fn sections(&self, text: &str, machine: &Machine, offset: &str) -> ReadResult {
+        reader::read(text, machine, offset)
     }
 
     fn recognises(&self, code: &str) -> bool {

@@ -12,7 +12,7 @@ use crate::control::{
     self, Act, Control, FARTHEST, LengthWord, Line, MotionWord, NcBlock, Smoothing, SmoothingTolerance,
     WIDEST_TOLERANCE_MM, WIDEST_TURN_DEG, WorkOffsets, number, once, shown,
 };
-use crate::nc::{NcSection, NcTool, ReadError};
+use crate::nc::{NcTool, ReadResult};
 use five_axis::Machine;
 use std::collections::BTreeMap;
 
@@ -37,13 +37,7 @@ fn is_offset(name: &str) -> bool {
 /// The control.
 const SINUMERIK: Control = Control {
     modal: &[
-        Modal {
-            group: ModalGroup::Plane,
-            what: "the plane, which determines the direction of the tool length",
-            right: &["G17"],
-            wrong: &["G18", "G19"],
-            needed: Needed::Transformed,
-        },
+        Modal::PLANE,
         Modal {
             group: ModalGroup::Units,
             what: "lengths and feeds in mm",
@@ -51,33 +45,13 @@ const SINUMERIK: Control = Control {
             wrong: &["G71", "G70", "G700"],
             needed: Needed::Always,
         },
+        Modal::DISTANCE,
+        Modal { wrong: &["G95", "G96", "G97", "G961", "G962", "G971"], ..Modal::FEED_MODE },
+        Modal::COMPENSATION,
         Modal {
-            group: ModalGroup::Distance,
-            what: "absolute coordinates",
-            right: &["G90"],
-            wrong: &["G91"],
-            needed: Needed::Always,
-        },
-        Modal {
-            group: ModalGroup::FeedMode,
-            what: "feed per minute",
-            right: &["G94", "G93"],
-            wrong: &["G95", "G96", "G97", "G961", "G962", "G971"],
-            needed: Needed::AtFeed,
-        },
-        Modal {
-            group: ModalGroup::Compensation,
-            what: "no cutter radius compensation",
-            right: &["G40"],
-            wrong: &["G41", "G42"],
-            needed: Needed::Always,
-        },
-        Modal {
-            group: ModalGroup::WorkOffset,
             what: "the work offset, which TRAORI and TRAFOOF reset",
-            right: &["G54"],
             wrong: &["G500", "G55", "G56", "G57"],
-            needed: Needed::InWorkFrame,
+            ..Modal::WORK_OFFSET
         },
         Modal {
             group: ModalGroup::Shift,
@@ -100,20 +74,8 @@ const SINUMERIK: Control = Control {
             wrong: &["ORIVECT", "ORIPLANE", "ORIPATH", "ORIPATHS", "ORICONCW", "ORICONCCW", "ORICONIO", "ORICONTO"],
             needed: Needed::Transformed,
         },
-        Modal {
-            group: ModalGroup::Spindle,
-            what: "the spindle on, clockwise",
-            right: &["M3"],
-            wrong: &["M4", "M5"],
-            needed: Needed::AtFeed,
-        },
-        Modal {
-            group: ModalGroup::Coolant,
-            what: "coolant on",
-            right: &["M8", "M7"],
-            wrong: &["M9"],
-            needed: Needed::AtFeed,
-        },
+        Modal::SPINDLE,
+        Modal::COOLANT,
     ],
     order: &[
         Act::Set(ModalGroup::Plane),
@@ -142,29 +104,16 @@ const SINUMERIK: Control = Control {
     transformation: ["TRAORI", "TRAFOOF"],
     machine_frame: "SUPA G0",
     behind: " D0",
-    rapid: "G0",
-    clamps: true,
     spline_motion: MotionWord::Polynomial,
-    change: "T and M6",
     vector: ["A3", "B3", "C3"],
     length: "D1",
     smoothing: "CYCLE832 with a tolerance",
-    end: "M30",
     offsets: &OFFSETS,
     unturned: "write ROT alone in a block before",
     great_circle: &["ORIVECT", "ORIPLANE"],
-    machine_frame_drops_length: false,
     switching_drops_frames: true,
-    switching_sets_length: false,
-    frame_of_switch: false,
-    feed_mode_drops_feed: false,
     change_drops_length: true,
-    change_sets_length: false,
-    shorter_way: false,
-    modulo: true,
-    stops_behind: false,
-    wait_switches_off: false,
-    end_switches_off: false,
+    ..Control::ISO
 };
 
 /// Words that change neither the path nor any value that is checked. Words of smoothing keep the tolerance of CYCLE832.
@@ -189,7 +138,7 @@ const HARMLESS: [&str; 17] = [
 ];
 
 /// Reads a program.
-pub(super) fn read(text: &str, machine: &Machine, offset: &str) -> Result<Vec<NcSection>, Vec<ReadError>> {
+pub(super) fn read(text: &str, machine: &Machine, offset: &str) -> ReadResult {
     // Values of the R parameters; at the start they are unknown.
     let mut parameters = BTreeMap::new();
     let mut transformation = None;

@@ -5,8 +5,8 @@ use crate::dialect::WriteBlock;
 use crate::divided::{Divided, degrees, frame_degrees};
 use crate::form::{ModuloForm, NumberForm, TextForm};
 use crate::modulo;
-use crate::words::{self, feed, fixed};
-use crate::write;
+use crate::words::{self, fixed};
+use crate::write::{self, FeedWord};
 use diagnostics::Sink;
 use five_axis::TurnCurve;
 use five_axis::control::ModuloWay;
@@ -19,7 +19,6 @@ use wheel::control::Orientation;
 
 /// Refuses a motion that the dialect cannot express.
 pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
-    words::check(program, motion, sink);
     words::check_vectors(program, motion, sink);
     modulo::check_way(program, motion, |axis| axis.modulo.is_some(), sink);
 }
@@ -68,7 +67,6 @@ fn stretch(
     write: &mut WriteBlock<'_>,
 ) {
     let post = &Siemens840d;
-    let decimals = program.post.control.decimals.feed;
     let rotary = |m: &JointMove| match words {
         ParameterWords::Fixed => write::rotary(post, program, m.joints.rotary),
         ParameterWords::OfParameters => {
@@ -77,8 +75,7 @@ fn stretch(
             format!("{a}={first}*{} {b}={second}+{}", PARAMETERS[1], PARAMETERS[0])
         }
     };
-    let mut last_feed = String::new();
-    let mut last_kind = None;
+    let mut feed = FeedWord::new(fixed);
     let mut spline_before = false;
     for i in range {
         let m = &operation.moves[i];
@@ -86,17 +83,20 @@ fn stretch(
             if i > spline.first {
                 continue;
             }
-            let f = fixed(feed(m.feed.unwrap_or(0.0), decimals), decimals);
             let goes_on = spline_before && at > 0 && operation.splines[at - 1].last + 1 == i;
             if !goes_on {
+                feed.forget();
+            }
+            let word = feed.word(program, m);
+            if goes_on {
+                write(format!("{}{word}", polynomials(program, spline)), Some(i));
+            } else {
                 // The second point begins where this block says, since blocks before have none. No axis moves.
                 write("ORICURVE".to_owned(), None);
-                write(format!("G1 {} F{f}", start(program, spline)), None);
+                write(format!("G1 {}{word}", start(program, spline)), None);
+                write(format!("POLY {}", polynomials(program, spline)), Some(i));
             }
-            let word = if goes_on && f != last_feed { format!(" F{f}") } else { String::new() };
-            let begin = if goes_on { "" } else { "POLY " };
-            write(format!("{begin}{}{word}", polynomials(program, spline)), Some(i));
-            (spline_before, last_feed, last_kind) = (true, f, Some(m.kind));
+            spline_before = true;
             continue;
         }
         if std::mem::take(&mut spline_before) {
@@ -104,21 +104,18 @@ fn stretch(
         }
         let tip = write::tip(post, program, &m.joints);
         let text = match m.kind {
-            MoveKind::Rapid => format!("G0 {tip} {}", rotary(m)),
+            MoveKind::Rapid => {
+                feed.forget();
+                format!("G0 {tip} {}", rotary(m))
+            }
             MoveKind::Link | MoveKind::Cut => {
-                let f = fixed(feed(m.feed.unwrap_or(0.0), decimals), decimals);
-                // After a rapid F is written again, so that every pass can be read by itself.
-                let say = f != last_feed || last_kind == Some(MoveKind::Rapid);
-                let word = if say { format!(" F{f}") } else { String::new() };
-                last_feed = f;
                 let direction = match program.post.control.orientation {
                     Orientation::Vectors => write::vector(post, program, &m.joints, ["A3=", "B3=", "C3="]),
                     Orientation::Angles => rotary(m),
                 };
-                format!("G1 {tip} {direction}{word}")
+                format!("G1 {tip} {direction}{}", feed.word(program, m))
             }
         };
-        last_kind = Some(m.kind);
         write(text, Some(i));
     }
     if spline_before {

@@ -12,7 +12,7 @@ pub(crate) use program::ProgramState;
 use super::{Act, Control, LengthWord, MOST_FAULTS, MotionWord, NcBlock, ROUNDING, Smoothing, figure};
 use crate::control::flow::{Flow, MOST_EXECUTED, Step};
 use crate::control::modal::{ModalGroup, Setting};
-use crate::nc::{Direction, NcSection, NcTool, ReadError};
+use crate::nc::{Direction, NcTool, ReadResult};
 use five_axis::{Angles, Machine};
 use nalgebra::Vector3;
 use std::sync::Arc;
@@ -414,7 +414,7 @@ pub(crate) fn read(
     control: &Control,
     (machine, part_offset): (&Machine, &str),
     mut block: impl FnMut(&str, usize, &mut Vec<String>) -> Option<NcBlock>,
-) -> Result<Vec<NcSection>, Vec<ReadError>> {
+) -> ReadResult {
     read_in_order(text, control, (machine, part_offset), &Flow::default(), |line, reasons| {
         block(line.text, line.number, reasons)
     })
@@ -430,7 +430,7 @@ pub(crate) fn read_in_order(
     (machine, part_offset): (&Machine, &str),
     flow: &Flow,
     mut block: impl FnMut(Line<'_>, &mut Vec<String>) -> Option<NcBlock>,
-) -> Result<Vec<NcSection>, Vec<ReadError>> {
+) -> ReadResult {
     let lines: Vec<&str> = text.strip_suffix('\n').unwrap_or(text).split('\n').collect();
     let mut state = ControlState::new(control, machine, part_offset);
     let mut executed = 0_usize;

@@ -3,7 +3,7 @@
 
 use super::{MOST_FAULTS, Smoothing};
 use crate::control::modal::{GROUPS, ModalGroup, Setting};
-use crate::nc::{Direction, ENDS_HERE, NcMove, NcRetract, NcSection, NcStation, NcTool, ReadError};
+use crate::nc::{Direction, ENDS_HERE, NcMove, NcRetract, NcSection, NcStation, NcTool, ReadError, ReadResult};
 use crate::tool_shape::NcToolShape;
 use five_axis::Interpolation;
 use nalgebra::Point3;
@@ -177,7 +177,7 @@ impl ProgramState {
     ///
     /// # Errors
     /// The faults, in order.
-    pub(crate) fn finished(mut self, lines: usize, end: &str) -> Result<Vec<NcSection>, Vec<ReadError>> {
+    pub(crate) fn finished(mut self, lines: usize, end: &str) -> ReadResult {
         if !self.ended && !self.is_full() {
             self.begin_line(lines);
             self.fault(format!("{ENDS_HERE}{end}"));
