@@ -4,6 +4,7 @@ use super::heights::{Ring, Swing, farthest};
 use super::{Angles, AxisLine, Carried, Carries, Chain};
 use crate::control::{LengthTo, ModuloWay, Planning};
 use nalgebra::{Point3, Rotation3, Unit, Vector3};
+use nurbs::bracket::Bracket;
 use std::f64::consts::{PI, TAU};
 
 /// A linear axis. Lengths in mm, speed in mm/s, acceleration in mm/s2, jerk in mm/s3.
@@ -229,12 +230,7 @@ impl Machine {
         while low + LEAN_STEP <= PI && reached(low + LEAN_STEP) {
             low += LEAN_STEP;
         }
-        let mut high = low + LEAN_STEP;
-        for _ in 0..LEAN_HALVINGS {
-            let middle = 0.5 * (low + high);
-            if reached(middle) { low = middle } else { high = middle }
-        }
-        low
+        Bracket { holds: low, fails: low + LEAN_STEP }.halved(LEAN_HALVINGS, reached).holds
     }
 
     /// Least angle to Z of the directions beside axis 2 that the travel does not give the tool, radians. A gap in the travel of

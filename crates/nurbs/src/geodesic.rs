@@ -13,6 +13,8 @@
 //! their border. Their error is of third order in c: on a plane in polar coordinates a step c at the radius r has the
 //! error c^3 / 24 r^2.
 
+use super::bracket::greatest;
+
 /// Metric of a chart over a range of x; beyond both ends the metric is constant.
 #[derive(Clone, Debug)]
 pub struct BandMetric {
@@ -29,9 +31,6 @@ const LOOKS: usize = 12;
 
 /// Golden section steps: they give the place to 1e-6 of the disk, and the height to the square of that.
 const SECTIONS: usize = 24;
-
-/// (sqrt(5) - 1) / 2.
-const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 impl BandMetric {
     /// Tabulates a metric with the lengths per unit of x and of y (both positive) as functions of x, at `count` (at
@@ -140,7 +139,7 @@ impl BandMetric {
                 let look = |i: usize| x + half * (2.0 * i as f64 / LOOKS as f64 - 1.0);
                 let best = (0..=LOOKS).max_by(|a, b| height(look(*a)).total_cmp(&height(look(*b)))).unwrap_or(0);
                 let (low, high) = (look(best.saturating_sub(1)), look((best + 1).min(LOOKS)));
-                sign * highest(height, low, high).max(height(x))
+                sign * greatest(height, [low, high], SECTIONS).max(height(x))
             })
             .collect()
     }
@@ -154,25 +153,6 @@ pub fn cubic_weights(t: f64) -> [f64; 4] {
         -t * (t - 1.0) * (t - 3.0) / 2.0,
         t * (t - 1.0) * (t - 2.0) / 6.0,
     ]
-}
-
-/// Greatest value of a function with one maximum between two places.
-fn highest(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
-    let mut left = high - GOLDEN * (high - low);
-    let mut right = low + GOLDEN * (high - low);
-    let (mut f_left, mut f_right) = (f(left), f(right));
-    for _ in 0..SECTIONS {
-        if f_left > f_right {
-            (high, right, f_right) = (right, left, f_left);
-            left = high - GOLDEN * (high - low);
-            f_left = f(left);
-        } else {
-            (low, left, f_left) = (left, right, f_right);
-            right = low + GOLDEN * (high - low);
-            f_right = f(right);
-        }
-    }
-    f_left.max(f_right)
 }
 
 #[cfg(test)]

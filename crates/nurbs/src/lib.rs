@@ -6,6 +6,7 @@
 pub mod angle;
 pub mod basis;
 pub mod bezier;
+pub mod bracket;
 pub mod chords;
 pub mod curvature;
 pub mod curve;

@@ -1,6 +1,7 @@
 //! Closest points and distances of ruled surfaces.
 
 use super::RuledSurface;
+use super::bracket::root;
 use nalgebra::Point3;
 
 /// Change of the parameter at which the search ends.
@@ -91,36 +92,19 @@ impl RuledSurface {
     }
 
     fn refine(&self, p: &Point3<f64>, start: f64, bracket: [f64; 2], v_range: [f64; 2]) -> Projection {
-        let [mut lo, mut hi] = bracket;
-        let mut u = start;
-        for _ in 0..60 {
+        let slope = |u: f64| {
             let v = self.on_ruling(p, u, v_range).v;
             let s = self.derivatives(u, v);
             let gap = s.point - p;
-            let slope = gap.dot(&s.su);
-            if slope == 0.0 {
-                break;
-            }
-            if slope > 0.0 {
-                hi = u;
-            } else {
-                lo = u;
-            }
             let mut second = s.su.norm_squared() + gap.dot(&s.suu);
             if v_range[0] < v && v < v_range[1] {
                 // v follows u along the minimum over v.
                 let mixed = s.su.dot(&s.sv) + gap.dot(&s.suv);
                 second -= mixed * mixed / s.sv.norm_squared();
             }
-            let newton = u - slope / second;
-            let next = if second > 0.0 && lo <= newton && newton <= hi { newton } else { 0.5 * (lo + hi) };
-            let change = (next - u).abs();
-            u = next;
-            if change < EXACT {
-                break;
-            }
-        }
-        self.on_ruling(p, u, v_range)
+            [gap.dot(&s.su), second]
+        };
+        self.on_ruling(p, root(bracket, start, EXACT, slope), v_range)
     }
 
     /// Closest pair of points of two patches: exact distances of ruling segments on a grid of both u, then a pattern

@@ -1,5 +1,6 @@
 //! Surfaces of revolution about Z, by the meridian of a generating curve.
 
+use super::bracket::root;
 use super::{NurbsCurve, NurbsSurface};
 use nalgebra::{Point3, Vector2, Vector3, Vector4};
 
@@ -166,27 +167,13 @@ impl Revolution {
     /// Newton's method inside the bracket of the neighbouring seeds, with bisection where it leaves the bracket.
     fn stationary_near(&self, at: Vector2<f64>, seed: usize) -> f64 {
         let step = 1.0 / SEEDS as f64;
-        let mut u = seed as f64 * step;
-        let (mut lo, mut hi) = ((u - step).max(0.0), (u + step).min(1.0));
-        for _ in 0..60 {
+        let start = seed as f64 * step;
+        let slope = |u: f64| {
             let m = self.meridian(u);
             let gap = m.point - at;
-            let slope = gap.dot(&m.first);
-            if slope > 0.0 {
-                hi = u;
-            } else {
-                lo = u;
-            }
-            let second = m.first.norm_squared() + gap.dot(&m.second);
-            let newton = u - slope / second;
-            let next = if second > 0.0 && lo <= newton && newton <= hi { newton } else { 0.5 * (lo + hi) };
-            let change = (next - u).abs();
-            u = next;
-            if change < EXACT {
-                break;
-            }
-        }
-        u
+            [gap.dot(&m.first), m.first.norm_squared() + gap.dot(&m.second)]
+        };
+        root([(start - step).max(0.0), (start + step).min(1.0)], start, EXACT, slope)
     }
 
     /// Signed distance of a point to the surface, positive out of the material.

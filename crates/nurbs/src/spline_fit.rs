@@ -5,6 +5,7 @@
 //! Guide to Splines, XII).
 
 use super::bezier::MOST_DEGREE;
+use super::bracket::last_whole;
 use nalgebra::{DMatrix, SVector};
 
 /// Points between the knots of a span, at least. With fewer a spline runs through its points and swings between them: with four, a
@@ -94,14 +95,13 @@ fn fewer<const N: usize>(
         found.failing(parameters, &inner, off).is_empty().then_some(found)
     };
     // The error falls with the number of spans.
-    let (mut failing, mut most, mut best) = (0, densities.len(), None);
-    while most - failing > 1 {
-        let middle = failing.midpoint(most);
-        match candidate(middle) {
-            Some(found) => (most, best) = (middle, Some(found)),
-            None => failing = middle,
-        }
-    }
+    let mut best = None;
+    last_whole(densities.len(), 0, |spans| {
+        let found = candidate(spans);
+        let keeps = found.is_some();
+        best = found.or(best.take());
+        keeps
+    });
     best.unwrap_or(spline)
 }
 

@@ -6,6 +6,7 @@
 
 use nalgebra::{Matrix2, SymmetricEigen, Vector2, Vector3};
 use nurbs::EllipticCone;
+use nurbs::bracket::Bracket;
 use std::f64::consts::TAU;
 
 /// Least spread of directions that is divided by.
@@ -70,16 +71,8 @@ pub fn inscribe(
             if inside >= reach {
                 return along(reach);
             }
-            let mut outside = inside + STEP;
-            for _ in 0..HALVINGS {
-                let middle = 0.5 * (inside + outside);
-                if clear(&direction(&along(middle)), 0.0) {
-                    inside = middle;
-                } else {
-                    outside = middle;
-                }
-            }
-            along(inside)
+            let border = Bracket { holds: inside, fails: inside + STEP };
+            along(border.halved(HALVINGS, |r| clear(&direction(&along(r)), 0.0)).holds)
         })
         .collect();
     let mut cone = largest_between(frame, seed, &ends)?;

@@ -5,6 +5,7 @@ use super::distribution::{Distribution, weights};
 use crate::Outline;
 use crate::outline::Side;
 use nalgebra::Point3;
+use nurbs::bracket::Bracket;
 
 /// Intervals of a face between its points.
 const FACE: usize = 160;
@@ -268,12 +269,8 @@ impl SectionLine<'_> {
                 return None;
             }
         }
-        let (mut near, mut far) = (end, end - reach * first.signum());
-        for _ in 0..ROUNDS {
-            let middle = 0.5 * (near + far);
-            if over(middle) * first > 0.0 { near = middle } else { far = middle }
-        }
-        Some(0.5 * (near + far))
+        let ends = Bracket { holds: end, fails: end - reach * first.signum() };
+        Some(ends.halved(ROUNDS, |x| over(x) * first > 0.0).middle())
     }
 
     /// Shares of the way for the points of a face: at even steps along the camber line, and denser towards elliptic edges, whose

@@ -2,6 +2,7 @@
 
 use super::distribution::HermiteTable;
 use nurbs::NurbsCurve;
+use nurbs::bracket::{Bracket, around_minimum};
 use nurbs::quadrature::integral;
 
 /// Cells of the table of a meridian. On a meridian of 40 mm that turns with a radius of 10 mm a cubic over a cell is off by
@@ -91,11 +92,8 @@ impl MeridianByLength {
         let step = self.length() / CELLS as f64;
         let node = (0..=CELLS).min_by(|a, b| distance(step * *a as f64).total_cmp(&distance(step * *b as f64)));
         let middle = step * node.unwrap_or(0) as f64;
-        let (mut low, mut high) = ((middle - step).max(0.0), (middle + step).min(self.length()));
-        for _ in 0..ROUNDS {
-            let [a, b] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
-            if distance(a) <= distance(b) { high = b } else { low = a }
-        }
+        let around = [(middle - step).max(0.0), (middle + step).min(self.length())];
+        let [low, high] = around_minimum(around, ROUNDS, distance);
         let found = 0.5 * (low + high);
         (found, distance(found))
     }
@@ -190,12 +188,8 @@ impl MeridionalPatch {
                 return share.clamp(0.0, 1.0);
             }
             let piece = lengths.partition_point(|l| *l <= due).clamp(1, PIECES) - 1;
-            let (mut low, mut high) = (x(piece), x(piece + 1));
-            for _ in 0..ROUNDS {
-                let middle = 0.5 * (low + high);
-                if lengths[piece] + integral(x(piece), middle, &speed) > due { high = middle } else { low = middle }
-            }
-            0.5 * (low + high)
+            let ends = Bracket { holds: x(piece + 1), fails: x(piece) };
+            ends.halved(ROUNDS, |to| lengths[piece] + integral(x(piece), to, &speed) > due).middle()
         };
         shares.iter().map(place).collect()
     }

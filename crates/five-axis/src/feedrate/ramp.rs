@@ -1,6 +1,7 @@
 //! Changes of speed as isolated S-curves: where a run needs more knots, and its approximate speed there.
 
 use super::{AXES, CURVATURE, Limits, ROUNDING};
+use nurbs::bracket::Bracket;
 
 /// Time steps in which a change of speed is resolved.
 const RAMP: usize = 32;
@@ -56,12 +57,7 @@ impl Ramp {
         if fits(&whole) {
             return whole;
         }
-        let (mut low, mut high) = (from, to);
-        for _ in 0..30 {
-            let middle = 0.5 * (low + high);
-            (low, high) = if fits(&ramp(middle)) { (middle, high) } else { (low, middle) };
-        }
-        ramp(high)
+        ramp(Bracket { holds: from, fails: to }.halved(30, |speed| fits(&ramp(speed))).fails)
     }
 
     /// Length and speed after a time.

@@ -5,6 +5,7 @@ use diagnostics::codes::planning as codes;
 use diagnostics::{Diag, Sink};
 use ir::{Operation, OperationId, OperationKind, Program};
 use nalgebra::Point3;
+use nurbs::bracket::Bracket;
 use nurbs::proximity::Patch;
 use rayon::prelude::*;
 use tool_stock::collide::Cutter;
@@ -130,15 +131,9 @@ fn narrowest<'a>(part: &Part, spots: &[&'a Spot], radius: f64) -> Option<&'a Spo
 /// Largest radius of a ball that fits at every place at which the ball does not cut into the hub, by bisection.
 fn largest(part: &Part, spots: &[&Spot]) -> f64 {
     let fillet = part.main().fillet.as_ref().map_or(f64::INFINITY, |f| f.least().get());
-    let (mut low, mut high) = (0.0, spots.iter().map(|s| s.radius_limit).fold(0.0, f64::max).min(fillet));
-    while high - low > 1e-4 {
-        let middle = 0.5 * (low + high);
-        if narrowest(part, spots, middle).is_some_and(|s| s.radius_limit >= middle) {
-            low = middle
-        } else {
-            high = middle
-        }
-    }
+    let radii = Bracket { holds: 0.0, fails: spots.iter().map(|s| s.radius_limit).fold(0.0, f64::max).min(fillet) };
+    let fits = |radius: f64| narrowest(part, spots, radius).is_some_and(|s| s.radius_limit >= radius);
+    let low = radii.narrowed(1e-4, fits).holds;
     let largest = if fillet - low <= 1e-4 { fillet } else { low };
     (200.0 * largest).floor() / 200.0
 }

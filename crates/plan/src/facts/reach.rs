@@ -7,6 +7,7 @@ use base::units::trim;
 use diagnostics::codes::planning as codes;
 use diagnostics::{Diag, Sink};
 use ir::{Contract, ContractKind, Operation, OperationId, OperationKind, Program, ToolId};
+use nurbs::bracket::Bracket;
 use std::cell::RefCell;
 use tool_stock::collide::Cutter;
 use wheel::operation::VaneAllowance;
@@ -163,16 +164,9 @@ impl Finder<'_> {
         let End { corner, radius } = end(cutter);
         let least = if corner < radius { corner } else { 0.0 };
         let widest = self.throat.levels.iter().map(|l| l.distance).fold(0.0, f64::max);
-        let (mut lo, mut hi) = (least, 0.5 * widest + least);
-        while hi - lo > 1e-3 {
-            let mid = 0.5 * (lo + hi);
-            if self.fits(&resized(cutter, mid), vane, hub) {
-                lo = mid;
-            } else {
-                hi = mid;
-            }
-        }
-        if lo > least { (200.0 * lo).floor() / 100.0 } else { 0.0 }
+        let radii = Bracket { holds: least, fails: 0.5 * widest + least };
+        let largest = radii.narrowed(1e-3, |radius| self.fits(&resized(cutter, radius), vane, hub)).holds;
+        if largest > least { (200.0 * largest).floor() / 100.0 } else { 0.0 }
     }
 }
 

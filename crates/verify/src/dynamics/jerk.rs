@@ -17,6 +17,7 @@ use super::{Joint5, MotionCell, MovePart, RunLimits};
 use five_axis::feedrate::jerk::{self, Bounds, Rows};
 use five_axis::feedrate::ramp::{self, Creep, Even, Most, Ramp};
 use five_axis::feedrate::{self as feedrate};
+use nurbs::bracket::Bracket;
 
 /// Share by which a sum that meets its bound may exceed it by rounding.
 const AT_BOUND: f64 = 1e-9;
@@ -115,13 +116,9 @@ fn corner(limits: &RunLimits, before: &MotionCell, cell: &MotionCell) -> f64 {
     if fits(most) {
         return most;
     }
-    let (mut low, mut high) = (0.0, most);
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        (low, high) = if fits(middle) { (middle, high) } else { (low, middle) };
-    }
+    let Bracket { holds, fails } = Bracket { holds: 0.0, fails: most }.halved(HALVINGS, fits);
     // The result is never a stop: below the resolution of the search every y fits.
-    low.max(0.5 * (high - low))
+    holds.max(0.5 * (fails - holds))
 }
 
 /// Largest change of q'' by the time of a cell, between the middles of the cell and of its neighbours; cells beyond a

@@ -3,6 +3,7 @@
 use super::{BladeId, FaceId, Part, Passage, Surface, hub_normal};
 use nalgebra::{Point3, Vector2};
 use nurbs::angle::nearest_turn;
+use nurbs::bracket::Bracket;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -221,16 +222,11 @@ fn hub_border(part: &Part, id: FaceId, along: FloorBorder) -> Vec<[f64; 2]> {
 
 /// The place nearest to `end` at which a property holds, between `end` and the middle of a face, by bisection.
 fn inside(end: f64, holds: impl Fn(f64) -> bool) -> f64 {
-    let (mut out, mut within) = (end, 0.5);
-    if holds(out) {
-        return out;
+    if holds(end) {
+        return end;
     }
     // Bisection of a face of some 100 mm down to rounding.
-    for _ in 0..48 {
-        let middle = 0.5 * (out + within);
-        if holds(middle) { within = middle } else { out = middle }
-    }
-    within
+    Bracket { holds: 0.5, fails: end }.halved(48, holds).holds
 }
 
 /// Azimuth of a border at a hub parameter; constant beyond its ends.

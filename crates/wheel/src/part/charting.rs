@@ -11,13 +11,11 @@ use super::{Extent, Part, Passage, Surface};
 use base::units::Mm;
 use nalgebra::{Point3, Vector2};
 use nurbs::angle::nearest_turn;
+use nurbs::bracket::{SecantEnd, secant};
 use rayon::prelude::*;
 
-/// Difference of two values of the secant method that has no slope, mm.
-const LEVEL: f64 = 1e-15;
-
-/// Error at which the secant method ends, mm.
-const EXACT: f64 = 1e-11;
+/// End of secants along a line of equal height of a face, mm.
+const LINE: SecantEnd = SecantEnd { steps: 8, exact: 1e-11, level: 1e-15 };
 
 /// Fewest and most spans of the tables of borders and rolling balls.
 const SPANS: [usize; 2] = [400, 6400];
@@ -191,16 +189,7 @@ fn hub(part: &Part, passage: &Passage) -> Option<ChartTable> {
 fn turned(part: &Part, extent: &Extent, id: FaceId, u: f64, v: f64) -> Point3<f64> {
     let surface = &part.face(id).surface;
     let gap = |u: f64| extent.beyond(u.round().clamp(0.0, 1.0), &surface.point(u, v));
-    let (mut a, mut b) = (u, u + 1e-3);
-    let (mut fa, mut fb) = (gap(a), gap(b));
-    // Secant method: over some 0.01 mm the face is nearly straight.
-    for _ in 0..8 {
-        if (fb - fa).abs() < LEVEL || fb.abs() < EXACT {
-            break;
-        }
-        let next = (b - fb * (b - a) / (fb - fa)).clamp(u - 0.2, u + 0.2);
-        (a, fa) = (b, fb);
-        (b, fb) = (next, gap(next));
-    }
-    surface.point(if u > 0.5 { b.max(u) } else { b.min(u) }, v)
+    // Over some 0.01 mm the face is nearly straight.
+    let met = secant([u, u + 1e-3], 0.2, LINE, gap);
+    surface.point(if u > 0.5 { met.max(u) } else { met.min(u) }, v)
 }

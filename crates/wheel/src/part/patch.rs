@@ -2,6 +2,7 @@
 
 use super::SurfaceKind;
 use nalgebra::{Point3, Vector3};
+use nurbs::bracket::Bracket;
 
 /// A direction of patches. All patches that meet in a border have the same steps along it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,13 +60,8 @@ impl AlongSpacing {
         let [at_end, whole] = [0.0, 1.0 / NEAR_END].map(libm::erf);
         let sum = |s: f64| s + bell * (libm::erf(s / NEAR_END) + whole - at_end - libm::erf((1.0 - s) / NEAR_END));
         let share = |t: f64| {
-            let (mut low, mut high) = (0.0, 1.0);
             // Bisection down to rounding.
-            for _ in 0..54 {
-                let middle = 0.5 * (low + high);
-                if sum(middle) < t * sum(1.0) { low = middle } else { high = middle }
-            }
-            0.5 * (low + high)
+            Bracket { holds: 0.0, fails: 1.0 }.halved(54, |s| sum(s) < t * sum(1.0)).middle()
         };
         match self {
             Self::Equal => places.to_vec(),

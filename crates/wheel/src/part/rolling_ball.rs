@@ -4,12 +4,10 @@ use super::{FaceId, Part, Surface};
 use nalgebra::{Point3, Vector2, Vector3};
 use nurbs::Revolution;
 use nurbs::angle::great_arc;
+use nurbs::bracket::{Bracket, SecantEnd, secant};
 
-/// Difference of two values of the secant method that has no slope, mm.
-const LEVEL: f64 = 1e-15;
-
-/// Error at which the secant method ends, mm.
-const EXACT: f64 = 1e-12;
+/// End of secants along a ruling, mm.
+const RULING: SecantEnd = SecantEnd { steps: 12, exact: 1e-12, level: 1e-15 };
 
 /// The arc in which a ball touches the fillet: a circle about the way of its centre. It is a great circle of the ball where the radius
 /// does not change; else it is moved along the way, to the side at which the ball is smaller.
@@ -90,32 +88,17 @@ impl Part {
     pub fn ruling_meets(&self, id: FaceId, u: f64, surface: &Revolution, guess: f64) -> f64 {
         let face = self.face(id);
         let gap = |v: f64| surface.distance(&face.surface.point(u, v));
-        // Secant method: the distance along a ruling is nearly linear.
-        let (mut a, mut b) = (guess, guess + 1e-3);
-        let (mut fa, mut fb) = (gap(a), gap(b));
-        for _ in 0..12 {
-            if (fb - fa).abs() < LEVEL || fb.abs() < EXACT {
-                break;
-            }
-            // Limits the steps for a ruling that never meets the surface.
-            let next = (b - fb * (b - a) / (fb - fa)).clamp(guess - 0.5, guess + 0.5);
-            (a, fa) = (b, fb);
-            (b, fb) = (next, gap(next));
-        }
-        b
+        // The distance along a ruling is nearly linear.
+        secant([guess, guess + 1e-3], 0.5, RULING, gap)
     }
 }
 
 /// The place between two places with known values where a function becomes positive, by 50 bisection steps, which end
 /// below rounding for a ruling of some 100 mm. A bracket decides most steps without an evaluation.
 fn halved(f: impl Fn(f64) -> f64, ends: [(f64, f64); 2]) -> f64 {
-    let [(mut low, _), (mut high, _)] = ends;
     let (below, above) = bracket(&f, ends);
-    for _ in 0..50 {
-        let middle = 0.5 * (low + high);
-        if middle <= below || (middle < above && f(middle) < 0.0) { low = middle } else { high = middle }
-    }
-    0.5 * (low + high)
+    let whole = Bracket { holds: ends[0].0, fails: ends[1].0 };
+    whole.halved(50, |v| v <= below || (v < above && f(v) < 0.0)).middle()
 }
 
 /// A narrow bracket of the place where a function becomes positive, from a wide bracket with known values: by secants,
@@ -207,14 +190,7 @@ mod tests {
     /// The same bits as bisection that always evaluates the function, with a third of the evaluations.
     #[test]
     fn halvings_by_a_bracket() {
-        let plain = |f: &dyn Fn(f64) -> f64| {
-            let (mut low, mut high) = (-0.5, 1.0);
-            for _ in 0..50 {
-                let middle = 0.5 * (low + high);
-                if f(middle) < 0.0 { low = middle } else { high = middle }
-            }
-            0.5 * (low + high)
-        };
+        let plain = |f: &dyn Fn(f64) -> f64| Bracket { holds: -0.5, fails: 1.0 }.halved(50, |v| f(v) < 0.0).middle();
         let mut asked = 0;
         let mut count = 0;
         for k in 0..200 {

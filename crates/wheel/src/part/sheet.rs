@@ -3,6 +3,7 @@
 use super::chart::{Chart, Shape};
 use super::{FaceId, FaceSurface, Part, Surface, SurfaceKind};
 use nalgebra::{Point3, Vector2};
+use nurbs::bracket::Bracket;
 use nurbs::proximity::Patch;
 use rayon::prelude::*;
 
@@ -89,16 +90,12 @@ impl<'a> Sheet<'a> {
             let p = self.point(u, w);
             (Vector2::new(libm::hypot(p.x, p.y), p.z) - hub).dot(&normal)
         };
-        let (mut out, mut inside) = (self.range[end as usize], 0.5);
-        let sign = gap(inside).signum();
-        if gap(out) * sign > 0.0 {
+        let ends = Bracket { holds: 0.5, fails: self.range[end as usize] };
+        let sign = gap(ends.holds).signum();
+        if gap(ends.fails) * sign > 0.0 {
             return None;
         }
         // Bisection of a wall of some 100 mm down to rounding.
-        for _ in 0..48 {
-            let u = 0.5 * (out + inside);
-            if gap(u) * sign > 0.0 { inside = u } else { out = u }
-        }
-        Some(0.5 * (out + inside))
+        Some(ends.halved(48, |u| gap(u) * sign > 0.0).middle())
     }
 }

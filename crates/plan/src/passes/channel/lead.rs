@@ -7,6 +7,7 @@ use crate::passes::context::{ChannelChart, LEAST_OUTWARD};
 use crate::passes::lines::CutterPose;
 use ir::CcPoint;
 use nalgebra::{Matrix2, Point3, SymmetricEigen, Vector2, Vector3};
+use nurbs::bracket::last_whole;
 use std::f64::consts::TAU;
 use tool_stock::collide::Cutter;
 
@@ -105,18 +106,13 @@ fn least(chart: &ChannelChart<'_>, cutter: &Cutter) -> Option<f64> {
     let from = libm::asin(LEAST_OUTWARD);
     let at = |step: usize| from + (MOST_LEAD - from) * step as f64 / LEADS as f64;
     // A larger lead angle lifts the heel.
-    let (mut low, mut high) = (0, LEADS);
     if !clears(chart, cutter, at(LEADS)) {
         return None;
     }
     if clears(chart, cutter, from) {
         return Some(from);
     }
-    while high - low > 1 {
-        let middle = low.midpoint(high);
-        if clears(chart, cutter, at(middle)) { high = middle } else { low = middle }
-    }
-    Some(at(high))
+    Some(at(last_whole(LEADS, 0, |step| clears(chart, cutter, at(step)))))
 }
 
 /// True where the end of a cutter with a lead angle stays out of the hub, along the whole floor.

@@ -16,6 +16,7 @@ use crate::passes::context::{
 use crate::passes::lines::{self, DriveSurface, LaidLines, LineDirection, constant_scallop, left_to_ridges, scallop};
 use diagnostics::{Aborted, Diag, codes::planning};
 use ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind};
+use nurbs::bracket::last_whole;
 use wheel::method::{Lines, Spacing};
 use wheel::part::{FloorBorder, Part, Passage, Rolling, Surface};
 
@@ -213,13 +214,9 @@ fn what_would_do(part: &Part, below: f64) -> String {
         })
     };
     // A smaller ball fits wherever a bigger ball fits, so that bisection finds the largest step.
-    let (mut low, mut high) = (0_u32, (below / RADIUS_STEP).ceil() as u32);
-    while high - low > 1 {
-        let middle = low + (high - low) / 2;
-        if fits(f64::from(middle) * RADIUS_STEP) { low = middle } else { high = middle }
-    }
-    let radius = f64::from(low) * RADIUS_STEP;
-    match (low, &part.main().fillet) {
+    let steps = last_whole(0, (below / RADIUS_STEP).ceil() as usize, |steps| fits(steps as f64 * RADIUS_STEP));
+    let radius = steps as f64 * RADIUS_STEP;
+    match (steps, &part.main().fillet) {
         (0, _) => "no ball fits along both walls of this channel: correct the faces, or use fewer vanes".to_owned(),
         (_, None) => format!("use a ball of at most {:.2} mm diameter", 2.0 * radius),
         (_, Some(_)) => {

@@ -7,6 +7,7 @@ use base::progress::Progress;
 use base::units::Mm;
 use nalgebra::{Point3, Vector3};
 use nurbs::DualCurve;
+use nurbs::bracket::Bracket;
 use rayon::prelude::*;
 use tool_stock::collide::Cutter;
 use wheel::part::{
@@ -91,12 +92,8 @@ pub struct Placed {
 
 /// Border of a condition that is false at `from` and true at `to`, by bisection: the last place at which the condition
 /// is true.
-fn border(holds: impl Fn(f64) -> bool, mut from: f64, mut to: f64) -> f64 {
-    for _ in 0..20 {
-        let middle = 0.5 * (from + to);
-        if holds(middle) { to = middle } else { from = middle }
-    }
-    to
+fn border(holds: impl Fn(f64) -> bool, from: f64, to: f64) -> f64 {
+    Bracket { holds: to, fails: from }.halved(20, holds).holds
 }
 
 /// v at the lower end of a face at u: at the upper edge of the fillet, at a sharp root where the ball of the tool touches face and hub.

@@ -22,6 +22,7 @@
 //! ```
 
 use nurbs::BandMetric;
+use nurbs::bracket::Bracket;
 use nurbs::geodesic::cubic_weights;
 
 /// Share of a step over which a line turns from the seam into its family, on both sides of the place where they meet.
@@ -193,12 +194,9 @@ fn seam_at(first: &Family, second: &Family, i: usize) -> [f64; 2] {
         return [0.0, 0.5 * (first.at(i, 0.0) + second.at(i, 0.0))];
     }
     let beyond = (1..=last).find(|j| second.fronts[*j][i] <= first.fronts[*j][i]).unwrap_or(last);
-    let (mut low, mut high) = (0.5 * (beyond - 1) as f64, 0.5 * beyond as f64);
+    let ends = Bracket { holds: 0.5 * (beyond - 1) as f64, fails: 0.5 * beyond as f64 };
     // To rounding.
-    for _ in 0..50 {
-        let middle = 0.5 * (low + high);
-        if gap(middle) > 0.0 { low = middle } else { high = middle }
-    }
+    let low = ends.halved(50, |steps| gap(steps) > 0.0).holds;
     [low, 0.5 * (first.at(i, low) + second.at(i, low))]
 }
 

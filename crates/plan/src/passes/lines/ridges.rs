@@ -3,6 +3,7 @@
 use super::SurfaceLine;
 use ir::CcPoint;
 use nalgebra::{Point3, Vector3};
+use nurbs::bracket::around_minimum;
 use rayon::prelude::*;
 use tool_stock::collide::Cutter;
 use tool_stock::collide::tool::tool_coordinates;
@@ -58,16 +59,15 @@ pub(crate) fn highest_ridge(
 }
 
 /// Greatest value of a function that has one maximum between two places.
-fn top(f: &dyn Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+fn top(f: &dyn Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     /// Number of times that a third of the interval is removed: a thousandth remains.
     const THIRDS: usize = 16;
     let mut best = 0.0_f64;
-    for _ in 0..THIRDS {
-        let third = (high - low) / 3.0;
-        let (a, b) = (f(low + third), f(high - third));
-        best = best.max(a).max(b);
-        if a < b { low += third } else { high -= third }
-    }
+    around_minimum([low, high], THIRDS, |x| {
+        let value = f(x);
+        best = best.max(value);
+        -value
+    });
     best
 }
 

@@ -8,6 +8,7 @@ use super::blank::Blank;
 use crate::passes::axis::run::rotary;
 use five_axis::{Chain, between};
 use ir::{ClPass, ClPlan, ClPoint, Program};
+use nurbs::bracket::Bracket;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -18,7 +19,7 @@ const OFF_BLANK: f64 = 0.5;
 const LEAST_WAY: f64 = 1.0;
 
 /// Bisection steps for the place where a lead leaves the blank: a lead of 100 mm divided by 2^14 is less than 0.01 mm.
-const BISECTIONS: u32 = 14;
+const BISECTIONS: usize = 14;
 
 /// Marks the leads of all finishing passes.
 pub(crate) fn run(program: &Program, cl: &mut ClPlan) {
@@ -66,10 +67,5 @@ fn leaving(outside: &impl Fn(&ClPoint) -> bool, chain: &Chain, [inside, out]: [C
         let axis = if t >= 1.0 { out.axis } else { chain.tool_axis(between(angles[0], angles[1], t)) };
         ClPoint { tip: inside.tip + (out.tip - inside.tip) * t, axis, contact: None }
     };
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..BISECTIONS {
-        let t = 0.5 * (low + high);
-        if outside(&at(t)) { high = t } else { low = t }
-    }
-    at(high)
+    at(Bracket { holds: 1.0, fails: 0.0 }.halved(BISECTIONS, |t| outside(&at(t))).holds)
 }

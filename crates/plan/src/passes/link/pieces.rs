@@ -9,6 +9,7 @@ use super::branch;
 use super::clearance_surface::ClearanceSurface;
 use five_axis::{Angles, Machine, between};
 use ir::{ClPass, ClPoint, MoveKind};
+use nurbs::bracket::{Bracket, last_whole};
 
 /// A move to a cutter location.
 pub(super) struct LinkMove {
@@ -95,15 +96,14 @@ pub(super) fn pieces(
 impl PassWithin<'_> {
     /// The longest piece from a station, with the station at its end.
     fn longest(&self, from: usize, at: Angles) -> Option<(Solved, usize)> {
-        let (mut best, mut low, mut high) = (None, from, self.pass.points.len());
-        while high - low > 1 {
-            let to = low + (high - low) / 2;
-            match self.solved(from, to, at) {
-                Some(solved) => (best, low) = (Some(solved), to),
-                None => high = to,
-            }
-        }
-        best.map(|solved| (solved, low))
+        let mut best = None;
+        let last = last_whole(from, self.pass.points.len(), |to| {
+            let solved = self.solved(from, to, at);
+            let within = solved.is_some();
+            best = solved.or(best.take());
+            within
+        });
+        best.map(|solved| (solved, last))
     }
 
     /// A piece from the clearance surface to a station, to another one, and back to the surface.
@@ -120,19 +120,16 @@ impl PassWithin<'_> {
     /// The pass with one more station, in the block behind a station, where the travel ends for a piece from `start`.
     fn divided(&self, start: usize, behind: usize, at: Angles) -> Option<ClPass> {
         let reach = |branch: usize| {
-            let (mut low, mut high) = (0.0, 1.0);
             let mut found = None;
-            for _ in 0..HALVINGS {
-                let share = 0.5 * (low + high);
-                let pass = self.with_station(behind, branch, share);
-                let within = Self { pass, ..*self };
-                if within.solved(start, behind + 1, at).is_some() {
-                    (found, low) = (Some(within.pass), share);
-                } else {
-                    high = share;
+            let border = Bracket { holds: 0.0, fails: 1.0 }.halved(HALVINGS, |share| {
+                let within = Self { pass: self.with_station(behind, branch, share), ..*self };
+                let solved = within.solved(start, behind + 1, at).is_some();
+                if solved {
+                    found = Some(within.pass);
                 }
-            }
-            (low, found)
+                solved
+            });
+            (border.holds, found)
         };
         let [one, other] = [0, 1].map(reach);
         if other.0 > one.0 { other.1 } else { one.1 }

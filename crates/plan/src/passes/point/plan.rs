@@ -16,6 +16,7 @@ use crate::passes::lines::{self, DriveSurface, constant_scallop};
 use base::units::length;
 use diagnostics::{Aborted, Diag, codes::planning};
 use ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind};
+use nurbs::bracket::Bracket;
 use rayon::prelude::*;
 use wheel::method::Lines;
 use wheel::part::{
@@ -254,13 +255,6 @@ fn lowest(cx: &PassContext<'_>, operation: &Operation, surface: &VaneSurface<'_>
         let tip = solid.cutter.tip_at(&place.position, &place.normal, &axis);
         tip.is_some_and(|tip| cx.obstacles.cutter_inside(solid, &tip, &axis).is_none())
     };
-    let border = |x: f64| {
-        let (mut low, mut high) = (0.0, 1.0);
-        for _ in 0..HALVINGS {
-            let middle = 0.5 * (low + high);
-            if stands(x, middle) { high = middle } else { low = middle }
-        }
-        high
-    };
+    let border = |x: f64| Bracket { holds: 1.0, fails: 0.0 }.halved(HALVINGS, |y| stands(x, y)).holds;
     stations.collect::<Vec<f64>>().into_par_iter().map(border).collect()
 }

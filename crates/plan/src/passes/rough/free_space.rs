@@ -5,6 +5,7 @@
 //! behind that vane belongs to no other channel, so that it has to be cleared in this one.
 
 use super::layers::{BISECTIONS, Level, Roughing, StationPlace};
+use nurbs::bracket::Bracket;
 
 /// A free interval of w.
 pub(super) type Room = [f64; 2];
@@ -68,19 +69,15 @@ impl Roughing<'_> {
     /// Border of the free space from a free place towards a wall, w of both.
     fn boundary(&self, place: &StationPlace<'_>, level: Level, [seed, wall]: [f64; 2]) -> f64 {
         let (width, step) = (place.width(place.v(level, seed)), self.step_across(place));
-        let (mut first_free, mut first_blocked) = (seed, wall);
+        let mut ends = Bracket { holds: seed, fails: wall };
         loop {
-            let (mut free, mut blocked) = (first_free, first_blocked);
-            for _ in 0..BISECTIONS {
-                let w = 0.5 * (free + blocked);
-                if self.clear(place, level, w) { free = w } else { blocked = w }
-            }
+            let free = ends.halved(BISECTIONS, |w| self.clear(place, level, w)).holds;
             // The space need not be one up to the border that was found.
             let count = ((free - seed).abs() * width / step).ceil().max(1.0);
             let at = |k: f64| seed + (free - seed) * k / count;
             let mut steps = (1..count as usize).map(|k| k as f64);
             let Some(gap) = steps.find(|k| !self.clear(place, level, at(*k))) else { return free };
-            (first_free, first_blocked) = (at(gap - 1.0), at(gap));
+            ends = Bracket { holds: at(gap - 1.0), fails: at(gap) };
         }
     }
 }

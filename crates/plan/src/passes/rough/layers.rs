@@ -6,6 +6,7 @@ use crate::spacing;
 use base::progress::Progress;
 use ir::{CcPoint, Operation, Program};
 use nalgebra::{Point3, Vector3};
+use nurbs::bracket::Bracket;
 use rayon::prelude::*;
 use std::cell::RefCell;
 use tool_stock::collide::ToolSolid;
@@ -26,7 +27,7 @@ const BETWEEN: [f64; 3] = [0.25, 0.5, 0.75];
 const EASY: f64 = 1.73;
 
 /// Bisection steps for wall distances and lifts: half a channel divided by 2^10 is about 0.02 mm.
-pub(super) const BISECTIONS: u32 = 10;
+pub(super) const BISECTIONS: usize = 10;
 
 /// Data and limits of a roughing operation.
 pub(crate) struct Roughing<'a> {
@@ -380,15 +381,8 @@ impl<'a> Roughing<'a> {
             return None;
         }
         let ruling = (place.at.point(1.0, w) - place.at.point(0.0, w)).norm();
-        let (mut low, mut high) = (level, level + (self.depth + self.keep.hub) / ruling);
-        if !clear(high) {
-            return None;
-        }
-        for _ in 0..BISECTIONS {
-            let v = 0.5 * (low + high);
-            if clear(v) { high = v } else { low = v }
-        }
-        Some(high)
+        let ends = Bracket { holds: level + (self.depth + self.keep.hub) / ruling, fails: level };
+        clear(ends.holds).then(|| ends.halved(BISECTIONS, clear).holds)
     }
 
     /// True when the tool keeps all allowances at w of a level.

@@ -8,6 +8,7 @@ use super::layers::{LayerStation, Level, Roughing, length_of, limit_leads};
 use crate::passes::context::maximal_ranges;
 use base::progress::Progress;
 use nalgebra::{Point3, Vector3};
+use nurbs::bracket::Bracket;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 use std::ops::Range;
@@ -117,12 +118,8 @@ impl Roughing<'_> {
             return largest;
         }
         // Where the blank slants against the axis, the rim is in it before the tip is.
-        let (mut shallow, mut deep) = (-self.blank.over_shroud.get() - self.radius(), largest);
-        while deep - shallow > FOUND_TO * self.depth {
-            let under = 0.5 * (shallow + deep);
-            if most(under) <= self.depth { shallow = under } else { deep = under }
-        }
-        shallow
+        let ends = Bracket { holds: -self.blank.over_shroud.get() - self.radius(), fails: largest };
+        ends.narrowed(FOUND_TO * self.depth, |under| most(under) <= self.depth).holds
     }
 
     /// Depth of a slot that loads the tool as much as the whole blank does in a cut in the worst direction, mm: the mean

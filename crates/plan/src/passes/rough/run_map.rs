@@ -4,6 +4,7 @@ use super::layers::{LayerStation, Roughing};
 use super::levels::LevelRun;
 use ir::CcPoint;
 use nalgebra::{Point3, Vector3};
+use nurbs::bracket::Bracket;
 use rayon::prelude::*;
 use std::ops::Range;
 
@@ -14,7 +15,7 @@ const BESIDE: f64 = 0.05;
 const MOST_SLANT: f64 = 2.0;
 
 /// Bisection steps for the free space: half a channel divided by 2^8 is less than 0.1 mm.
-const BISECTIONS: u32 = 8;
+const BISECTIONS: usize = 8;
 
 /// A place of the chart: distance along the middle of the run, mm, and w.
 pub(super) type Place = [f64; 2];
@@ -92,12 +93,7 @@ impl<'a> RunMap<'a> {
             if clear(outermost) {
                 return outermost;
             }
-            let (mut free, mut blocked) = (s.middle(), outermost);
-            for _ in 0..BISECTIONS {
-                let w = 0.5 * (free + blocked);
-                if clear(w) { free = w } else { blocked = w }
-            }
-            free
+            Bracket { holds: s.middle(), fails: outermost }.halved(BISECTIONS, clear).holds
         };
         let borders: Vec<[f64; 2]> = (0..middles.len()).into_par_iter().map(|i| [border(i, 0), border(i, 1)]).collect();
         let distances: Vec<f64> = rows.iter().map(|row| row.along).collect();
@@ -301,12 +297,7 @@ fn least(low: f64, high: f64, holds: impl Fn(f64) -> bool) -> Option<f64> {
     if !holds(high) {
         return None;
     }
-    let (mut low, mut high) = (low, high);
-    for _ in 0..=BISECTIONS {
-        let middle = 0.5 * (low + high);
-        if holds(middle) { high = middle } else { low = middle }
-    }
-    Some(high)
+    Some(Bracket { holds: high, fails: low }.halved(BISECTIONS + 1, holds).holds)
 }
 
 /// A point shifted along an axis into the plane square to the axis through another point.

@@ -17,6 +17,7 @@ use super::levels::LevelRun;
 use super::run_map::{Place, RunMap};
 use ir::CcPoint;
 use nalgebra::{Point3, Vector3};
+use nurbs::bracket::Bracket;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::Range;
 use wheel::method::Milling;
@@ -156,15 +157,14 @@ impl Loops<'_> {
         let mut all = Vec::new();
         while (to - at) * self.forward > 0.0 {
             let longest = |goes_on: bool| {
-                let (mut low, mut high, mut found) = (least, most, None);
-                for _ in 0..HALVINGS {
-                    let distance = 0.5 * (low + high);
-                    match self.next(at, distance, &before, goes_on) {
-                        Some(curve) => (low, found) = (distance, Some((curve, distance))),
-                        None => high = distance,
-                    }
-                }
-                found
+                let mut found = None;
+                let border = Bracket { holds: least, fails: most }.halved(HALVINGS, |distance| {
+                    let curve = self.next(at, distance, &before, goes_on);
+                    let fits = curve.is_some();
+                    found = curve.or(found.take());
+                    fits
+                });
+                found.map(|curve| (curve, border.holds))
             };
             // Where the channel bends, loops become shorter.
             let found = longest(true).or_else(|| longest(false));
@@ -264,7 +264,7 @@ fn engagement(
 ) -> f64 {
     /// Steps of the angle, radians.
     const STEP: f64 = PI / 24.0;
-    const BISECTIONS: u32 = 5;
+    const BISECTIONS: usize = 5;
     let Some(feed) = (way - axis * way.dot(axis)).try_normalize(1e-9) else { return 0.0 };
     let right = feed.cross(axis);
     let side = if milling == Milling::Climb { right } else { -right };
@@ -279,12 +279,8 @@ fn engagement(
     let count = (PI / STEP).ceil() as usize;
     let angle = |k: usize| -FRAC_PI_2 + PI * k as f64 / count as f64;
     let Some(first) = (0..=count).find(|k| !reached(angle(*k))) else { return 0.0 };
-    let (mut free, mut met) = (angle(first.saturating_sub(1)), angle(first));
-    for _ in 0..BISECTIONS {
-        let middle = 0.5 * (free + met);
-        if reached(middle) { free = middle } else { met = middle }
-    }
-    FRAC_PI_2 - free
+    let border = Bracket { holds: angle(first.saturating_sub(1)), fails: angle(first) };
+    FRAC_PI_2 - border.halved(BISECTIONS, reached).holds
 }
 
 /// True when a cylinder above the tip, of a given radius, reaches a place on a chord of its path.

@@ -1,0 +1,224 @@
+//! Searches of one number within a bracket: roots, borders of conditions, and extreme values.
+//!
+//! All numbers have the unit of the caller. Each search ends after a number of steps or at a width that the caller states, and each
+//! step evaluates a condition or a function at the places that its doc names, so that a result repeats to the last bit.
+
+/// Two places between which a condition changes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bracket {
+    /// A place at which the condition holds; it may lie on either side of the other one.
+    pub holds: f64,
+    /// A place at which it does not hold.
+    pub fails: f64,
+}
+
+impl Bracket {
+    /// The place half way between both.
+    pub fn middle(&self) -> f64 {
+        0.5 * (self.holds + self.fails)
+    }
+
+    /// The bracket after a number of bisections: each asks for the condition in the middle and keeps the half in which it changes. The
+    /// ends of the first bracket are not asked for.
+    #[must_use]
+    pub fn halved(mut self, times: usize, mut condition: impl FnMut(f64) -> bool) -> Self {
+        for _ in 0..times {
+            self.halve(&mut condition);
+        }
+        self
+    }
+
+    /// The bracket after bisections down to a width, or to neighbouring numbers where these are farther apart.
+    #[must_use]
+    pub fn narrowed(mut self, width: f64, mut condition: impl FnMut(f64) -> bool) -> Self {
+        while (self.fails - self.holds).abs() > width && ![self.holds, self.fails].contains(&self.middle()) {
+            self.halve(&mut condition);
+        }
+        self
+    }
+
+    fn halve(&mut self, condition: &mut impl FnMut(f64) -> bool) {
+        let middle = self.middle();
+        if condition(middle) { self.holds = middle } else { self.fails = middle }
+    }
+}
+
+/// The last whole number on the way from `holds` to `fails` at which a condition holds, by bisection, for a condition that changes once.
+/// It counts as holding at `holds` and as failing at `fails`, and is not asked for there.
+pub fn last_whole(mut holds: usize, mut fails: usize, mut condition: impl FnMut(usize) -> bool) -> usize {
+    while holds.abs_diff(fails) > 1 {
+        let middle = holds.midpoint(fails);
+        if condition(middle) { holds = middle } else { fails = middle }
+    }
+    holds
+}
+
+/// The interval after a number of steps, each of which takes away a third: that behind `high - third` where the function at
+/// `low + third` is not greater than there, else that before `low + third`. It keeps the place of the only minimum.
+pub fn around_minimum([mut low, mut high]: [f64; 2], steps: usize, mut f: impl FnMut(f64) -> f64) -> [f64; 2] {
+    for _ in 0..steps {
+        let third = (high - low) / 3.0;
+        let [before, behind] = [low + third, high - third];
+        if f(before) <= f(behind) { high = behind } else { low = before }
+    }
+    [low, high]
+}
+
+/// Share of an interval that a golden section keeps.
+const GOLDEN: f64 = 0.618_033_988_749_894_9;
+
+/// Greatest value of a function with one maximum within an interval, by a number of golden sections; the ends are not asked for.
+pub fn greatest(mut f: impl FnMut(f64) -> f64, [mut low, mut high]: [f64; 2], sections: usize) -> f64 {
+    let mut left = high - GOLDEN * (high - low);
+    let mut right = low + GOLDEN * (high - low);
+    let (mut f_left, mut f_right) = (f(left), f(right));
+    for _ in 0..sections {
+        if f_left > f_right {
+            (high, right, f_right) = (right, left, f_left);
+            left = high - GOLDEN * (high - low);
+            f_left = f(left);
+        } else {
+            (low, left, f_left) = (left, right, f_right);
+            right = low + GOLDEN * (high - low);
+            f_right = f(right);
+        }
+    }
+    f_left.max(f_right)
+}
+
+/// Largest number of steps of [`root`]; Newton's method needs some six.
+const STEPS: usize = 60;
+
+/// Root of a function that rises from the first end of a bracket to the second, by Newton's method from `start`: bisection where a step
+/// would leave the bracket, or where the function does not rise. `at` gives value and derivative. Ends with a step shorter than `exact`,
+/// or after 60 steps.
+pub fn root([mut low, mut high]: [f64; 2], start: f64, exact: f64, mut at: impl FnMut(f64) -> [f64; 2]) -> f64 {
+    let mut x = start;
+    for _ in 0..STEPS {
+        let [value, slope] = at(x);
+        if value == 0.0 {
+            break;
+        }
+        if value > 0.0 {
+            high = x
+        } else {
+            low = x
+        }
+        let newton = x - value / slope;
+        let next = if slope > 0.0 && low <= newton && newton <= high { newton } else { 0.5 * (low + high) };
+        let change = (next - x).abs();
+        x = next;
+        if change < exact {
+            break;
+        }
+    }
+    x
+}
+
+/// When secants end: after a number of steps, at a value of the function, or where it does not change.
+#[derive(Clone, Copy, Debug)]
+pub struct SecantEnd {
+    /// Most steps.
+    pub steps: usize,
+    /// Absolute value of the function below which its argument is the root.
+    pub exact: f64,
+    /// Difference of two values below which there is no slope.
+    pub level: f64,
+}
+
+/// Root of a function that is nearly straight, by secants through two places. No step goes farther than `reach` from the first of them:
+/// a function without a root ends there.
+pub fn secant([mut a, mut b]: [f64; 2], reach: f64, end: SecantEnd, mut f: impl FnMut(f64) -> f64) -> f64 {
+    let (low, high) = (a - reach, a + reach);
+    let (mut f_a, mut f_b) = (f(a), f(b));
+    for _ in 0..end.steps {
+        if (f_b - f_a).abs() < end.level || f_b.abs() < end.exact {
+            break;
+        }
+        let next = (b - f_b * (b - a) / (f_b - f_a)).clamp(low, high);
+        (a, f_a) = (b, f_b);
+        (b, f_b) = (next, f(next));
+    }
+    b
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::Cell;
+
+    #[test]
+    fn bisection_finds_a_border_from_both_sides() {
+        for border in [0.1, 0.5, 1.0 / 3.0, 0.999] {
+            let rising = Bracket { holds: 1.0, fails: 0.0 }.halved(40, |x| x >= border);
+            let falling = Bracket { holds: 0.0, fails: 1.0 }.halved(40, |x| x < border);
+            assert!(rising.holds >= border && rising.fails < border && rising.holds - rising.fails < 1e-11);
+            assert_eq!((rising.holds, rising.fails), (falling.fails, falling.holds));
+            assert_eq!(rising.middle().to_bits(), falling.middle().to_bits());
+        }
+    }
+
+    /// As many questions as halvings, and none at the ends.
+    #[test]
+    fn bisection_asks_in_the_middle_only() {
+        let asked = Cell::new(Vec::new());
+        let ask = |x: f64| {
+            let mut all = asked.take();
+            all.push(x);
+            asked.set(all);
+            x < 0.3
+        };
+        let found = Bracket { holds: 0.0, fails: 1.0 }.halved(3, ask);
+        assert_eq!(asked.take(), [0.5, 0.25, 0.375]);
+        assert_eq!(found, Bracket { holds: 0.25, fails: 0.375 });
+        let found = Bracket { holds: 0.0, fails: 1.0 }.narrowed(0.125, ask);
+        assert_eq!((asked.take().len(), found), (3, Bracket { holds: 0.25, fails: 0.375 }));
+    }
+
+    #[test]
+    fn bisection_to_a_width_below_rounding_ends() {
+        let found = Bracket { holds: 1.0, fails: 2.0 }.narrowed(0.0, |x| x * x <= 2.0);
+        assert_eq!(found.fails.to_bits() - found.holds.to_bits(), 1);
+        assert!(found.holds * found.holds <= 2.0 && found.fails * found.fails > 2.0);
+    }
+
+    #[test]
+    fn whole_numbers_are_the_last_ones() {
+        for last in 0..9 {
+            assert_eq!(last_whole(0, 9, |k| k <= last), last);
+            assert_eq!(last_whole(9, 0, |k| k >= last + 1), last + 1);
+        }
+        assert_eq!(last_whole(4, 4, |_| unreachable!()), 4);
+    }
+
+    #[test]
+    fn extreme_values_are_found() {
+        for place in [0.02, 0.31, 0.77] {
+            let f = |x: f64| (x - place) * (x - place) * (1.0 + x);
+            let [low, high] = around_minimum([0.0, 1.0], 40, f);
+            assert!(low <= place + 1e-7 && high >= place - 1e-7 && high - low < 1e-6);
+            assert!((greatest(|x| 3.0 - f(x), [0.0, 1.0], 30) - 3.0).abs() < 1e-11);
+        }
+    }
+
+    #[test]
+    fn roots_are_found_where_newton_leaves_the_bracket() {
+        // Newton's method alone runs away from the flat ends of this curve.
+        for zero in [-0.9, 0.0, 0.4] {
+            let at = |x: f64| [(9.0 * (x - zero)).atan(), 9.0 / (1.0 + 81.0 * (x - zero) * (x - zero))];
+            for start in [-1.0, 0.2, 1.0] {
+                assert!((root([-1.0, 1.0], start, 1e-15, at) - zero).abs() < 1e-13, "{zero} {start}");
+            }
+        }
+        // A root at an end.
+        assert_eq!(root([0.0, 1.0], 0.5, 1e-15, |x| [x + 1.0, 1.0]), 0.0);
+    }
+
+    #[test]
+    fn secants_find_roots_and_stay_within_reach() {
+        let end = SecantEnd { steps: 20, exact: 1e-12, level: 1e-14 };
+        assert!((secant([1.0, 1.1], 1.0, end, |x| x * x - 2.0) - 2.0_f64.sqrt()).abs() < 1e-12);
+        assert!((secant([1.0, 1.1], 0.5, end, |x| x * x + 2.0) - 1.0).abs() <= 0.5);
+        assert_eq!(secant([1.0, 1.1], 0.5, end, |_| 3.0), 1.1);
+    }
+}
