@@ -16,7 +16,8 @@ pub struct Basis<const P: usize = { MAX_DEGREE + 1 }> {
 pub fn span(knots: &[f64], degree: usize, u: f64) -> usize {
     let last = knots.len() - degree - 2;
     if u >= knots[last + 1] {
-        return last;
+        // Knots that are not clamped may repeat at the end of the domain.
+        return (degree..=last).rev().find(|i| knots[*i] < knots[i + 1]).unwrap_or(last);
     }
     let inner = &knots[degree..=last];
     // The index of the first knot above u, minus one; at least the first span.
@@ -77,7 +78,12 @@ pub fn evaluate(knots: &[f64], degree: usize, u: f64, order: usize) -> Basis {
 /// The same for a degree of at most P - 1.
 #[inline(always)]
 pub fn of_degree<const P: usize>(knots: &[f64], degree: usize, u: f64, order: usize) -> Basis<P> {
-    let i = span(knots, degree, u);
+    in_span(knots, degree, span(knots, degree, u), u, order)
+}
+
+/// The same for the polynomials of span `i`, which go on beyond its ends.
+#[inline(always)]
+pub fn in_span<const P: usize>(knots: &[f64], degree: usize, i: usize, u: f64, order: usize) -> Basis<P> {
     let mut values = [[0.0; P]; 3];
     let [two_below, below, own] = functions(knots, degree, i, u);
     values[0] = own;
@@ -88,6 +94,27 @@ pub fn of_degree<const P: usize>(knots: &[f64], degree: usize, u: f64, order: us
         values[2] = derive(knots, degree, i, &derive(knots, degree - 1, i, &two_below));
     }
     Basis { first: i - degree, values }
+}
+
+/// Symmetric form, linear in each of its arguments, of the polynomial of span `i` (blossom; Ramshaw 1987): with equal arguments it is
+/// the value there. `argument` gives as many as the degree. `control` are the points with a weight in the span, one more than the
+/// degree, and `mix` gives a (1 - t) + b t for a, b and t with the rounding that the caller wants.
+#[inline(always)]
+pub fn blossom<T: Copy, const P: usize>(
+    knots: &[f64],
+    i: usize,
+    (degree, mut control): (usize, [T; P]),
+    argument: impl Fn(usize) -> f64,
+    mix: impl Fn(T, T, f64) -> T,
+) -> T {
+    for step in 0..degree {
+        let u = argument(step);
+        for j in (step + 1..=degree).rev() {
+            let (left, right) = (knots[i + j - degree], knots[i + j - step]);
+            control[j] = mix(control[j - 1], control[j], (u - left) / (right - left));
+        }
+    }
+    control[degree]
 }
 
 /// True for knots that ascend, have the right number for `count` control points, are clamped to [0, 1], and contain no
@@ -101,4 +128,63 @@ pub fn valid_knots(knots: &[f64], degree: usize, count: usize) -> bool {
         && knots[count..].iter().all(|k| *k == 1.0)
         && knots[degree + 1..count].windows(degree + 1).all(|k| k[0] < k[degree])
         && knots[degree + 1..count].iter().all(|k| 0.0 < *k && *k < 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const P: usize = 6;
+
+    /// Knots with a repeated one inside, of each degree; the last ones are not clamped and repeat at the end of their domain.
+    fn cases() -> Vec<(usize, Vec<f64>)> {
+        let clamped = |degree: usize| -> Vec<f64> {
+            let end = |u: f64| std::iter::repeat_n(u, degree + 1);
+            let inner = [0.2, 0.6, 0.6, 0.7];
+            end(0.0).chain(inner.into_iter().skip(usize::from(degree == 1))).chain(end(1.0)).collect()
+        };
+        let open = vec![-1.0, 0.0, 0.0, 1.0, 2.0, 2.0, 4.0, 5.0];
+        (2..P).map(|degree| (degree, clamped(degree))).chain([(2, open)]).collect()
+    }
+
+    /// Functions sum up to one and their derivatives to zero, and derivatives agree with differences.
+    #[test]
+    fn functions_are_a_partition_of_one() {
+        for (degree, knots) in cases() {
+            let [lo, hi] = [knots[degree], knots[knots.len() - degree - 1]];
+            for k in 0..=40 {
+                let u = lo + (hi - lo) * f64::from(k) / 40.0;
+                let at = of_degree::<P>(&knots, degree, u, 2);
+                let sums = at.values.map(|values| values.iter().sum::<f64>());
+                assert!((sums[0] - 1.0).abs() < 1e-12 && sums[1].abs() < 1e-9 && sums[2].abs() < 1e-7, "{degree} {u}");
+                assert!(at.values[0].iter().all(|n| *n >= 0.0), "{degree} {u}");
+                let span = at.first + degree;
+                let step = 1e-5;
+                let [before, after] = [-step, step].map(|by| in_span::<P>(&knots, degree, span, u + by, 1).values);
+                for order in 0..2 {
+                    for j in 0..=degree {
+                        let difference = (after[order][j] - before[order][j]) / (2.0 * step);
+                        let due = at.values[order + 1][j];
+                        assert!((due - difference).abs() < 1e-4 * (1.0 + due.abs()), "{degree} {u} {due} {difference}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// The symmetric form with equal arguments is the weighted sum of the control points.
+    #[test]
+    fn blossoms_are_values() {
+        for (degree, knots) in cases() {
+            let [lo, hi] = [knots[degree], knots[knots.len() - degree - 1]];
+            for k in 0..=40 {
+                let u = lo + (hi - lo) * f64::from(k) / 40.0;
+                let basis = of_degree::<P>(&knots, degree, u, 0);
+                let control: [f64; P] = std::array::from_fn(|j| libm::sin(3.0 * (basis.first + j) as f64));
+                let due: f64 = basis.values[0].iter().zip(control).map(|(n, c)| n * c).sum();
+                let found = blossom(&knots, basis.first + degree, (degree, control), |_| u, |a, b, t| a + (b - a) * t);
+                assert!((found - due).abs() < 1e-12, "{degree} {u}");
+            }
+        }
+    }
 }

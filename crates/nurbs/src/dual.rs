@@ -2,6 +2,8 @@
 
 use super::basis::{self, Basis};
 use super::bezier::MOST_DEGREE;
+use super::knots::{bezier, clamped, inserted, with_knot};
+use super::least_squares::SoughtSpline;
 use super::spline_fit;
 use nalgebra::{Point3, Rotation3, SVector, Vector3};
 
@@ -41,46 +43,23 @@ impl DualCurve {
     /// The quintics nearest to pairs of points at equally spaced parameters in [0, 1]. Their fourth derivative is continuous, and
     /// their spans end where the error of all of them is about the same. `None` for too few pairs.
     pub fn quintics(pairs: &[[Point3<f64>; 2]], spans: usize) -> Option<Self> {
-        let places: Vec<SVector<f64, 6>> =
-            pairs.iter().map(|[p, q]| SVector::<f64, 6>::from_column_slice(&[p.x, p.y, p.z, q.x, q.y, q.z])).collect();
-        let last = pairs.len().saturating_sub(1).max(1) as f64;
-        let parameters: Vec<f64> = (0..pairs.len()).map(|i| i as f64 / last).collect();
+        let (places, parameters): (Vec<_>, Vec<f64>) = places(pairs).zip(parameters(pairs)).unzip();
         let inner = spline_fit::even_knots(&places, &parameters, MOST_DEGREE, spans)?;
         Self::nearest_to(pairs, MOST_DEGREE, &inner)
     }
 
     /// The curves with single inner knots.
     fn nearest_to(pairs: &[[Point3<f64>; 2]], degree: usize, inner: &[f64]) -> Option<Self> {
-        let last = pairs.len().saturating_sub(1).max(1) as f64;
         let control = degree + 1 + inner.len();
         if pairs.len() < control {
             return None;
         }
-        let end = |u: f64| std::iter::repeat_n(u, degree + 1);
-        let knots: Vec<f64> = end(0.0).chain(inner.iter().copied()).chain(end(1.0)).collect();
-        let mut normal = nalgebra::DMatrix::<f64>::zeros(control, control);
-        let mut right = nalgebra::DMatrix::<f64>::zeros(control, 6);
-        for (i, pair) in pairs.iter().enumerate() {
-            let basis = basis::of_degree::<PLACES>(&knots, degree, i as f64 / last, 0);
-            let values = &basis.values[0][..=degree];
-            for (j, a) in values.iter().enumerate() {
-                for (k, b) in values.iter().enumerate() {
-                    normal[(basis.first + j, basis.first + k)] += a * b;
-                }
-                for axis in 0..3 {
-                    right[(basis.first + j, axis)] += a * pair[0][axis];
-                    right[(basis.first + j, axis + 3)] += a * pair[1][axis];
-                }
-            }
-        }
-        let solved = normal.cholesky()?.solve(&right);
-        let row = |i: usize, at: usize| Point3::new(solved[(i, at)], solved[(i, at + 1)], solved[(i, at + 2)]);
-        Some(Self {
-            degree,
-            knots,
-            lower: (0..control).map(|i| row(i, 0)).collect(),
-            upper: (0..control).map(|i| row(i, 3)).collect(),
-        })
+        let knots = clamped([0.0, 1.0], inner.iter().copied(), degree);
+        let sought = SoughtSpline { knots: &knots, degree, closed: false, ends: None, smoothing: 0.0 };
+        let solved = sought.nearest_to(places(pairs), parameters(pairs))?;
+        let points = |at: usize| solved.iter().map(|row| Point3::new(row[at], row[at + 1], row[at + 2])).collect();
+        let [lower, upper] = [0, 3].map(points);
+        Some(Self { degree, knots, lower, upper })
     }
 
     /// The curves of valid parts.
@@ -180,15 +159,9 @@ impl DualCurve {
         let mut out = self.clone();
         let inner = self.knots.windows(2).filter(|k| k[1] > k[0]).map(|k| 0.5 * (k[0] + k[1]));
         for knot in inner {
-            // Boehm: the control points whose functions contain the knot move towards their neighbours.
-            let span = basis::span(&out.knots, p, knot);
-            let insert = |points: &[Point3<f64>]| -> Vec<Point3<f64>> {
-                let share = |i: usize| (knot - out.knots[i]) / (out.knots[i + p] - out.knots[i]);
-                let new = (span + 1 - p..=span).map(|i| points[i - 1] + (points[i] - points[i - 1]) * share(i));
-                points[..=span - p].iter().copied().chain(new).chain(points[span..].iter().copied()).collect()
-            };
+            let insert = |points: &[Point3<f64>]| inserted(&out.knots, p, knot, points, |a, b, t| a + (b - a) * t);
             let (lower, upper) = (insert(&out.lower), insert(&out.upper));
-            out.knots.insert(span + 1, knot);
+            out.knots = with_knot(&out.knots, p, knot);
             (out.lower, out.upper) = (lower, upper);
         }
         out
@@ -208,7 +181,7 @@ impl DualCurve {
             let span = basis::span(&self.knots, p, 0.5 * (ends[0] + ends[1]));
             [&self.lower, &self.upper].map(|points| {
                 let control: Vec<Vector3<f64>> = points[span - p..=span].iter().map(|point| point.coords).collect();
-                spline_fit::bezier(&self.knots, &control, span, [ends[0], ends[1]])
+                bezier(&self.knots, &control, span)
             })
         };
         self.breaks().windows(2).map(of_span).collect()
@@ -337,20 +310,21 @@ fn rate<const P: usize>(c: &[Vector3<f64>; P], x: f64) -> Vector3<f64> {
     (1..P - 2).rev().fold(high, |sum, k| sum * x + c[k] * k as f64)
 }
 
-/// Coefficients of the powers by Bezier control points.
+/// Coefficients of the powers by Bezier control points; those above the degree are zero.
 fn powers(control: &[Vector3<f64>]) -> [Vector3<f64>; PLACES] {
-    let degree = control.len() - 1;
-    let mut differences = control.to_vec();
-    let mut choices = 1.0;
-    std::array::from_fn(|k| {
-        if k > degree {
-            return Vector3::zeros();
-        }
-        let coefficient = differences[0] * choices;
-        differences = differences.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        choices *= (degree - k) as f64 / (k + 1) as f64;
-        coefficient
-    })
+    let powers = super::bezier::powers(control);
+    std::array::from_fn(|k| powers.get(k).copied().unwrap_or_else(Vector3::zeros))
+}
+
+/// Both points of each pair in a row.
+fn places(pairs: &[[Point3<f64>; 2]]) -> impl Iterator<Item = SVector<f64, 6>> {
+    pairs.iter().map(|[p, q]| SVector::from_column_slice(&[p.x, p.y, p.z, q.x, q.y, q.z]))
+}
+
+/// Parameters of pairs at equal steps.
+fn parameters(pairs: &[[Point3<f64>; 2]]) -> impl Iterator<Item = f64> {
+    let last = pairs.len().saturating_sub(1).max(1) as f64;
+    (0..pairs.len()).map(move |i| i as f64 / last)
 }
 
 impl AxisAt {

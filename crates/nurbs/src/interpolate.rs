@@ -1,6 +1,7 @@
 //! Curves through points: chord length parameters (Wei 14), averaged knots (16), banded solve (15).
 
 use super::basis::{self, MAX_DEGREE};
+use super::knots::clamped;
 use super::{GeomError, NurbsCurve, NurbsSurface};
 use nalgebra::{Point3, Vector3};
 
@@ -42,13 +43,8 @@ pub fn chord_parameters(points: &[Point3<f64>]) -> Result<Vec<f64>, GeomError> {
 
 /// Averaged knots for interpolation at given parameters (Wei 16).
 pub fn averaged_knots(parameters: &[f64], degree: usize) -> Vec<f64> {
-    let n = parameters.len();
-    let mut knots = vec![0.0; degree + 1];
-    for j in 1..n.saturating_sub(degree) {
-        knots.push(parameters[j..j + degree].iter().sum::<f64>() / degree as f64);
-    }
-    knots.extend(std::iter::repeat_n(1.0, degree + 1));
-    knots
+    let mean = |j: usize| parameters[j..j + degree].iter().sum::<f64>() / degree as f64;
+    clamped([0.0, 1.0], (1..parameters.len().saturating_sub(degree)).map(mean), degree)
 }
 
 /// The curve of a degree through data points (Wei 14 to 16).

@@ -16,6 +16,7 @@ mod envelope_cholesky;
 pub mod geodesic;
 pub mod interpolate;
 pub mod knots;
+mod least_squares;
 pub mod lofted;
 pub mod moving_least_squares;
 pub mod proximity;

@@ -4,9 +4,6 @@ use super::RuledSurface;
 use super::bracket::root;
 use nalgebra::Point3;
 
-/// Change of the parameter at which the search ends.
-const EXACT: f64 = 1e-15;
-
 /// Least step of the search by halving, as a share of the curve.
 const LEAST_STEP: f64 = 1e-10;
 
@@ -104,7 +101,7 @@ impl RuledSurface {
             }
             [gap.dot(&s.su), second]
         };
-        self.on_ruling(p, root(bracket, start, EXACT, slope), v_range)
+        self.on_ruling(p, root(bracket, start, slope), v_range)
     }
 
     /// Closest pair of points of two patches: exact distances of ruling segments on a grid of both u, then a pattern

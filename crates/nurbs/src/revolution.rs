@@ -4,9 +4,6 @@ use super::bracket::root;
 use super::{NurbsCurve, NurbsSurface};
 use nalgebra::{Point3, Vector2, Vector3, Vector4};
 
-/// Change of the parameter at which the search ends.
-const EXACT: f64 = 1e-15;
-
 /// A curve rotated about Z. The parameter u runs along the curve. In the meridian plane (r, z) the surface is a curve
 /// whose unit normal `orientation * (z', -r')` points out of the material.
 #[derive(Clone, Debug, PartialEq)]
@@ -173,7 +170,7 @@ impl Revolution {
             let gap = m.point - at;
             [gap.dot(&m.first), m.first.norm_squared() + gap.dot(&m.second)]
         };
-        root([(start - step).max(0.0), (start + step).min(1.0)], start, EXACT, slope)
+        root([(start - step).max(0.0), (start + step).min(1.0)], start, slope)
     }
 
     /// Signed distance of a point to the surface, positive out of the material.

@@ -6,9 +6,10 @@
 //! their first to their last point, or closed.
 
 use super::NurbsCurve;
-use super::basis::{self, MAX_DEGREE};
-use super::envelope_cholesky;
-use nalgebra::{DMatrix, Point3, Vector3, Vector4};
+use super::basis::MAX_DEGREE;
+use super::knots::clamped;
+use super::least_squares::SoughtSpline;
+use nalgebra::{Point3, Vector3, Vector4};
 use rayon::prelude::*;
 
 /// Degree of the splines.
@@ -170,7 +171,7 @@ impl JudgedFit {
 
 impl RowFit {
     fn on(rows: &[Row], closed: bool, inner: &[f64]) -> Option<JudgedFit> {
-        let knots = if closed { periodic(inner) } else { clamped(inner) };
+        let knots = if closed { periodic(inner) } else { clamped([0.0, 1.0], inner.iter().copied(), DEGREE) };
         let mut fit = Self { closed, knots, control: Vec::new(), residuals: Vec::new(), turn: 0.0 };
         let mut feet = Vec::new();
         let curves: Vec<Option<Curve>> = rows.par_iter().map(|row| fit.through(row)).collect();
@@ -241,72 +242,11 @@ impl RowFit {
         best
     }
 
-    /// Number of unknown control points of a row: those of a closed row repeat.
-    fn count(&self) -> usize {
-        let all = self.knots.len() - DEGREE - 1;
-        if self.closed { all - DEGREE } else { all }
-    }
-
+    /// Control points of the spline nearest to the points of a row at parameters. An open one begins and ends at the ends of its row.
     fn least_squares(&self, row: &Row, at: &[f64]) -> Option<Vec<Vector3<f64>>> {
-        let count = self.count();
-        // An open spline begins and ends at the ends of its row.
-        let ends =
-            if self.closed { None } else { Some([row.points[0].coords, row.points[row.points.len() - 1].coords]) };
-        let fixed = |j: usize| ends.and_then(|[a, b]| if j == 0 { Some(a) } else { (j + 1 == count).then_some(b) });
-        let mut normal = DMatrix::<f64>::zeros(count, count);
-        let mut right = DMatrix::<f64>::zeros(count, 3);
-        for (point, u) in row.points.iter().zip(at) {
-            let basis = basis::evaluate(&self.knots, DEGREE, *u, 0);
-            let entry = |k: usize| ((basis.first + k) % count, basis.values[0][k]);
-            let mut rest = point.coords;
-            for (j, w) in (0..=DEGREE).map(entry) {
-                rest -= fixed(j).unwrap_or_else(Vector3::zeros) * w;
-            }
-            for (i, w) in (0..=DEGREE).map(entry).filter(|(i, _)| fixed(*i).is_none()) {
-                for k in 0..3 {
-                    right[(i, k)] += w * rest[k];
-                }
-                for (j, v) in (0..=DEGREE).map(entry).filter(|(j, _)| fixed(*j).is_none()) {
-                    normal[(i, j)] += w * v;
-                }
-            }
-        }
-        self.smooth(&mut normal, &mut right, &fixed);
-        for j in 0..count {
-            if let Some(end) = fixed(j) {
-                normal[(j, j)] = 1.0;
-                (0..3).for_each(|k| right[(j, k)] = end[k]);
-            }
-        }
-        let solved = envelope_cholesky::factor(normal)?.solve(&right);
-        let control: Vec<_> = (0..count).map(|j| Vector3::from_fn(|k, _| solved[(j, k)])).collect();
-        control.iter().all(|c| c.iter().all(|x| x.is_finite())).then_some(control)
-    }
-
-    /// Adds the second differences of control points over their places (Greville) to the normal equations.
-    fn smooth(
-        &self,
-        normal: &mut DMatrix<f64>,
-        right: &mut DMatrix<f64>,
-        fixed: &impl Fn(usize) -> Option<Vector3<f64>>,
-    ) {
-        let count = self.count();
-        let place = |i: usize| self.knots[i + 1..=i + DEGREE].iter().sum::<f64>() / DEGREE as f64;
-        let rows = if self.closed { count } else { count - 2 };
-        for i in 0..rows {
-            let [a, b, c] = [0, 1, 2].map(|k| place(i + k));
-            // Zero for control points on a straight line.
-            let weights = [(c - b) / (c - a), -1.0, (b - a) / (c - a)];
-            let entries = [0, 1, 2].map(|k| ((i + k) % count, weights[k]));
-            for (j, w) in entries.iter().filter(|(j, _)| fixed(*j).is_none()) {
-                for (l, v) in entries {
-                    match fixed(l) {
-                        Some(end) => (0..3).for_each(|k| right[(*j, k)] -= SMOOTH * w * v * end[k]),
-                        None => normal[(*j, l)] += SMOOTH * w * v,
-                    }
-                }
-            }
-        }
+        let ends = (!self.closed).then(|| [row.points[0].coords, row.points[row.points.len() - 1].coords]);
+        let sought = SoughtSpline { knots: &self.knots, degree: DEGREE, closed: self.closed, ends, smoothing: SMOOTH };
+        sought.nearest_to(row.points.iter().map(|p| p.coords), at.iter().copied())
     }
 
     /// Parameter of the foot of a point near `u`, by Newton's method, and its distance.
@@ -350,9 +290,7 @@ impl RowFit {
         let mut inner: Vec<f64> = whole.flat_map(|n| domain.iter().map(move |k| k + f64::from(n))).collect();
         inner.retain(|k| *k > from && *k < to);
         inner.dedup();
-        let mut knots = vec![from; DEGREE + 1];
-        knots.extend_from_slice(&inner);
-        knots.extend([to; DEGREE + 1]);
+        let knots = clamped([from, to], inner, DEGREE);
         let point = |i: usize| {
             // A span under the basis function of the control point that is not empty.
             let k = (i..=i + DEGREE).find(|k| knots[*k] < knots[k + 1]).unwrap_or(i);
@@ -372,13 +310,6 @@ impl RowFit {
         knots[last..].fill(1.0);
         NurbsCurve::from_homogeneous(DEGREE, knots, control)
     }
-}
-
-fn clamped(inner: &[f64]) -> Vec<f64> {
-    let mut knots = vec![0.0; DEGREE + 1];
-    knots.extend_from_slice(inner);
-    knots.extend([1.0; DEGREE + 1]);
-    knots
 }
 
 /// Knots that go on before 0 and beyond 1 as they stand at the other end.

@@ -4,9 +4,12 @@
 //! anew where the curve bends most, and fewer of them are tried (Piegl and Tiller, The NURBS Book, 9.4.1; de Boor, A Practical
 //! Guide to Splines, XII).
 
+use super::basis;
 use super::bezier::MOST_DEGREE;
 use super::bracket::last_whole;
-use nalgebra::{DMatrix, SVector};
+use super::knots::{bezier, clamped};
+use super::least_squares::SoughtSpline;
+use nalgebra::SVector;
 
 /// Points between the knots of a span, at least. With fewer a spline runs through its points and swings between them: with four, a
 /// pass round an edge left its path by 4 um there.
@@ -133,74 +136,18 @@ impl<const N: usize> FittedSpline<N> {
     /// The spline with inner knots that is nearest to the points, with the first and the last point as its ends.
     fn least_squares(points: &[SVector<f64, N>], parameters: &[f64], degree: usize, inner: &[f64]) -> Option<Self> {
         let (first, last) = (*parameters.first()?, *parameters.last()?);
-        let ends = |u: f64| std::iter::repeat_n(u, degree + 1);
         let repeated = inner.iter().flat_map(|u| std::iter::repeat_n(*u, degree - 2));
-        let knots: Vec<f64> = ends(first).chain(repeated).chain(ends(last)).collect();
-        let count = inner.len() * (degree - 2) + degree + 1;
+        let knots = clamped([first, last], repeated, degree);
         let breaks = [first].into_iter().chain(inner.iter().copied()).chain([last]).collect();
-        let mut spline = Self { degree, breaks, knots, control: vec![SVector::zeros(); count] };
-        (spline.control[0], spline.control[count - 1]) = (points[0], points[points.len() - 1]);
-        let unknown = count - 2;
-        if unknown == 0 {
-            return Some(spline);
-        }
-        let mut normal = DMatrix::<f64>::zeros(unknown, unknown);
-        let mut right = DMatrix::<f64>::zeros(unknown, N);
-        for (point, u) in points.iter().zip(parameters) {
-            let (at, weights) = spline.weights(*u);
-            let mut rest = *point;
-            for (j, w) in weights.iter().enumerate().take(degree + 1) {
-                if at + j == 0 || at + j == count - 1 {
-                    rest -= spline.control[at + j] * *w;
-                }
-            }
-            for (j, w) in weights.iter().enumerate().take(degree + 1) {
-                let Some(row) = (at + j).checked_sub(1).filter(|row| *row < unknown) else { continue };
-                for k in 0..N {
-                    right[(row, k)] += w * rest[k];
-                }
-                for (l, v) in weights.iter().enumerate().take(degree + 1) {
-                    if let Some(column) = (at + l).checked_sub(1).filter(|column| *column < unknown) {
-                        normal[(row, column)] += w * v;
-                    }
-                }
-            }
-        }
-        let solved = normal.cholesky()?.solve(&right);
-        for row in 0..unknown {
-            spline.control[row + 1] = SVector::from_fn(|k, _| solved[(row, k)]);
-        }
-        Some(spline)
-    }
-
-    /// Index of the knot at the start of the span of a parameter.
-    fn span(&self, u: f64) -> usize {
-        let last = self.control.len() - 1;
-        let inner = &self.knots[self.degree..=last];
-        self.degree + inner.partition_point(|k| *k <= u).saturating_sub(1)
-    }
-
-    /// Index of the first control point with a weight at a parameter, and the weights (Cox and de Boor).
-    fn weights(&self, u: f64) -> (usize, [f64; MOST_DEGREE + 1]) {
-        let span = self.span(u);
-        let mut weights = [0.0; MOST_DEGREE + 1];
-        weights[0] = 1.0;
-        for d in 1..=self.degree {
-            let mut saved = 0.0;
-            for (j, weight) in weights.iter_mut().take(d).enumerate() {
-                let (right, left) = (self.knots[span + 1 + j], self.knots[span + 1 + j - d]);
-                let term = *weight / (right - left);
-                *weight = saved + (right - u) * term;
-                saved = (u - left) * term;
-            }
-            weights[d] = saved;
-        }
-        (span - self.degree, weights)
+        let ends = Some([points[0], points[points.len() - 1]]);
+        let sought = SoughtSpline { knots: &knots, degree, closed: false, ends, smoothing: 0.0 };
+        let control = sought.nearest_to(points.iter().copied(), parameters.iter().copied())?;
+        Some(Self { degree, breaks, knots, control })
     }
 
     fn value(&self, u: f64) -> SVector<f64, N> {
-        let (at, weights) = self.weights(u);
-        (0..=self.degree).map(|j| self.control[at + j] * weights[j]).sum()
+        let basis = basis::of_degree::<{ MOST_DEGREE + 1 }>(&self.knots, self.degree, u, 0);
+        (0..=self.degree).map(|j| self.control[basis.first + j] * basis.values[0][j]).sum()
     }
 
     /// The point with the largest error.
@@ -258,39 +205,12 @@ impl<const N: usize> FittedSpline<N> {
     /// Bezier control points of each span.
     fn spans(&self) -> Vec<Vec<SVector<f64, N>>> {
         let degree = self.degree;
-        self.breaks
-            .windows(2)
-            .enumerate()
-            .map(|(k, ends)| {
-                let span = degree + k * (degree - 2);
-                bezier(&self.knots, &self.control[span - degree..=span], span, [ends[0], ends[1]])
-            })
-            .collect()
+        let of_span = |k: usize| {
+            let span = degree + k * (degree - 2);
+            bezier(&self.knots, &self.control[span - degree..=span], span)
+        };
+        (0..self.breaks.len() - 1).map(of_span).collect()
     }
-}
-
-/// Bezier control points of a span between two parameters, by the symmetric form of a spline: point k has k times the end as its
-/// argument and otherwise the start (The NURBS Book, 5.6). `control` are the points with a weight there, one more than the degree.
-pub(super) fn bezier<const N: usize>(
-    knots: &[f64],
-    control: &[SVector<f64, N>],
-    span: usize,
-    ends: [f64; 2],
-) -> Vec<SVector<f64, N>> {
-    let degree = control.len() - 1;
-    let point = |k: usize| {
-        let mut row = [SVector::zeros(); MOST_DEGREE + 1];
-        row[..=degree].copy_from_slice(control);
-        for step in 1..=degree {
-            let at = ends[usize::from(step > degree - k)];
-            for j in (step..=degree).rev() {
-                let (left, right) = (knots[span + j - degree], knots[span + 1 + j - step]);
-                row[j] = row[j - 1].lerp(&row[j], (at - left) / (right - left));
-            }
-        }
-        row[degree]
-    };
-    (0..=degree).map(point).collect()
 }
 
 /// Highest derivative of a Bezier curve by a parameter that runs over a width.

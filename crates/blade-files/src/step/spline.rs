@@ -1,7 +1,8 @@
-//! Basis of the splines of STEP files: B-splines of any degree on any knots, by the recursion of Cox and de Boor (The NURBS Book,
-//! A2.2), and weighted sums with them. Outside of its knots a spline goes on with the polynomial of its last span.
+//! Splines of STEP files: B-splines of any degree on any knots, and weighted sums with their basis. Outside of its knots a spline goes
+//! on with the polynomial of its last span.
 
 use nalgebra::{Point3, Vector3, Vector4};
+use nurbs::basis::{self, Basis};
 
 /// Highest degree. Programs for design write up to some 15.
 pub(super) const HIGHEST_DEGREE: usize = 25;
@@ -57,29 +58,10 @@ impl SplineKnots {
     pub(super) fn at(&self, u: f64) -> SplineWeights {
         let (p, knots) = (self.degree, &self.knots);
         let [lo, hi] = self.domain();
-        let count = knots.len() - p - 1;
-        let above = knots.partition_point(|k| *k <= u.clamp(lo, hi)).clamp(p + 1, count);
-        // At the upper end of the domain the span below it counts.
-        let span = (p..above).rev().find(|k| knots[*k] < knots[k + 1]).unwrap_or(p);
-        let mut values = vec![1.0];
-        let mut slopes = vec![0.0];
-        for q in 1..=p {
-            let mut next = vec![0.0; q + 1];
-            let mut by_u = vec![0.0; q + 1];
-            for (r, value) in values.iter().enumerate() {
-                let (left, right) = (knots[span + 1 + r - q], knots[span + 1 + r]);
-                let width = right - left;
-                next[r] += value * (right - u) / width;
-                next[r + 1] += value * (u - left) / width;
-                if q == p {
-                    by_u[r] -= value * p as f64 / width;
-                    by_u[r + 1] += value * p as f64 / width;
-                }
-            }
-            values = next;
-            slopes = by_u;
-        }
-        SplineWeights { first: span - p, values, slopes }
+        let span = basis::span(knots, p, u.clamp(lo, hi));
+        let Basis { first, values: [values, slopes, _] } =
+            basis::in_span::<{ HIGHEST_DEGREE + 1 }>(knots, p, span, u, 1);
+        SplineWeights { first, values: values[..=p].to_vec(), slopes: slopes[..=p].to_vec() }
     }
 }
 
@@ -99,11 +81,12 @@ mod tests {
     /// Basis functions sum up to one and their derivatives to zero; derivatives agree with differences.
     #[test]
     fn basis_is_a_partition_of_one() {
-        let cases: [(usize, &[usize], &[f64], usize); 4] = [
+        let cases: [(usize, &[usize], &[f64], usize); 5] = [
             (3, &[4, 1, 2, 4], &[0.0, 0.3, 0.7, 2.0], 7),
             (2, &[1, 1, 1, 1, 1, 1, 1], &[-1.0, 0.0, 1.0, 2.0, 3.5, 4.0, 5.0], 4),
             (5, &[6, 6], &[1.0, 2.0], 6),
             (1, &[2, 1, 2], &[0.0, 1.0, 4.0], 3),
+            (2, &[1, 1, 1, 1, 2, 1, 1], &[-1.0, 0.0, 1.0, 2.0, 3.0, 4.0, 5.0], 5),
         ];
         for (degree, multiplicities, values, count) in cases {
             let knots = SplineKnots::new(degree, multiplicities, values, count).expect("knots");

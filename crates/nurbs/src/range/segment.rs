@@ -1,7 +1,7 @@
 //! Control points of a spline and of its derivatives over a part of a knot span, by blossoms (The NURBS Book, 3.3 and 5.2).
 //! The spline lies in their hull.
 
-use crate::basis::{MAX_DEGREE, span};
+use crate::basis::{MAX_DEGREE, blossom, span};
 use std::ops::{Add, Mul, Sub};
 
 /// Most control points of a span.
@@ -52,24 +52,10 @@ impl<'k> SpanPart<'k> {
         let net = *points;
         for (j, point) in points.iter_mut().enumerate().take(degree + 1) {
             // Blossom with the end of the segment j times and its beginning otherwise.
-            *point = self.blossom(degree, net, |level| self.range[usize::from(level < j)]);
+            let argument = |level: usize| self.range[usize::from(level < j)];
+            *point = blossom(self.knots, self.span, (degree, net), argument, |a, b, t| a + (b - a) * t);
         }
         degree + 1
-    }
-
-    fn blossom<T>(&self, degree: usize, mut net: [T; MOST], at: impl Fn(usize) -> f64) -> T
-    where
-        T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f64, Output = T>,
-    {
-        for level in 0..degree {
-            let t = at(level);
-            for j in (level + 1..=degree).rev() {
-                let low = self.knots[self.span + j - degree];
-                let high = self.knots[self.span + j - level];
-                net[j] = net[j - 1] + (net[j] - net[j - 1]) * ((t - low) / (high - low));
-            }
-        }
-        net[degree]
     }
 }
 

@@ -16,6 +16,8 @@ use crate::nc::NcPose;
 use five_axis::{CurveDirection, PoseCurve, TurnCurve};
 use nalgebra::{Point3, Vector3};
 use nurbs::bezier::{self, MOST_DEGREE};
+use nurbs::bracket::around_minimum;
+use nurbs::knots::bezier as bezier_points;
 
 /// Most knots or control points in a statement.
 const MOST_IN_STATEMENT: usize = 24;
@@ -36,7 +38,7 @@ const APART_OFF: f64 = 0.1;
 const CHORDS: u32 = 48;
 
 /// Places of a curve at which the nearest one to a pose is looked for, and halvings from there.
-const LOOKS: (u32, u32) = (16, 30);
+const LOOKS: (u32, usize) = (16, 30);
 
 /// Places of a chord at which it is compared with the curve.
 const BETWEEN: u32 = 8;
@@ -175,7 +177,8 @@ impl Movnrb {
         check_knots(&self.knots, head)?;
         let pieces: Option<Vec<PoseCurve>> = spans(&self.knots, head.order)
             .map(|span| {
-                let piece = |points: &[Vector3<f64>]| piece(points, &self.knots, head.order - 1, span);
+                let piece =
+                    |points: &[Vector3<f64>]| bezier_points(&self.knots, &points[span + 1 - head.order..=span], span);
                 PoseCurve::new(piece(&self.tip), TurnCurve::Second(piece(&self.second)))
             })
             .collect();
@@ -308,11 +311,7 @@ fn nearest(piece: &PoseCurve, from: f64, to: &Point3<f64>) -> f64 {
     let step = (1.0 - from) / f64::from(LOOKS.0);
     let best =
         (0..=LOOKS.0).map(|k| from + step * f64::from(k)).min_by(|a, b| far(*a).total_cmp(&far(*b))).unwrap_or(from);
-    let (mut low, mut high) = ((best - step).max(from), (best + step).min(1.0));
-    for _ in 0..LOOKS.1 {
-        let third = (high - low) / 3.0;
-        if far(low + third) <= far(high - third) { high -= third } else { low += third }
-    }
+    let [low, high] = around_minimum([(best - step).max(from), (best + step).min(1.0)], LOOKS.1, far);
     // The ends of a piece are joints with the next one.
     let middle = 0.5 * (low + high);
     [low, high, middle].into_iter().min_by(|a, b| far(*a).total_cmp(&far(*b))).unwrap_or(middle)
@@ -386,49 +385,4 @@ fn check_knots(knots: &[f64], Head { order, .. }: Head) -> Result<(), String> {
 /// Index of the knot at the start of each span that is not empty.
 fn spans(knots: &[f64], order: usize) -> impl Iterator<Item = usize> + '_ {
     (order - 1..knots.len() - order).filter(|k| knots[*k] < knots[k + 1])
-}
-
-/// Bezier control points of a span, by the blossom of the curve (Ramshaw 1987).
-fn piece(points: &[Vector3<f64>], knots: &[f64], degree: usize, span: usize) -> Vec<Vector3<f64>> {
-    let [from, to] = [knots[span], knots[span + 1]];
-    let blossom = |ends: usize| {
-        let mut row: Vec<Vector3<f64>> = points[span - degree..=span].to_vec();
-        for step in 1..=degree {
-            let u = if step <= ends { to } else { from };
-            for i in (step..=degree).rev() {
-                let (low, high) = (knots[span - degree + i], knots[span + 1 + i - step]);
-                let share = (u - low) / (high - low);
-                row[i] = row[i - 1] * (1.0 - share) + row[i] * share;
-            }
-        }
-        row[degree]
-    };
-    (0..=degree).map(blossom).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use nurbs::NurbsCurve;
-
-    /// The pieces are the curve that another evaluation gives.
-    #[test]
-    fn pieces_are_the_curve() {
-        let knots = vec![0.0, 0.0, 0.0, 0.0, 0.2, 0.5, 0.5, 1.0, 1.0, 1.0, 1.0];
-        let points: Vec<Vector3<f64>> =
-            (0..7).map(|k| Vector3::new(f64::from(k), f64::from(k * k % 5), f64::from(k % 3))).collect();
-        let places: Vec<Point3<f64>> = points.iter().map(|p| Point3::from(*p)).collect();
-        let curve = NurbsCurve::try_new(3, knots.clone(), &places, None).unwrap();
-        let mut count = 0;
-        for span in spans(&knots, 4) {
-            let control = piece(&points, &knots, 3, span);
-            for k in 0..=10 {
-                let t = f64::from(k) / 10.0;
-                let u = knots[span] + (knots[span + 1] - knots[span]) * t;
-                assert!((bezier::value(&control, t) - curve.point(u).coords).norm() < 1e-12, "{span} {t}");
-            }
-            count += 1;
-        }
-        assert_eq!(count, 3);
-    }
 }
