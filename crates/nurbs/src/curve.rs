@@ -36,6 +36,20 @@ pub(super) fn check_control(control: &[Vector4<f64>]) -> Result<(), GeomError> {
     control.iter().position(|c| c.w <= 0.0).map_or(Ok(()), |i| Err(GeomError::Weight(i)))
 }
 
+/// Homogeneous control points. Refuses another number of weights, and weights that are not positive.
+pub(super) fn weighted(points: &[Point3<f64>], weights: Option<&[f64]>) -> Result<Vec<Vector4<f64>>, GeomError> {
+    if let Some(weights) = weights {
+        if weights.len() != points.len() {
+            return Err(GeomError::TooFewPoints { given: weights.len(), needed: points.len() });
+        }
+        if let Some(i) = weights.iter().position(|w| !(w.is_finite() && *w > 0.0)) {
+            return Err(GeomError::Weight(i));
+        }
+    }
+    let weight = |i: usize| weights.map_or(1.0, |w| w[i]);
+    Ok(points.iter().enumerate().map(|(i, p)| (p.coords * weight(i)).push(weight(i))).collect())
+}
+
 impl NurbsCurve {
     /// A curve from control points, weights and knots.
     ///
@@ -47,30 +61,21 @@ impl NurbsCurve {
         points: &[Point3<f64>],
         weights: Option<&[f64]>,
     ) -> Result<Self, GeomError> {
+        Self::checked(degree, knots, weighted(points, weights)?)
+    }
+
+    /// A curve from homogeneous control points that may be faulty.
+    fn checked(degree: usize, knots: Vec<f64>, control: Vec<Vector4<f64>>) -> Result<Self, GeomError> {
         if !(1..=MAX_DEGREE).contains(&degree) {
             return Err(GeomError::Degree(degree));
         }
-        if points.len() < degree + 1 {
-            return Err(GeomError::TooFewPoints { given: points.len(), needed: degree + 1 });
+        if control.len() < degree + 1 {
+            return Err(GeomError::TooFewPoints { given: control.len(), needed: degree + 1 });
         }
-        if let Some(i) = points.iter().position(|p| !p.coords.iter().all(|x| x.is_finite())) {
-            return Err(GeomError::NotFinite(i));
-        }
-        if !basis::valid_knots(&knots, degree, points.len()) {
+        check_control(&control)?;
+        if !basis::valid_knots(&knots, degree, control.len()) {
             return Err(GeomError::Knots);
         }
-        if let Some(weights) = weights {
-            if weights.len() != points.len() {
-                return Err(GeomError::TooFewPoints { given: weights.len(), needed: points.len() });
-            }
-            if let Some(i) = weights.iter().position(|w| !(w.is_finite() && *w > 0.0)) {
-                return Err(GeomError::Weight(i));
-            }
-        }
-        let weight = |i: usize| weights.map_or(1.0, |w| w[i]);
-        let control =
-            points.iter().enumerate().map(|(i, p)| (p.coords * weight(i)).push(weight(i))).collect::<Vec<_>>();
-        check_control(&control)?;
         Ok(Self::from_homogeneous(degree, knots, control))
     }
 
@@ -205,13 +210,6 @@ impl TryFrom<StoredCurve> for NurbsCurve {
     type Error = GeomError;
 
     fn try_from(StoredCurve { degree, knots, control }: StoredCurve) -> Result<Self, GeomError> {
-        if !(1..=MAX_DEGREE).contains(&degree) {
-            return Err(GeomError::Degree(degree));
-        }
-        if !basis::valid_knots(&knots, degree, control.len()) {
-            return Err(GeomError::Knots);
-        }
-        check_control(&control)?;
-        Ok(Self::from_homogeneous(degree, knots, control))
+        Self::checked(degree, knots, control)
     }
 }

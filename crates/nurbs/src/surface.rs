@@ -1,7 +1,7 @@
 //! Rational B-spline surfaces (Wei 2).
 
 use super::basis::{self, MAX_DEGREE};
-use super::curve::check_control;
+use super::curve::{check_control, weighted};
 use super::{GeomError, NurbsCurve};
 use nalgebra::{Point3, Rotation3, Vector3, Vector4};
 
@@ -43,29 +43,24 @@ impl NurbsSurface {
         points: &[Point3<f64>],
         weights: Option<&[f64]>,
     ) -> Result<Self, GeomError> {
+        Self::checked(degree, knots, weighted(points, weights)?)
+    }
+
+    /// A surface from homogeneous control points that may be faulty.
+    fn checked(degree: [usize; 2], knots: [Vec<f64>; 2], control: Vec<Vector4<f64>>) -> Result<Self, GeomError> {
         if let Some(p) = degree.iter().find(|p| !(1..=MAX_DEGREE).contains(*p)) {
             return Err(GeomError::Degree(*p));
         }
-        let count = |i: usize| (knots[i].len()).checked_sub(degree[i] + 1).filter(|n| *n > degree[i]);
-        let (Some(nu), Some(nv)) = (count(0), count(1)) else { return Err(GeomError::Knots) };
-        if points.len() != nu * nv {
-            return Err(GeomError::TooFewPoints { given: points.len(), needed: nu * nv });
-        }
-        if !basis::valid_knots(&knots[0], degree[0], nu) || !basis::valid_knots(&knots[1], degree[1], nv) {
+        let count = |k: usize| knots[k].len().checked_sub(degree[k] + 1);
+        let (Some(rows), Some(columns)) = (count(0), count(1)) else { return Err(GeomError::Knots) };
+        if !basis::valid_knots(&knots[0], degree[0], rows) || !basis::valid_knots(&knots[1], degree[1], columns) {
             return Err(GeomError::Knots);
         }
-        if let Some(weights) = weights {
-            if weights.len() != points.len() {
-                return Err(GeomError::TooFewPoints { given: weights.len(), needed: points.len() });
-            }
-            if let Some(i) = weights.iter().position(|w| !(w.is_finite() && *w > 0.0)) {
-                return Err(GeomError::Weight(i));
-            }
+        if rows.checked_mul(columns) != Some(control.len()) {
+            return Err(GeomError::TooFewPoints { given: control.len(), needed: rows.saturating_mul(columns) });
         }
-        let weight = |i: usize| weights.map_or(1.0, |w| w[i]);
-        let control: Vec<_> = points.iter().enumerate().map(|(i, p)| (p.coords * weight(i)).push(weight(i))).collect();
         check_control(&control)?;
-        Ok(Self { degree, knots, control })
+        Ok(Self::from_homogeneous(degree, knots, control))
     }
 
     /// A surface from valid parts.
@@ -180,18 +175,6 @@ impl TryFrom<StoredSurface> for NurbsSurface {
     type Error = GeomError;
 
     fn try_from(StoredSurface { degree, knots, control }: StoredSurface) -> Result<Self, GeomError> {
-        if let Some(p) = degree.iter().find(|p| !(1..=MAX_DEGREE).contains(*p)) {
-            return Err(GeomError::Degree(*p));
-        }
-        let count = |k: usize| knots[k].len().checked_sub(degree[k] + 1);
-        let (Some(rows), Some(columns)) = (count(0), count(1)) else { return Err(GeomError::Knots) };
-        if !basis::valid_knots(&knots[0], degree[0], rows) || !basis::valid_knots(&knots[1], degree[1], columns) {
-            return Err(GeomError::Knots);
-        }
-        if rows.checked_mul(columns) != Some(control.len()) {
-            return Err(GeomError::TooFewPoints { given: control.len(), needed: rows.saturating_mul(columns) });
-        }
-        check_control(&control)?;
-        Ok(Self::from_homogeneous(degree, knots, control))
+        Self::checked(degree, knots, control)
     }
 }
