@@ -7,7 +7,7 @@ use nalgebra::{Point2, Point3};
 use nurbs::chords;
 
 /// Faces meet where their ends are nearer than this share of their length. Files have six digits or more.
-const SAME: f64 = 1e-5;
+const SAME_END_SHARE: f64 = 1e-5;
 
 /// An end where faces do not meet is cut off where the gap is at most this share of their length.
 const CUT: f64 = 0.1;
@@ -35,10 +35,10 @@ fn closed(section: &Section) -> Option<(Vec<Point3<f64>>, f64)> {
     let length: f64 = pressure.windows(2).map(|w| nalgebra::distance(&w[0], &w[1])).sum();
     let gap = |a: Option<&Point3<f64>>, b: Option<&Point3<f64>>| Some(nalgebra::distance(a?, b?));
     let [leading, trailing] = [gap(pressure.first(), suction.first())?, gap(pressure.last(), suction.last())?];
-    if leading > SAME * length || trailing > CUT * length {
+    if leading > SAME_END_SHARE * length || trailing > CUT * length {
         return None;
     }
-    let same = usize::from(trailing <= SAME * length);
+    let same = usize::from(trailing <= SAME_END_SHARE * length);
     let back = suction.iter().skip(1).rev().skip(same);
     let points: Vec<Point3<f64>> = pressure.iter().chain(back).copied().collect();
     let middle = &pressure[pressure.len() / 4..pressure.len() - pressure.len() / 4];

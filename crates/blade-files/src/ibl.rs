@@ -17,7 +17,7 @@ use diagnostics::codes::import as codes;
 use nalgebra::Point3;
 
 /// Pieces of one place meet within this share of the size of their section.
-const SAME: f64 = 1e-6;
+const SAME_PLACE_SHARE: f64 = 1e-6;
 
 /// A piece of a section.
 #[derive(Debug)]
@@ -129,7 +129,7 @@ fn joined((at, pieces): (Span, Vec<Piece>)) -> Result<ReadLoop, Diag> {
     let sides = pieces.len() == 2;
     let size = pieces.iter().flat_map(|p| &p.points).map(|p| p.coords.norm()).fold(0.0, f64::max);
     let meet = |a: Option<&Point3<f64>>, b: Option<&Point3<f64>>| {
-        a.zip(b).is_some_and(|(a, b)| nalgebra::distance(a, b) <= SAME * size)
+        a.zip(b).is_some_and(|(a, b)| nalgebra::distance(a, b) <= SAME_PLACE_SHARE * size)
     };
     let mut line: Option<ReadLoop> = None;
     for Piece { mut points, begins, ends } in pieces {

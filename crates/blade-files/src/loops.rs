@@ -11,7 +11,7 @@ use nalgebra::Point3;
 const FEWEST: usize = 8;
 
 /// The first and last point of a closed loop coincide within this share of its length. Files have six digits or more.
-const SAME: f64 = 1e-6;
+const SAME_END_SHARE: f64 = 1e-6;
 
 /// The gap of an open loop is at most this multiple of its longest step. A cut file has a longer one.
 const OPEN: f64 = 2.0;
@@ -49,7 +49,7 @@ pub(super) fn close(loops: Vec<ReadLoop>, found: &mut Found) -> Result<(Vec<Sect
                 .label(begins, "it begins here")
                 .help("a section is a loop of points round the blade; the file may be cut off"));
         }
-        let closed = gap <= SAME * length;
+        let closed = gap <= SAME_END_SHARE * length;
         if closed {
             points.pop();
         }

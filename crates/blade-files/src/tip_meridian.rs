@@ -11,7 +11,7 @@ const STEPS: usize = 64;
 const BESIDE: f64 = 1.5;
 
 /// Largest distance of the tips from the meridian, mm, with which it is one through the tips.
-const NEAR: f64 = 0.05;
+const NEAR_TIPS_MM: f64 = 0.05;
 
 /// A meridian through the tips of the blades.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,7 +50,7 @@ impl TipMeridian {
         let points: Vec<Point2<f64>> = (0..=STEPS).map(at).collect::<Option<_>>()?;
         let curve = spline(&points)?;
         let within = tips.iter().map(|p| chords::from_chords(p, &curve)).fold(0.0, f64::max);
-        (within <= NEAR).then(|| Self { points: points.into_iter().map(Into::into).collect(), within })
+        (within <= NEAR_TIPS_MM).then(|| Self { points: points.into_iter().map(Into::into).collect(), within })
     }
 }
 

@@ -11,7 +11,7 @@ use nurbs::chords;
 const BEYOND: f64 = 0.1;
 
 /// Points nearer to a cut end than this share of the length are left out.
-const NEAR: f64 = 1e-3;
+const NEAR_END_SHARE: f64 = 1e-3;
 
 /// A cut meridian.
 #[derive(Clone, Debug, PartialEq)]
@@ -105,7 +105,10 @@ fn cut(
         let share = (s - lengths[k - 1]) / (lengths[k] - lengths[k - 1]).max(f64::MIN_POSITIVE);
         points[k - 1] + (points[k] - points[k - 1]) * share
     };
-    let between = points.iter().zip(&lengths).filter(|(_, s)| **s > from + NEAR * length && **s < to - NEAR * length);
+    let between = points
+        .iter()
+        .zip(&lengths)
+        .filter(|(_, s)| **s > from + NEAR_END_SHARE * length && **s < to - NEAR_END_SHARE * length);
     let mut kept = vec![at(from)];
     kept.extend(between.map(|(p, _)| *p));
     kept.push(at(to));

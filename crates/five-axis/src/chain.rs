@@ -53,7 +53,7 @@ const PARALLEL: f64 = 1e-6;
 const POLE: f64 = 1e-12;
 
 /// Largest amount by which the square of a sine falls below zero through rounding.
-const ROUNDING: f64 = 1e-12;
+const SINE_SQUARE_ROUNDING: f64 = 1e-12;
 
 /// Two rotary axes with values derived from their directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -306,7 +306,7 @@ impl Chain {
     /// axis 2 is not determined, it takes the value `free`.
     pub fn inverse(&self, tool_axis: &Vector3<f64>, free: f64) -> Option<[Angles; 2]> {
         let (square, angles) = self.solve(tool_axis, free);
-        (square >= -ROUNDING).then_some(angles)
+        (square >= -SINE_SQUARE_ROUNDING).then_some(angles)
     }
 
     /// As [`Self::inverse`]; where no angles give the tool axis, the nearest angles.

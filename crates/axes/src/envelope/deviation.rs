@@ -14,7 +14,7 @@ use tool_stock::collide::{Cutter, Section};
 const INTERVAL: f64 = 1e-6;
 
 /// Change of the distance over the whole interval at which the search ends, mm.
-const LEVEL: f64 = 1e-9;
+const LEVEL_CHANGE_MM: f64 = 1e-9;
 
 /// The tool in relation to the axis curves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -174,7 +174,7 @@ fn between(
         let (at, f) = rate(pieces, tool, t, target);
         found = at;
         // The error of the value is quadratic in the remaining interval: less than 1 pm here.
-        if high - low < INTERVAL * width || f.abs() * width < LEVEL {
+        if high - low < INTERVAL * width || f.abs() * width < LEVEL_CHANGE_MM {
             break;
         }
         if f < 0.0 {

@@ -44,7 +44,7 @@ impl Measured {
     /// Least widening, in proportion to the shares `give`, with which all bounds hold; infinite when a bound that may
     /// not give way is violated.
     pub fn widening(&self, targets: &[Target]) -> f64 {
-        let share = |violation: f64, give: f64| if violation <= ROUNDING { 0.0 } else { violation / give };
+        let share = |violation: f64, give: f64| if violation <= VIOLATION_ROUNDING_MM { 0.0 } else { violation / give };
         self.at.iter().zip(targets).fold(0.0, |most, (d, t)| {
             most.max(share(t.low - d.value, t.give[0])).max(share(d.value - t.high, t.give[1]))
         })
@@ -52,7 +52,7 @@ impl Measured {
 }
 
 /// Violation below which a bound that may not give way counts as kept, mm: the error of programs and linear models.
-pub(super) const ROUNDING: f64 = 2e-6;
+pub(super) const VIOLATION_ROUNDING_MM: f64 = 2e-6;
 
 /// Derivative of one deviation by the shifts of the control points of each curve on which it depends.
 #[derive(Clone, Copy, Debug)]

@@ -2,7 +2,7 @@
 //! Ding and Zhu 2009, algorithms reference 1.4).
 
 use super::deviation::{Deviation, Mounted};
-use super::measured::{Measured, ROUNDING, Row};
+use super::measured::{Measured, Row, VIOLATION_ROUNDING_MM};
 use super::step::{Aim, Model, best};
 use super::target::Target;
 use nurbs::DualCurve;
@@ -28,10 +28,10 @@ const STEPS: usize = 40;
 const TRUST: f64 = 0.05;
 
 /// Trust region at which the iteration stops, mm.
-const NARROW: f64 = 1e-4;
+const NARROWEST_TRUST_MM: f64 = 1e-4;
 
 /// Widening below which all bounds count as kept, mm.
-const NONE: f64 = 1e-6;
+const NO_WIDENING_MM: f64 = 1e-6;
 
 /// Times that steps begin again because the widening is larger than they found.
 const AGAIN: usize = 24;
@@ -43,7 +43,7 @@ pub fn minimax(start: &DualCurve, tool: &Mounted<'_>, targets: &[Target], gain: 
     let mut least = best.clone();
     for _ in 0..AGAIN {
         // Steps search near the last best parameter; the result is measured everywhere.
-        if best.widening <= seen + NONE {
+        if best.widening <= seen + NO_WIDENING_MM {
             break;
         }
         (best, seen) = descended(&best.curve, tool, targets, gain);
@@ -62,7 +62,7 @@ fn descended(start: &DualCurve, tool: &Mounted<'_>, targets: &[Target], gain: f6
     let mut trust = TRUST;
     let mut steps = 0;
     let mut kept = Vec::new();
-    while steps < STEPS && now > NONE && trust > NARROW {
+    while steps < STEPS && now > NO_WIDENING_MM && trust > NARROWEST_TRUST_MM {
         steps += 1;
         let rows = Row::all(&curve, &measured);
         let values: Vec<f64> = measured.at.iter().map(|d| d.value).collect();
@@ -94,7 +94,7 @@ fn descended(start: &DualCurve, tool: &Mounted<'_>, targets: &[Target], gain: f6
             trust *= 0.35;
             continue;
         }
-        let kept_promise = (now - then) / (now - promised).max(NONE);
+        let kept_promise = (now - then) / (now - promised).max(NO_WIDENING_MM);
         trust *= if kept_promise > 0.7 {
             1.6
         } else if kept_promise < 0.3 {
@@ -130,7 +130,7 @@ const WORTH: f64 = 0.03;
 const MOST_CONTROL: usize = 40;
 
 /// Widening that finer knots need not reduce, mm.
-const SMALL: f64 = 1e-5;
+const SMALL_WIDENING_MM: f64 = 1e-5;
 
 /// [`minimax`] over dense points, of which few take part: dense points with larger violations than the others join
 /// them. Knot spans are halved as long as this reduces the widening by more than 3 %.
@@ -139,9 +139,10 @@ pub fn finest(start: &DualCurve, tool: &Mounted<'_>, targets: &[Target], dense: 
         let mut best = minimax(start, tool, &targets, gain);
         for _ in 0..EXCHANGES {
             let all = Measured::new(&best.curve, tool, dense);
-            let allowed = best.widening * (1.0 + OUTSTANDING) + NONE;
+            let allowed = best.widening * (1.0 + OUTSTANDING) + NO_WIDENING_MM;
             let stands_out = |(d, t): (&Deviation, &Target)| {
-                (t.low - d.value > allowed * t.give[0] + ROUNDING || d.value - t.high > allowed * t.give[1] + ROUNDING)
+                (t.low - d.value > allowed * t.give[0] + VIOLATION_ROUNDING_MM
+                    || d.value - t.high > allowed * t.give[1] + VIOLATION_ROUNDING_MM)
                     .then_some(*t)
             };
             let joining: Vec<Target> = all.at.iter().zip(dense).filter_map(stands_out).collect();
@@ -154,7 +155,7 @@ pub fn finest(start: &DualCurve, tool: &Mounted<'_>, targets: &[Target], dense: 
         Finest { best, targets }
     };
     let mut found = exchanged(start, targets.to_vec());
-    while found.best.widening > SMALL && found.best.curve.control_count() < MOST_CONTROL {
+    while found.best.widening > SMALL_WIDENING_MM && found.best.curve.control_count() < MOST_CONTROL {
         let finer = exchanged(&found.best.curve.refined(), found.targets.clone());
         let worth = finer.best.widening < (1.0 - WORTH) * found.best.widening;
         if finer.best.widening < found.best.widening {

@@ -60,13 +60,13 @@ const ROUNDS: usize = 12;
 const JOIN: usize = 100;
 
 /// Least distance between points whose bounds join in the same round, mm.
-const APART: f64 = 1.5;
+const JOINING_POINTS_APART_MM: f64 = 1.5;
 
 /// Largest violation of a bound outside of the program, mm; less where the widening itself is small.
 const BROKEN: f64 = 1e-5;
 
 /// Slack below which a bound counts as active, mm.
-const NEAR: f64 = 2e-4;
+const ACTIVE_SLACK_MM: f64 = 2e-4;
 
 /// Weight of the squares of the shifts. A shift of the curve along itself changes no deviation, so that the optimum is
 /// not unique without this weight. The second value applies where targets push the curve along itself.
@@ -116,7 +116,7 @@ pub(super) fn best(model: &Model<'_>, aim: &Aim<'_>, kept: &mut Vec<usize>) -> O
         let mut missed: Vec<(f64, usize)> =
             open.iter().enumerate().map(|(i, s)| (over(s), i)).filter(|x| x.0 > broken).collect();
         if missed.is_empty() {
-            *kept = active.iter().filter(|s| over(s) > -NEAR).map(|s| s.target).collect();
+            *kept = active.iter().filter(|s| over(s) > -ACTIVE_SLACK_MM).map(|s| s.target).collect();
             return Some(step);
         }
         missed.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
@@ -124,7 +124,10 @@ pub(super) fn best(model: &Model<'_>, aim: &Aim<'_>, kept: &mut Vec<usize>) -> O
         let mut joining: Vec<usize> = Vec::new();
         for (_, i) in missed {
             let at = model.targets[open[i].target].point;
-            let apart = |j: &usize| (model.targets[open[*j].target].point - at).norm_squared() > APART * APART;
+            let apart = |j: &usize| {
+                (model.targets[open[*j].target].point - at).norm_squared()
+                    > JOINING_POINTS_APART_MM * JOINING_POINTS_APART_MM
+            };
             if joining.len() < JOIN && joining.iter().all(apart) {
                 joining.push(i);
             }

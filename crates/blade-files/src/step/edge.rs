@@ -1,6 +1,6 @@
 //! Edges of a blade: the faces between its pressure and its suction face at one end.
 
-use super::face::APART;
+use super::face::EDGE_APART_MM;
 use super::meridian::flat;
 use super::sheet::StepSheet;
 use blade::EdgeForm;
@@ -22,7 +22,7 @@ pub(super) struct StepBladeEdge {
 /// Whether the side of a sheet is that of another one.
 pub(super) fn meet((sheet, end): (&StepSheet, usize), (other, other_end): (&StepSheet, usize)) -> bool {
     let [here, there] = [sheet.end(end as f64, COMPARED), other.end(other_end as f64, COMPARED)];
-    here.iter().zip(&there).all(|(a, b)| nalgebra::distance(a, b) < APART)
+    here.iter().zip(&there).all(|(a, b)| nalgebra::distance(a, b) < EDGE_APART_MM)
 }
 
 impl StepBladeEdge {

@@ -197,7 +197,7 @@ fn shroud(main: &StepBlade, faces: &[StepFace], place: Span, found: &mut Found) 
 /// Points of a meridian, as many as its spline needs, and the largest distance of this spline from it, mm.
 fn spline_points(line: &StepMeridian) -> (Vec<[f64; 2]>, f64) {
     /// Distance of the spline from the meridian that is good enough, mm.
-    const NEAR: f64 = 1e-5;
+    const GOOD_FIT_MM: f64 = 1e-5;
     const STEPS: [usize; 5] = [12, 24, 48, 96, 192];
     let (mut points, mut off) = (Vec::new(), f64::INFINITY);
     for steps in STEPS {
@@ -206,7 +206,7 @@ fn spline_points(line: &StepMeridian) -> (Vec<[f64; 2]>, f64) {
         let Ok(curve) = interpolate(&space, 3) else { continue };
         let places = (0..4 * steps).map(|k| curve.point((k as f64 + 0.5) / (4 * steps) as f64));
         off = places.map(|p| line.nearest(&Vector2::new(p.x, p.z))[1]).fold(0.0, f64::max);
-        if off < NEAR {
+        if off < GOOD_FIT_MM {
             break;
         }
     }

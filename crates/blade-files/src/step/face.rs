@@ -14,7 +14,7 @@ pub(super) const EDGE_STEPS: usize = 512;
 
 /// Largest distance of a curve from the vertices of its edge, and of an edge from its surface, mm. Files of usual accuracy keep
 /// 0.001 mm to 0.01 mm.
-pub(super) const APART: f64 = 0.02;
+pub(super) const EDGE_APART_MM: f64 = 0.02;
 
 /// Most edges of a face that is read.
 const MOST_EDGES: usize = 1000;
@@ -60,7 +60,7 @@ impl StepFace {
         let border: Vec<Vector2<f64>> = points
             .map(|p| {
                 let (place, far) = self.surface.nearest(p, near);
-                near = if far < APART { Some(place) } else { None };
+                near = if far < EDGE_APART_MM { Some(place) } else { None };
                 place.into()
             })
             .collect();
@@ -124,7 +124,7 @@ impl StepGeometry<'_, '_> {
         }
         let open = |k: usize| {
             let [here, next] = [k, k + 1].map(|k| &border[k % border.len()].points);
-            here.last().zip(next.first()).is_none_or(|(a, b)| nalgebra::distance(a, b) > APART)
+            here.last().zip(next.first()).is_none_or(|(a, b)| nalgebra::distance(a, b) > EDGE_APART_MM)
         };
         if (0..border.len()).any(open) {
             return Err(entity.fault(format!("the border #{number} is not closed")));
@@ -148,7 +148,7 @@ impl StepGeometry<'_, '_> {
         let range = range(&curve, ends, along);
         for (end, t) in ends.iter().zip(range) {
             let apart = nalgebra::distance(end, &curve.at(t).0);
-            if apart > APART {
+            if apart > EDGE_APART_MM {
                 return Err(entity
                     .fault(format!("the curve of the edge #{number} is {apart:.3} mm away from an end of the edge")));
             }
@@ -163,7 +163,7 @@ fn range(curve: &StepCurve, ends: [Point3<f64>; 2], along: bool) -> [f64; 2] {
     let [from, to] = ends.map(|end| curve.nearest(&end));
     let Some([lo, hi]) = curve.domain() else { return [from, to] };
     let whole = hi - lo;
-    let closed = nalgebra::distance(&curve.at(lo).0, &curve.at(hi).0) < APART;
+    let closed = nalgebra::distance(&curve.at(lo).0, &curve.at(hi).0) < EDGE_APART_MM;
     // Ends nearer than this share of the whole are one.
     let same = 1e-9 * whole;
     match (curve, along) {

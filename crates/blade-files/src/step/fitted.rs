@@ -5,7 +5,7 @@ use nalgebra::{Matrix2, Point3, Vector2};
 use nurbs::{LoftedSurface, interpolate};
 
 /// Distance that is good enough, mm. Coordinates are written to 0.0000001 mm.
-const NEAR: f64 = 2e-4;
+const GOOD_FIT_MM: f64 = 2e-4;
 
 /// Distance up to which a face is taken for ruled, mm.
 const RULED: f64 = 1e-3;
@@ -51,7 +51,7 @@ pub(super) fn sections(faces: &[StepSheet; 2]) -> Option<FittedSections> {
     let mut best = None;
     for steps in RULED_STEPS {
         best = better(best, of(1, steps));
-        if enough(&best, NEAR) {
+        if enough(&best, GOOD_FIT_MM) {
             return best;
         }
     }
@@ -60,7 +60,7 @@ pub(super) fn sections(faces: &[StepSheet; 2]) -> Option<FittedSections> {
     }
     for [rows, steps] in LOFTED_STEPS {
         best = better(best, of(rows, steps));
-        if enough(&best, NEAR) {
+        if enough(&best, GOOD_FIT_MM) {
             break;
         }
     }

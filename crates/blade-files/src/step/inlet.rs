@@ -1,7 +1,7 @@
 //! Which end of the hub is the inlet: by an edge that was picked, by the caller along the axis, otherwise the end of the blade nearer to
 //! the axis.
 
-use super::face::{APART, StepFace};
+use super::face::{EDGE_APART_MM, StepFace};
 use super::meridian::{StepMeridian, flat};
 use crate::found::Found;
 use crate::{Axis, Start};
@@ -83,13 +83,13 @@ struct BladeEnds {
 impl BladeEnds {
     fn of(hub: &StepMeridian, blade: &[StepFace]) -> Self {
         /// What is nearer to an end than this share of the length of the blade belongs to it: an edge may stand across the hub.
-        const NEAR: f64 = 0.02;
+        const NEAR_END_SHARE: f64 = 0.02;
         let places: Vec<([f64; 2], Vector2<f64>)> =
             blade.iter().flat_map(points).map(|p| (hub.nearest(&p), p)).collect();
         let lengths = || places.iter().map(|([at, _], _)| *at);
         let (first, last) = (lengths().fold(f64::INFINITY, f64::min), lengths().fold(f64::NEG_INFINITY, f64::max));
         let lowest = |end: f64| {
-            let near = places.iter().filter(|([at, _], _)| (at - end).abs() <= NEAR * (last - first));
+            let near = places.iter().filter(|([at, _], _)| (at - end).abs() <= NEAR_END_SHARE * (last - first));
             near.min_by(|a, b| a.0[1].total_cmp(&b.0[1])).map_or_else(Vector2::zeros, |(_, p)| *p)
         };
         Self { at: [lowest(first), lowest(last)], span: blade.first().map_or(Span::default(), |face| face.span) }
@@ -99,7 +99,7 @@ impl BladeEnds {
     fn stated(&self, start: Option<Start>, axis: Axis) -> Result<Option<bool>, Diag> {
         let Some(start) = start else { return Ok(None) };
         let [first, last] = self.at.map(|p| p.y);
-        if (first - last).abs() <= APART {
+        if (first - last).abs() <= EDGE_APART_MM {
             let message =
                 format!("`--start` does not tell the inlet: both ends of the blade are at one height along {axis}");
             return Err(Diag::error(codes::CONTRADICTS, message)

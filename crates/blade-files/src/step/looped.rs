@@ -13,7 +13,7 @@ use nurbs::LoftedSurface;
 use nurbs::chords::from_chords;
 
 /// Distance that is good enough, mm.
-const NEAR: f64 = 5e-4;
+const GOOD_FIT_MM: f64 = 5e-4;
 
 /// Sections less one, and steps of a section along a face, that are tried, from few to many.
 const TRIED: [[usize; 2]; 6] = [[8, 96], [12, 96], [16, 96], [24, 96], [24, 192], [24, 384]];
@@ -55,7 +55,7 @@ pub(super) fn sections(blade: &StepBlade, hub: &[[f64; 2]], turned: [bool; 2]) -
         if best.as_ref().is_none_or(|best| distance < best.distance) {
             best = Some(LoopedSections { loops, distance, forms });
         }
-        if distance <= NEAR {
+        if distance <= GOOD_FIT_MM {
             break;
         }
     }

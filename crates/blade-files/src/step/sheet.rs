@@ -3,7 +3,7 @@
 //! The parameters of the sides are blended (a Coons patch in the parameters of the surface), so that each place lies on the
 //! surface, and the sides are those of the face also where it is trimmed.
 
-use super::face::{APART, StepChain, StepFace, four_sides};
+use super::face::{EDGE_APART_MM, StepChain, StepFace, four_sides};
 use super::surface::{StepSurface, SurfaceJet};
 use diagnostics::Diag;
 use diagnostics::codes::import as codes;
@@ -72,7 +72,7 @@ impl StepSheet {
                 let (mut place, mut far) = face.surface.nearest(p, near);
                 // From a place at which a parameter has no speed no search comes away. Round a closed surface it may jump.
                 let closed = (0..2).any(|k| face.surface.period(k).is_some());
-                if far > APART && near.is_some() && !closed {
+                if far > EDGE_APART_MM && near.is_some() && !closed {
                     (place, far) = face.surface.nearest(p, None);
                 }
                 near = Some(place);
@@ -84,7 +84,7 @@ impl StepSheet {
             let shares = lengths.into_iter().map(|l| l / whole).collect();
             placed.push(SheetSide { edges: side.edges.clone(), shares, places });
         }
-        if apart.is_nan() || apart > APART {
+        if apart.is_nan() || apart > EDGE_APART_MM {
             return Err(fault(format!(
                 "the border of the face #{} is {apart:.3} mm away from its surface",
                 face.number
@@ -97,7 +97,7 @@ impl StepSheet {
         };
         // Round a closed surface the parameters of the border may not come back.
         let (first, last) = (ends(&placed[0])[0], ends(&placed[3])[1]);
-        if joined(first, last) > APART || (first - last).norm() > 1.0 + 1e-3 * first.norm() {
+        if joined(first, last) > EDGE_APART_MM || (first - last).norm() > 1.0 + 1e-3 * first.norm() {
             return Err(fault(format!("the border of the face #{} goes round its surface", face.number)));
         }
         placed.rotate_left(root);

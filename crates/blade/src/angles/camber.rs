@@ -12,7 +12,7 @@ use nurbs::quadrature::integral;
 pub const STEEPEST: f64 = 89.0 * std::f64::consts::PI / 180.0;
 
 /// Largest error of an integrated theta from one node of its table to the next, rad: 1e-9 mm at a radius of 100 mm.
-const EXACT: f64 = 1e-11;
+const THETA_ERROR_RAD: f64 = 1e-11;
 
 /// Cells of a table of theta, at first and at most.
 const CELLS: [usize; 2] = [64, 4096];
@@ -144,7 +144,7 @@ fn integrated(patch: &MeridionalPatch, span: f64, beta: &Distribution) -> Result
             let pair = HermiteTable::new(to - from, nodes[k..].to_vec());
             worst = worst.max((pair.at(middle - from).0[0] - before - halves[0]).abs());
         }
-        if worst <= EXACT || cells >= CELLS[1] {
+        if worst <= THETA_ERROR_RAD || cells >= CELLS[1] {
             return Ok(HermiteTable::new(1.0 / cells as f64, nodes));
         }
         cells *= 2;

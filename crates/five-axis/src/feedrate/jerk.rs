@@ -13,7 +13,7 @@
 //! that remain at the end are removed by slowing down the whole run, so that every returned run satisfies every row.
 
 use super::ramp::Most;
-use super::{AT_BOUND, AXES, Axes, CURVATURE, Limits, ROUNDING};
+use super::{AT_BOUND, AXES, Axes, CURVATURE, LIMIT_ROUNDING, Limits};
 use rayon::prelude::*;
 
 /// Most sweeps; each tightens the bounds around the last run, or widens them.
@@ -293,7 +293,7 @@ pub fn limit(
     for sweep in 0..SWEEPS {
         let bounds = search.bounds(rows);
         last = swept(widths, &step, &top, &bounds, first);
-        if ends.iter().any(|(k, _)| last[*k] < top[*k] * (1.0 - ROUNDING)) {
+        if ends.iter().any(|(k, _)| last[*k] < top[*k] * (1.0 - LIMIT_ROUNDING)) {
             return None;
         }
         let held = search.held(widths, &last, &bounds, rows);

@@ -26,7 +26,7 @@ use ramp::{Creep, Even, Most, Ramp};
 use rayon::prelude::*;
 
 /// Share by which rounding may exceed a limit.
-const ROUNDING: f64 = 1e-12;
+const LIMIT_ROUNDING: f64 = 1e-12;
 
 /// Share by which a product that reaches its bound may exceed it by rounding.
 const AT_BOUND: f64 = 1e-9;

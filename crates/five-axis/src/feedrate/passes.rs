@@ -6,7 +6,7 @@
 //! which the end can be reached; the forward pass takes the largest y below these values.
 
 use super::path::PathSpan;
-use super::{AXES, Axes, ROUNDING};
+use super::{AXES, Axes, LIMIT_ROUNDING};
 
 /// Coefficients of y at start and end of the span in the Bernstein coefficients of the acceleration of an axis.
 fn rows(span: &PathSpan, k: usize) -> [[f64; 2]; 3] {
@@ -71,7 +71,7 @@ fn controllable(span: &PathSpan, limit: &Axes, cap: f64, most: f64) -> f64 {
         y = next.max(0.0);
     }
     // Reserve for rounding where two half-planes cross at a small angle.
-    y * (1.0 - ROUNDING)
+    y * (1.0 - LIMIT_ROUNDING)
 }
 
 /// Largest y at every knot, zero at both ends; `cap` is the largest y at each knot.

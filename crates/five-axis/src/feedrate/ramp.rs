@@ -1,6 +1,6 @@
 //! Changes of speed as isolated S-curves: where a run needs more knots, and its approximate speed there.
 
-use super::{AXES, CURVATURE, Limits, ROUNDING};
+use super::{AXES, CURVATURE, LIMIT_ROUNDING, Limits};
 use nurbs::bracket::Bracket;
 
 /// Time steps in which a change of speed is resolved.
@@ -16,11 +16,11 @@ const LOOSE: f64 = 1.2;
 const SLIGHT: f64 = 1.05;
 
 /// Knots closer than this share of a span count as one knot.
-const NEAR: f64 = 1e-5;
+const SAME_KNOT_SHARE: f64 = 1e-5;
 
 /// Places of the knots, as shares of a span from its end, where a whole change of speed is too short for its own knots.
 /// Without a knot inside, a span from rest to rest would have zero speed.
-const SHORT: [f64; 4] = [2.0 * NEAR, 4.0 * NEAR, 8.0 * NEAR, 16.0 * NEAR];
+const SHORT: [f64; 4] = [2.0 * SAME_KNOT_SHARE, 4.0 * SAME_KNOT_SHARE, 8.0 * SAME_KNOT_SHARE, 16.0 * SAME_KNOT_SHARE];
 
 /// An isolated change of speed: an S-curve within an acceleration and a jerk.
 #[derive(Clone, Copy)]
@@ -156,7 +156,7 @@ pub fn resolve(at: &[f64], y: &[f64], spans: &[Even]) -> (Vec<(f64, u32)>, Vec<R
     for (i, pair) in at.windows(2).enumerate() {
         let (from, to) = (pair[0], pair[1]);
         let span = u32::try_from(i).unwrap_or(u32::MAX);
-        let near = NEAR * (to - from);
+        let near = SAME_KNOT_SHARE * (to - from);
         let short = SHORT.map(|share| share * (to - from));
         let (mut last, mut ends) = (from, [false; 2]);
         let mut inside: Vec<f64> = Vec::new();
@@ -188,7 +188,7 @@ pub fn guess(at: &[f64], ceiling: &[f64], ramps: &[Ramp]) -> Vec<f64> {
     let mut most = ceiling.to_vec();
     let n = most.len();
     for ramp in ramps {
-        let first = at.partition_point(|k| *k < ramp.at - ROUNDING * ramp.at.abs());
+        let first = at.partition_point(|k| *k < ramp.at - LIMIT_ROUNDING * ramp.at.abs());
         let (mut t, all) = (0.0, ramp.time());
         for i in 0..n {
             // The far end of the next span.
@@ -253,7 +253,7 @@ impl Creep {
             (0..AXES).all(|k| {
                 first[k] * rise + second[k] * rate * rate <= limits.acceleration[k]
                     && first[k] * jerk + 3.0 * second[k] * rate * rise + twist[k] * rate.powi(3)
-                        <= limits.jerk[k] * (1.0 + ROUNDING)
+                        <= limits.jerk[k] * (1.0 + LIMIT_ROUNDING)
             })
         };
         // The loop ends, since all but the first term of the jerk fall with the rate.

@@ -26,7 +26,7 @@ struct Wall {
 }
 
 /// Parameters of the hub that differ by less count as equal: rounding of the ends of a border.
-const SAME: f64 = 1e-9;
+const SAME_HUB_PARAMETER: f64 = 1e-9;
 
 /// A ball that rolls along a wall over the hub.
 #[derive(Clone, Copy, Debug)]
@@ -121,8 +121,8 @@ impl Opening {
 
     fn azimuth(&self, wall: &Wall, u: f64) -> Option<f64> {
         let end = match wall.border.as_slice() {
-            [first, ..] if u < first[0] - wall.straight[0] - SAME => Some(0),
-            [.., last] if u > last[0] + wall.straight[1] + SAME => Some(1),
+            [first, ..] if u < first[0] - wall.straight[0] - SAME_HUB_PARAMETER => Some(0),
+            [.., last] if u > last[0] + wall.straight[1] + SAME_HUB_PARAMETER => Some(1),
             _ => None,
         };
         match (end, wall.beyond, &self.whole) {

@@ -75,7 +75,7 @@ impl<'a> Continued<'a> {
         /// Steps: the share of the way changes radius and height little.
         const STEPS: usize = 12;
         /// Change of the parameters below which the search ends.
-        const SAME: f64 = 1e-9;
+        const SAME_PARAMETER: f64 = 1e-9;
         /// How far beyond its ends a face is followed.
         const BEYOND: f64 = 0.5;
         let surface = &self.part.face(self.face).surface;
@@ -91,7 +91,7 @@ impl<'a> Continued<'a> {
             at.uv = [0, 1].map(|k| (at.uv[k] + step[k].clamp(-BEYOND, BEYOND)).clamp(-BEYOND, 1.0 + BEYOND));
             let found = surface.point(at.uv[0], at.uv[1]);
             at.share = across.share(libm::atan2(found.y, found.x));
-            if step.amax() < SAME {
+            if step.amax() < SAME_PARAMETER {
                 break;
             }
         }

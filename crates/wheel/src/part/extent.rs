@@ -80,9 +80,10 @@ impl Part {
     /// own, or at the edge of a splitter that is shorter than the main blades.
     pub fn ends_inside(&self, blade: BladeId, end: usize) -> bool {
         /// Distance of the ends that is rounding of the curves, mm.
-        const SAME: f64 = 0.05;
+        const SAME_END_MM: f64 = 0.05;
         let [u, v] = [end as f64, 0.5];
-        let inside = || self.extent(BladeId::MAIN).beyond(u, &self.blade(blade).faces[0].surface.point(u, v)) < -SAME;
+        let inside =
+            || self.extent(BladeId::MAIN).beyond(u, &self.blade(blade).faces[0].surface.point(u, v)) < -SAME_END_MM;
         self.edge(blade, end).is_some() || (blade != BladeId::MAIN && inside())
     }
 

@@ -107,7 +107,7 @@ fn bracket(f: impl Fn(f64) -> f64, [(mut low, mut f_low), (mut high, mut f_high)
     /// Largest number of steps: for rulings about six are enough.
     const STEPS: usize = 20;
     /// Final width: some units of rounding.
-    const CLOSE: f64 = 2e-14;
+    const CLOSE_ON_RULING: f64 = 2e-14;
     let mut stays = None;
     let mut last = f64::NAN;
     for _ in 0..STEPS {
@@ -116,7 +116,11 @@ fn bracket(f: impl Fn(f64) -> f64, [(mut low, mut f_low), (mut high, mut f_high)
             break;
         }
         // After a very short step the root lies close to this place.
-        let ends = if (next - last).abs() < CLOSE { [next - CLOSE, next + CLOSE] } else { [next; 2] };
+        let ends = if (next - last).abs() < CLOSE_ON_RULING {
+            [next - CLOSE_ON_RULING, next + CLOSE_ON_RULING]
+        } else {
+            [next; 2]
+        };
         last = next;
         for v in ends {
             if v <= low || v >= high {
@@ -133,7 +137,7 @@ fn bracket(f: impl Fn(f64) -> f64, [(mut low, mut f_low), (mut high, mut f_high)
                 stays = Some(false);
             }
         }
-        if high - low <= 2.0 * CLOSE {
+        if high - low <= 2.0 * CLOSE_ON_RULING {
             break;
         }
     }

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use std::f64::consts::PI;
 
 /// Largest distance of a spline surface to the patch that it stands for, mm, at half steps. Less makes files of tens of megabytes.
-const NEAR: f64 = 1e-4;
+const NEAR_PATCH_MM: f64 = 1e-4;
 
 /// The same for fillets, and for the hub between them, mm. A fillet has a crease where its ball rolls off the end of the face; a
 /// spline through its points rounds it off.
@@ -26,7 +26,7 @@ const NEAR_FILLET: f64 = 1e-3;
 const NEAR_CIRCLES: f64 = 5e-8;
 
 /// Distance below which ends of edges are one vertex, mm: rounding of turned copies is far below, and no edge is so short.
-const SAME: f64 = 1e-7;
+const SAME_VERTEX_MM: f64 = 1e-7;
 
 /// Intervals of each direction at the start.
 const INTERVALS: [usize; 7] = [16, 4, 3, 4, 4, 4, 4];
@@ -153,9 +153,9 @@ fn fit(part: &Part) -> Result<(Vec<Fitted>, f64), ShellFault> {
     let spacing = if fillet { AlongSpacing::FineEnds } else { AlongSpacing::Equal };
     let near = |kind: SurfaceKind| match kind {
         SurfaceKind::Rim => NEAR_CIRCLES,
-        SurfaceKind::Face(_) | SurfaceKind::Tip(_) => NEAR,
+        SurfaceKind::Face(_) | SurfaceKind::Tip(_) => NEAR_PATCH_MM,
         _ if fillet => NEAR_FILLET,
-        _ => NEAR,
+        _ => NEAR_PATCH_MM,
     };
     let mut nodes = PatchNodes::equal(INTERVALS);
     loop {
@@ -238,7 +238,7 @@ struct ShellBuilder {
 
 impl ShellBuilder {
     fn vertex(&mut self, p: Point3<f64>) -> usize {
-        let found = self.shell.vertices.iter().position(|q| (q - p).norm() < SAME);
+        let found = self.shell.vertices.iter().position(|q| (q - p).norm() < SAME_VERTEX_MM);
         found.unwrap_or_else(|| {
             self.shell.vertices.push(p);
             self.shell.vertices.len() - 1
@@ -259,7 +259,7 @@ impl ShellBuilder {
             let (Some((_, used_along)), EdgeCurve::Spline(other)) = (self.uses[edge], &known.curve) else { continue };
             let along = known.ends == ends;
             let same = along || known.ends == [ends[1], ends[0]];
-            if same && (other.point(0.5) - middle).norm() < SAME && used_along != along {
+            if same && (other.point(0.5) - middle).norm() < SAME_VERTEX_MM && used_along != along {
                 self.uses[edge] = None;
                 return OrientedEdge { edge, along };
             }
@@ -289,7 +289,7 @@ impl ShellBuilder {
         let [inlet, outlet] = [0.0, 1.0].map(|u| part.hub.meridian(u).point);
         let (bore, back) = (stock.bore_radius.get(), stock.back.get());
         let outside = stock.profile.last().map_or(outlet.x, |p| p[0]);
-        if !(back < inlet.y && back < outlet.y && bore < inlet.x && outside >= outlet.x - SAME) {
+        if !(back < inlet.y && back < outlet.y && bore < inlet.x && outside >= outlet.x - SAME_VERTEX_MM) {
             return Err(ShellFault::NotClosedByStock);
         }
         let rings = [self.ring([inlet.x, inlet.y])?, self.ring([outlet.x, outlet.y])?];
@@ -307,7 +307,7 @@ impl ShellBuilder {
         }
         self.plane(SurfaceKind::Nose, inlet.y, nose, true);
         // The circle around the rim, counter-clockwise.
-        let (radius, top) = if outside > outlet.x + SAME {
+        let (radius, top) = if outside > outlet.x + SAME_VERTEX_MM {
             let top = self.circle(outlet.y, outside, [0.0, PI]);
             self.plane(SurfaceKind::Rim, outlet.y, vec![top.clone(), foot], true);
             (outside, top)
@@ -351,7 +351,7 @@ impl ShellBuilder {
 
     /// The open edges on a circle about Z as the border of the face that closes them.
     fn ring(&mut self, [r, z]: [f64; 2]) -> Result<Vec<OrientedEdge>, ShellFault> {
-        let on = |p: &Point3<f64>| libm::hypot(libm::hypot(p.x, p.y) - r, p.z - z) < SAME;
+        let on = |p: &Point3<f64>| libm::hypot(libm::hypot(p.x, p.y) - r, p.z - z) < SAME_VERTEX_MM;
         let mut open: Vec<OrientedEdge> = Vec::new();
         for (edge, known) in self.shell.edges.iter().enumerate() {
             let Some((_, along)) = self.uses[edge] else { continue };

@@ -216,7 +216,7 @@ impl FaceSurface {
         /// Largest number of projections from one surface to the other and back; each reduces the distance.
         const STEPS: usize = 200;
         /// Gain below which the search ends, mm.
-        const SAME: f64 = 1e-12;
+        const LEAST_GAIN_MM: f64 = 1e-12;
         let at =
             |range: [f64; 2], i: u32, n: u32| range[0] + (range[1] - range[0]) * f64::from(i) / f64::from(n.max(1));
         // A patch that is a line has all its places with the first v.
@@ -233,7 +233,7 @@ impl FaceSurface {
         let mut best = nearest.unwrap_or_else(|| from(&self.point(patch.u[0], patch.v[0])));
         for _ in 0..STEPS {
             let next = from(&best.first.point);
-            let nearer = next.distance < best.distance - SAME;
+            let nearer = next.distance < best.distance - LEAST_GAIN_MM;
             if next.distance < best.distance {
                 best = next;
             }

@@ -25,7 +25,7 @@ pub(super) struct ChannelStrip {
 }
 
 /// Least distance of the places of a strip, as a parameter of the meridian: nearer ones would bend it by rounding.
-const APART: f64 = 1e-5;
+const PLACES_APART: f64 = 1e-5;
 
 /// Least width of a strip, radians.
 const NARROWEST: f64 = 0.05;
@@ -34,9 +34,9 @@ const NARROWEST: f64 = 0.05;
 const SETTLES: f64 = 0.1;
 
 impl ChannelStrip {
-    /// The strip through places, of which those are left out whose parameter ascends by less than [`APART`].
+    /// The strip through places, of which those are left out whose parameter ascends by less than [`PLACES_APART`].
     pub(super) fn through(mut places: Vec<[f64; 3]>) -> Self {
-        places.dedup_by(|next, before| next[0] < before[0] + APART);
+        places.dedup_by(|next, before| next[0] < before[0] + PLACES_APART);
         let mut bends = vec![[0.0; 2]; places.len()];
         // Elimination of the tridiagonal system of the natural spline, then back substitution.
         let mut upper = vec![0.0; places.len()];
