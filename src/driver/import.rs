@@ -71,7 +71,7 @@ fn run(options: &Import, stages: &mut Stages, outcome: &mut Outcome) -> Result<(
     let read: Vec<String> = names.iter().map(|name| own_name(name)).collect();
     let stem = options.output.as_ref().and_then(|path| path.file_stem()).map(|s| s.display().to_string());
     let name = printable(stem.as_deref().unwrap_or("part")).into_owned();
-    let source = PartSource::new((&imported, row), &divided, (&read, &name), options.zero);
+    let source = PartSource::new(&imported, row, &divided, &read, &name, options.zero);
     if options.output.is_some() && !options.ruled {
         or_reported(source.lies_within(options.within.unwrap_or(WITHIN)), sink)?;
     }

@@ -35,7 +35,7 @@ pub fn part_files(imported: &Imported) -> PartFiles {
     let row = &imported.rows[0];
     let divided = outlines(row, imported.hub.as_deref(), &Options::default()).unwrap();
     let read = ["a.step".to_owned()];
-    faced_part::write(&PartSource::new((imported, row), &divided, (&read, "again"), Zero::File))
+    faced_part::write(&PartSource::new(imported, row, &divided, &read, "again", Zero::File))
 }
 
 /// The program of an imported wheel in the place of the part of a job.

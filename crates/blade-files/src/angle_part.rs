@@ -36,7 +36,7 @@ pub(super) fn write(source: &PartSource<'_>) -> Option<PartFiles> {
     _ = writeln!(job, "part {} {{\n  vanes {}", word(source.name, "imported"), source.row.count);
     job.push_str(&source.imported_from());
     for (k, (blade, divided)) in stated.iter().zip(source.divided).enumerate() {
-        self::blade(&mut job, source, k, (blade, looks(divided, frame)), frame);
+        self::blade(&mut job, source, k, blade, looks(divided, frame), frame);
     }
     for name in ["hub", "shroud"] {
         _ = writeln!(job, "  {name} revolve spline from \"{}.curves.csv\" curve {name} mm", source.name);
@@ -49,13 +49,7 @@ pub(super) fn write(source: &PartSource<'_>) -> Option<PartFiles> {
 const EDGES: [&str; 2] = ["leading", "trailing"];
 
 /// The entries of a blade.
-fn blade(
-    text: &mut String,
-    source: &PartSource<'_>,
-    k: usize,
-    (stated, looks): (&StatedAngles, &str),
-    frame: JobFrame,
-) {
+fn blade(text: &mut String, source: &PartSource<'_>, k: usize, stated: &StatedAngles, looks: &str, frame: JobFrame) {
     let name = blade_name(k);
     _ = writeln!(text, "  {} {name} {{", if k == 0 { "vane" } else { "splitter" });
     // A wheel that is turned over has angles of the other sense.

@@ -81,7 +81,7 @@ impl<'a> FacedPart<'a> {
             let blade = blade_name(k);
             _ = writeln!(text, "  {} {blade} {{", if k == 0 { "vane" } else { "splitter" });
             match self.fit {
-                Some(fit) => closed_sections(&mut text, source, (k, divided), fit, frame),
+                Some(fit) => closed_sections(&mut text, source, k, divided, fit, frame),
                 None => faces(&mut text, divided, &blade, &file),
             }
             if let Some(fillet) = source.row.blades.get(k).and_then(|blade| blade.fillet) {
@@ -116,7 +116,8 @@ fn faces(text: &mut String, divided: &[DividedSection], blade: &str, file: &str)
 fn closed_sections(
     text: &mut String,
     source: &PartSource<'_>,
-    (k, divided): (usize, &[DividedSection]),
+    k: usize,
+    divided: &[DividedSection],
     fit: f64,
     frame: JobFrame,
 ) {

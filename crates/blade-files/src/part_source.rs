@@ -43,9 +43,11 @@ pub struct PartSource<'a> {
 impl<'a> PartSource<'a> {
     /// What is written of a row with its divided sections. `read` has the names of the files, `name` is that of the part.
     pub fn new(
-        (imported, row): (&'a Imported, &'a ImportedRow),
+        imported: &'a Imported,
+        row: &'a ImportedRow,
         divided: &'a [Vec<DividedSection>],
-        (read, name): (&'a [String], &'a str),
+        read: &'a [String],
+        name: &'a str,
         zero: Zero,
     ) -> Self {
         let ends = wheel_ends::wheel(imported, row, divided);

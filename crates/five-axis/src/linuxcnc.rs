@@ -350,14 +350,21 @@ pub fn traverse_time(machine: &Machine, tips: &[Point3<f64>; 2], joints: &[Joint
 /// Share of the largest speed of a line from which it runs steadily.
 const STEADY: f64 = 0.99;
 
+/// A line that moves, at a speed in its unit of length per second.
+#[derive(Clone, Copy)]
+struct OnLine<'a> {
+    line: &'a LineSegment,
+    speed: f64,
+}
+
 impl Ran {
-    /// Counts a period in which the line `own` moves at a speed. `other` is the line that moves as well, with its speed.
-    fn count(&mut self, time: f64, (own, speed): (&LineSegment, f64), other: Option<(&LineSegment, f64)>) {
+    /// Counts a period in which `own` moves; `other` is the line that moves as well.
+    fn count(&mut self, time: f64, own: OnLine<'_>, other: Option<OnLine<'_>>) {
         self.time += time;
-        let along = |(line, speed): (&LineSegment, f64)| -> f64 {
-            speed * own.direction.iter().zip(&line.direction).map(|(a, b)| a * b).sum::<f64>()
+        let along = |other: OnLine<'_>| -> f64 {
+            other.speed * own.line.direction.iter().zip(&other.line.direction).map(|(a, b)| a * b).sum::<f64>()
         };
-        if speed + other.map_or(0.0, along) >= STEADY * own.speed {
+        if own.speed + other.map_or(0.0, along) >= STEADY * own.line.speed {
             self.steady += time;
         } else if other.is_some() {
             self.blends += time;
@@ -392,7 +399,7 @@ pub fn run(lines: &[Line], settings: &Settings) -> Vec<Ran> {
             let before = this.way;
             let skipped = even(segment, &this, full);
             this.way += skipped * full * this.speed;
-            ran[of[i]].count(skipped * full, (segment, this.speed), None);
+            ran[of[i]].count(skipped * full, OnLine { line: segment, speed: this.speed }, None);
             let mut both = false;
             if this.last {
                 this.way = segment.length;
@@ -418,11 +425,12 @@ pub fn run(lines: &[Line], settings: &Settings) -> Vec<Ran> {
                 }
             }
             let both = next.filter(|_| both);
+            let here = OnLine { line: segment, speed: this.speed };
             match next.filter(|_| this.speed <= ahead.speed || this.done) {
-                None => ran[of[i]].count(full, (segment, this.speed), both.map(|n| (n, ahead.speed))),
+                None => ran[of[i]].count(full, here, both.map(|n| OnLine { line: n, speed: ahead.speed })),
                 Some(n) => {
-                    let other = both.filter(|_| !this.done).map(|_| (segment, this.speed));
-                    ran[of[i + 1]].count(full, (n, ahead.speed), other);
+                    let other = both.filter(|_| !this.done).map(|_| here);
+                    ran[of[i + 1]].count(full, OnLine { line: n, speed: ahead.speed }, other);
                 }
             }
             if let (Some(n), Some(corner)) = (both, &mut corner) {

@@ -102,8 +102,9 @@ pub fn in_span<const P: usize>(knots: &[f64], degree: usize, i: usize, u: f64, o
 #[inline(always)]
 pub fn blossom<T: Copy, const P: usize>(
     knots: &[f64],
+    degree: usize,
     i: usize,
-    (degree, mut control): (usize, [T; P]),
+    mut control: [T; P],
     argument: impl Fn(usize) -> f64,
     mix: impl Fn(T, T, f64) -> T,
 ) -> T {
@@ -182,7 +183,7 @@ mod tests {
                 let basis = of_degree::<P>(&knots, degree, u, 0);
                 let control: [f64; P] = std::array::from_fn(|j| libm::sin(3.0 * (basis.first + j) as f64));
                 let due: f64 = basis.values[0].iter().zip(control).map(|(n, c)| n * c).sum();
-                let found = blossom(&knots, basis.first + degree, (degree, control), |_| u, |a, b, t| a + (b - a) * t);
+                let found = blossom(&knots, degree, basis.first + degree, control, |_| u, |a, b, t| a + (b - a) * t);
                 assert!((found - due).abs() < 1e-12, "{degree} {u}");
             }
         }

@@ -67,7 +67,7 @@ pub fn bezier<const N: usize>(knots: &[f64], control: &[SVector<f64, N>], span: 
     own[..=degree].copy_from_slice(control);
     let point = |k: usize| {
         let end = |step: usize| knots[if step < degree - k { span } else { span + 1 }];
-        basis::blossom(knots, span, (degree, own), end, |a: SVector<f64, N>, b, t| a.lerp(&b, t))
+        basis::blossom(knots, degree, span, own, end, |a: SVector<f64, N>, b, t| a.lerp(&b, t))
     };
     (0..=degree).map(point).collect()
 }
@@ -142,7 +142,7 @@ impl NurbsCurve {
         let i = basis::span(knots, p, inside);
         let mut control = [Vector4::zeros(); MAX_DEGREE + 1];
         control[..=p].copy_from_slice(&self.control()[i - p..=i]);
-        basis::blossom(knots, i, (p, control), |step| args[step], |a, b, t| a * (1.0 - t) + b * t)
+        basis::blossom(knots, p, i, control, |step| args[step], |a, b, t| a * (1.0 - t) + b * t)
     }
 }
 

@@ -71,7 +71,7 @@ fn faces_that_meet_have_round_edges() {
         assert!(noted(&made, "both faces meet at the inlet without a face between them"));
         let (read, row) = (["a.step".to_owned()], &made.rows[0]);
         let sections = [divided(&made)];
-        let part = PartSource::new((&made, row), &sections, (&read, "again"), Zero::File);
+        let part = PartSource::new(&made, row, &sections, &read, "again", Zero::File);
         let diag = part.lies_within(0.9 * made.moved).expect_err("the limit is smaller");
         let help = diag.help.unwrap();
         let (_, enough) = help.split_once("`--within ").unwrap_or_else(|| panic!("{help}"));

@@ -122,33 +122,36 @@ fn nearest(pieces: &Pieces, tool: &Mounted<'_>, stations: &[AxisAt], target: &Ta
     }
     let count = (stations.len() - 1) as f64;
     let at = |i: usize| rate(pieces, tool, i as f64 / count, target);
-    between(pieces, tool, target, at(best.0.saturating_sub(1)), at((best.0 + 1).min(stations.len() - 1)))
+    between(pieces, tool, target, [best.0.saturating_sub(1), (best.0 + 1).min(stations.len() - 1)].map(at))
 }
 
 /// The local minimum below a parameter: steps double until the distance grows, then the last interval is searched.
 fn downhill(pieces: &Pieces, tool: &Mounted<'_>, from: f64, step: f64, target: &Target) -> Deviation {
     let mut here = rate(pieces, tool, from, target);
-    let away = if here.1 < 0.0 { 1.0 } else { -1.0 };
+    let away = if here.rate < 0.0 { 1.0 } else { -1.0 };
     let mut step = step;
     loop {
-        let there = rate(pieces, tool, (here.0.t + away * step).clamp(0.0, 1.0), target);
-        let turned = there.1 * away >= 0.0;
-        if turned || there.0.t <= 0.0 || there.0.t >= 1.0 {
-            return if away > 0.0 {
-                between(pieces, tool, target, here, there)
-            } else {
-                between(pieces, tool, target, there, here)
-            };
+        let there = rate(pieces, tool, (here.deviation.t + away * step).clamp(0.0, 1.0), target);
+        let turned = there.rate * away >= 0.0;
+        if turned || there.deviation.t <= 0.0 || there.deviation.t >= 1.0 {
+            return between(pieces, tool, target, if away > 0.0 { [here, there] } else { [there, here] });
         }
         (here, step) = (there, 2.0 * step);
     }
 }
 
-/// The deviation at a parameter, and the derivative of the distance by the parameter.
-fn rate(pieces: &Pieces, tool: &Mounted<'_>, t: f64, target: &Target) -> (Deviation, f64) {
+/// A deviation with the derivative of the distance by the parameter, mm.
+#[derive(Clone, Copy)]
+struct RatedDeviation {
+    deviation: Deviation,
+    rate: f64,
+}
+
+/// The deviation at a parameter with its rate.
+fn rate(pieces: &Pieces, tool: &Mounted<'_>, t: f64, target: &Target) -> RatedDeviation {
     let (at, [lower, upper]) = pieces.moving(t);
-    let found = sensitive(tool, &at, t, target);
-    (found, found.lower.dot(&lower) + found.upper.dot(&upper))
+    let deviation = sensitive(tool, &at, t, target);
+    RatedDeviation { deviation, rate: deviation.lower.dot(&lower) + deviation.upper.dot(&upper) }
 }
 
 /// Least distance between two parameters: where the derivative of the distance changes its sign, else at the better
@@ -157,11 +160,12 @@ fn between(
     pieces: &Pieces,
     tool: &Mounted<'_>,
     target: &Target,
-    (a, mut fa): (Deviation, f64),
-    (b, mut fb): (Deviation, f64),
+    [low_end, high_end]: [RatedDeviation; 2],
 ) -> Deviation {
     /// Largest number of iterations; the secant method needs about six.
     const STEPS: usize = 40;
+    let [a, b] = [low_end, high_end].map(|end| end.deviation);
+    let (mut fa, mut fb) = (low_end.rate, high_end.rate);
     if fa >= 0.0 || fb <= 0.0 {
         return if a.value < b.value { a } else { b };
     }
@@ -171,8 +175,8 @@ fn between(
     let mut stays = 0;
     for _ in 0..STEPS {
         let t = (high - fb * (high - low) / (fb - fa)).clamp(low, high);
-        let (at, f) = rate(pieces, tool, t, target);
-        found = at;
+        let RatedDeviation { deviation, rate: f } = rate(pieces, tool, t, target);
+        found = deviation;
         // The error of the value is quadratic in the remaining interval: less than 1 pm here.
         if high - low < INTERVAL * width || f.abs() * width < LEVEL_CHANGE_MM {
             break;

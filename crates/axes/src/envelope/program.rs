@@ -155,7 +155,7 @@ impl QuadraticProgram<'_> {
             let normal = self.normal(&share)?;
             let mean = gap / left.count();
             let products = Each::of(|l, w, _| l * w, &left, &weight, &weight);
-            let first = self.towards(&products, &off, (&left, &share), &normal);
+            let first = self.towards(&products, &off, &left, &share, &normal);
             let step = left.step(&first.left).min(weight.step(&first.weight));
             let then = Each::of(|x, d, _| x + step * d, &left, &first.left, &first.left).dot(&Each::of(
                 |x, d, _| x + step * d,
@@ -169,7 +169,7 @@ impl QuadraticProgram<'_> {
             if !self.widens {
                 complement.widening = 0.0;
             }
-            let change = self.towards(&complement, &off, (&left, &share), &normal);
+            let change = self.towards(&complement, &off, &left, &share, &normal);
             let step = (INSIDE * left.step(&change.left).min(weight.step(&change.weight))).min(1.0);
             if step < 1e-7 {
                 return None;
@@ -184,7 +184,7 @@ impl QuadraticProgram<'_> {
 
     /// The change that makes the residuals zero and reduces the products of slack (`left`) and weight by `complement`.
     /// `share` is the weight over the slack.
-    fn towards(&self, complement: &Each, off: &Off, (left, share): (&Each, &Each), normal: &Normal) -> Change {
+    fn towards(&self, complement: &Each, off: &Off, left: &Each, share: &Each, normal: &Normal) -> Change {
         let relative = Each::of(|c, l, _| c / l, complement, left, left);
         let push = Each::of(|s, off, c| s * off - c, share, &off.bounds, &relative);
         let (pulled, pulled_widening) = self.pulled(&push);

@@ -1,6 +1,6 @@
 //! A blade of a wheel: its two faces, and the faces of its edges.
 
-use super::edge::{StepBladeEdge, meet};
+use super::edge::{SheetEnd, StepBladeEdge};
 use super::face::StepFace;
 use super::meridian::{StepMeridian, flat};
 use super::neighbours::EdgeFaces;
@@ -228,20 +228,20 @@ impl BladeReader<'_, '_> {
         let mut used = faces.to_vec();
         let mut chain: Vec<StepSheet> = Vec::new();
         while chain.len() < MOST_EDGE_FACES {
-            let side = chain.last().map_or((&sheets[0], end), |sheet| (sheet, 1));
-            if meet(side, (&sheets[1], end)) {
+            let side = chain.last().map_or(SheetEnd { sheet: &sheets[0], end }, |sheet| SheetEnd { sheet, end: 1 });
+            if side.meets(SheetEnd { sheet: &sheets[1], end }) {
                 return if chain.is_empty() {
                     StepBladeEdge::of_nose()
                 } else {
                     StepBladeEdge::new(chain, sheets, end)
                 };
             }
-            let start = side.0.jet(side.1 as f64, 0.0).point;
-            let candidates = self.picked.of(role).into_iter().chain(self.meeting.at(side.0.edges(side.1)));
+            let start = side.sheet.jet(side.end as f64, 0.0).point;
+            let candidates = self.picked.of(role).into_iter().chain(self.meeting.at(side.sheet.edges(side.end)));
             let next = candidates.filter(|k| !used.contains(k)).find_map(|k| {
                 let face = self.geometry.listed(&self.faces[k]).ok()?;
                 let sheet = self.sheet(&face, |p| nalgebra::distance(p, &start)).ok()?;
-                meet(side, (&sheet, 0)).then_some((k, sheet))
+                side.meets(SheetEnd { sheet: &sheet, end: 0 }).then_some((k, sheet))
             });
             let Some((k, sheet)) = next else { break };
             used.push(k);

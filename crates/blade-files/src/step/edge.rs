@@ -19,10 +19,19 @@ pub(super) struct StepBladeEdge {
     pub(super) form: Option<EdgeForm>,
 }
 
-/// Whether the side of a sheet is that of another one.
-pub(super) fn meet((sheet, end): (&StepSheet, usize), (other, other_end): (&StepSheet, usize)) -> bool {
-    let [here, there] = [sheet.end(end as f64, COMPARED), other.end(other_end as f64, COMPARED)];
-    here.iter().zip(&there).all(|(a, b)| nalgebra::distance(a, b) < EDGE_APART_MM)
+/// A sheet at one of its ends along s, 0 or 1.
+#[derive(Clone, Copy)]
+pub(super) struct SheetEnd<'a> {
+    pub(super) sheet: &'a StepSheet,
+    pub(super) end: usize,
+}
+
+impl SheetEnd<'_> {
+    /// Whether another sheet ends in the same line.
+    pub(super) fn meets(self, other: SheetEnd<'_>) -> bool {
+        let [here, there] = [self, other].map(|side| side.sheet.end(side.end as f64, COMPARED));
+        here.iter().zip(&there).all(|(a, b)| nalgebra::distance(a, b) < EDGE_APART_MM)
+    }
 }
 
 impl StepBladeEdge {

@@ -7,6 +7,7 @@ use super::face::{EDGE_APART_MM, StepFace};
 use super::meridian::{StepMeridian, flat};
 use super::surface::SurfaceJet;
 use nalgebra::{Point3, Vector3};
+use nurbs::bracket::{SecantEnd, secant};
 
 /// A fillet that was measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,18 +70,10 @@ fn radii(face: &StepFace, hub: &StepMeridian, side: f64) -> Vec<f64> {
 /// Radius of the ball that touches a surface at a point with a normal, and the hub, mm. `height` is the distance of the point from the
 /// hub.
 fn radius(p: &Point3<f64>, normal: Vector3<f64>, height: f64, hub: &StepMeridian) -> Option<f64> {
-    // Secant method for the radius at which centre and hub are as far from each other.
+    /// End of the search for the radius at which centre and hub are as far from each other, mm.
+    const TOUCHES: SecantEnd = SecantEnd { steps: 40, exact: 1e-9, level: 0.0 };
     let at = |r: f64| hub.nearest(&flat(&(p + normal * r)));
-    let (mut before, mut missing_before) = (0.0, height);
-    let mut r = height;
-    for _ in 0..40 {
-        let missing = at(r)[1] - r;
-        if missing.abs() < 1e-9 {
-            break;
-        }
-        let next = r - missing * (r - before) / (missing - missing_before);
-        (before, missing_before, r) = (r, missing, next);
-    }
+    let r = secant([0.0, height], f64::INFINITY, TOUCHES, |r| at(r)[1] - r);
     let [length, distance] = at(r);
     // Where the ball is beside the end of the hub, its radius is not known.
     let touches = (distance - r).abs() < 1e-6 && length > 0.0 && length < hub.length();

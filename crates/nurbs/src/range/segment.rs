@@ -53,7 +53,7 @@ impl<'k> SpanPart<'k> {
         for (j, point) in points.iter_mut().enumerate().take(degree + 1) {
             // Blossom with the end of the segment j times and its beginning otherwise.
             let argument = |level: usize| self.range[usize::from(level < j)];
-            *point = blossom(self.knots, self.span, (degree, net), argument, |a, b, t| a + (b - a) * t);
+            *point = blossom(self.knots, degree, self.span, net, argument, |a, b, t| a + (b - a) * t);
         }
         degree + 1
     }

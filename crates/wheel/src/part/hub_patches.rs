@@ -155,10 +155,10 @@ impl Layout<'_> {
         if inside == [false; 2] {
             return PassageEnd { arc: between.clone(), between, cuts: None, second: Vec::new() };
         }
-        let one = self.cut((k, 0, end), &from, &to);
+        let one = self.cut(k, 0, end, &from, &to);
         // As it is in the sector of its blade.
         let back = turn.inverse();
-        let mut second: HubLine = self.cut((next, 1, end), &to, &from).iter().map(|p| back * p).collect();
+        let mut second: HubLine = self.cut(next, 1, end, &to, &from).iter().map(|p| back * p).collect();
         second[0] = own;
         let mut other: HubLine = second.iter().map(|p| turn * p).collect();
         other[0] = to;
@@ -168,7 +168,7 @@ impl Layout<'_> {
 
     /// The cut from a face of a blade at an end to the circle, on the side of the passage to the blade at `opposite`. At a blade that
     /// ends on the circle it is a part of the circle.
-    fn cut(&self, (blade, side, end): (usize, usize, usize), from: &Point3<f64>, opposite: &Point3<f64>) -> HubLine {
+    fn cut(&self, blade: usize, side: usize, end: usize, from: &Point3<f64>, opposite: &Point3<f64>) -> HubLine {
         let shares = self.shares(PatchDirection::Before);
         let outward = outward(side);
         let start = self.plane.place(from, -ABOUT * outward);

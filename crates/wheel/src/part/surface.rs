@@ -40,43 +40,32 @@ pub trait Surface {
     }
 }
 
-impl Surface for RuledSurface {
-    fn derivatives(&self, u: f64, v: f64) -> SurfaceDerivatives {
-        self.derivatives(u, v)
-    }
-    fn closest(&self, p: &Point3<f64>, patch: Patch) -> Projection {
-        self.closest(p, patch)
-    }
-    fn rotated(&self, angle: f64) -> Self {
-        self.rotated(angle)
-    }
-    // Computes no second derivatives.
-    fn tangents(&self, u: f64, v: f64) -> (Point3<f64>, Vector3<f64>, Vector3<f64>) {
-        self.tangents(u, v)
-    }
-    fn point(&self, u: f64, v: f64) -> Point3<f64> {
-        self.point(u, v)
-    }
+/// The surfaces have the methods already, some of them faster than those that the trait gives.
+macro_rules! is_surface {
+    ($surface:ty) => {
+        impl Surface for $surface {
+            fn derivatives(&self, u: f64, v: f64) -> SurfaceDerivatives {
+                self.derivatives(u, v)
+            }
+            fn closest(&self, p: &Point3<f64>, patch: Patch) -> Projection {
+                self.closest(p, patch)
+            }
+            fn rotated(&self, angle: f64) -> Self {
+                self.rotated(angle)
+            }
+            // Computes no second derivatives.
+            fn tangents(&self, u: f64, v: f64) -> (Point3<f64>, Vector3<f64>, Vector3<f64>) {
+                self.tangents(u, v)
+            }
+            fn point(&self, u: f64, v: f64) -> Point3<f64> {
+                self.point(u, v)
+            }
+        }
+    };
 }
 
-impl Surface for LoftedSurface {
-    fn derivatives(&self, u: f64, v: f64) -> SurfaceDerivatives {
-        self.derivatives(u, v)
-    }
-    fn closest(&self, p: &Point3<f64>, patch: Patch) -> Projection {
-        self.closest(p, patch)
-    }
-    fn rotated(&self, angle: f64) -> Self {
-        self.rotated(angle)
-    }
-    // Computes no second derivatives.
-    fn tangents(&self, u: f64, v: f64) -> (Point3<f64>, Vector3<f64>, Vector3<f64>) {
-        self.tangents(u, v)
-    }
-    fn point(&self, u: f64, v: f64) -> Point3<f64> {
-        self.point(u, v)
-    }
-}
+is_surface!(RuledSurface);
+is_surface!(LoftedSurface);
 
 /// The surface of a face of a blade, by its kind. A new kind needs one line in each table below.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
