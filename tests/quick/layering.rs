@@ -236,3 +236,38 @@ fn planning_asks_the_control_and_never_the_post() {
         .collect();
     assert_eq!(naming, [""; 0]);
 }
+
+/// Lines of arms `_ =>` that stand below an arm of a kind of operation.
+fn swallowed(text: &str) -> Vec<usize> {
+    const KINDS: [&str; 7] = ["Groove", "Expand", "Rough", "Plunge", "Flank", "Channel", "Point"];
+    let lines: Vec<&str> = text.lines().collect();
+    let indentation = |line: &str| line.len() - line.trim_start().len();
+    let of_kind = |line: &str| {
+        let arm = line.trim_start().trim_start_matches("| ").trim_start_matches('(');
+        KINDS
+            .iter()
+            .any(|kind| ["OperationKind::", "Self::"].iter().any(|of| arm.starts_with(&format!("{of}{kind} {{"))))
+    };
+    let wild = lines.iter().enumerate().filter(|(_, line)| line.trim_start().starts_with("_ =>"));
+    let below = wild.filter(|(at, line)| {
+        let arms = lines[..*at]
+            .iter()
+            .rev()
+            .take_while(|before| before.is_empty() || indentation(before) >= indentation(line));
+        arms.filter(|before| indentation(before) == indentation(line)).any(|before| of_kind(before))
+    });
+    below.map(|(at, _)| at + 1).collect()
+}
+
+#[test]
+fn no_match_swallows_a_new_operation() {
+    assert_eq!(swallowed("match kind {\n    OperationKind::Groove { .. } => 1,\n    _ => 2,\n}\n"), [3]);
+    let found: Vec<String> = all_files()
+        .iter()
+        .flat_map(|path| {
+            let text = std::fs::read_to_string(path).unwrap();
+            swallowed(&text).into_iter().map(move |line| format!("{}:{line}", path.display()))
+        })
+        .collect();
+    assert_eq!(found, Vec::<String>::new(), "a new operation would take these arms without a word");
+}

@@ -80,7 +80,11 @@ pub fn program(program: &Program) -> Result<(), Malformed> {
         let fits = match &operation.kind {
             OperationKind::Flank { faces, .. } => !faces.is_empty() && faces.iter().all(long_face),
             OperationKind::Point { surfaces, .. } => !surfaces.is_empty() && surfaces.iter().all(surface),
-            _ => true,
+            OperationKind::Groove { .. }
+            | OperationKind::Expand { .. }
+            | OperationKind::Rough { .. }
+            | OperationKind::Plunge { .. }
+            | OperationKind::Channel { .. } => true,
         };
         check(fits, || format!("`{name}` finishes no surface of the part"))?;
     }

@@ -201,7 +201,11 @@ fn kind(spec: &OperationKind, given: &PartSpec, part: &Part) -> OperationKind {
                 }
             }
         }
-        _ => {}
+        OperationKind::Groove { .. }
+        | OperationKind::Expand { .. }
+        | OperationKind::Rough { .. }
+        | OperationKind::Plunge { .. }
+        | OperationKind::Channel { .. } => {}
     }
     kind
 }

@@ -258,7 +258,11 @@ fn with_figure(program: &Program, raised: Option<(Figure, f64)>) -> Vec<Cost> {
         let before = match kind {
             OperationKind::Groove { .. } => std::mem::replace(&mut roughed[0], true),
             OperationKind::Expand { .. } => std::mem::replace(&mut roughed[1], true),
-            _ => false,
+            OperationKind::Rough { .. }
+            | OperationKind::Plunge { .. }
+            | OperationKind::Flank { .. }
+            | OperationKind::Channel { .. }
+            | OperationKind::Point { .. } => false,
         };
         sizes.cost(program, operation, &kind, if before { WENT_ON } else { 1.0 })
     });
@@ -399,7 +403,13 @@ fn check_bands(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
         OperationKind::Flank { faces, flank } if flank.method == FlankMethod::Minimax => {
             flank.strips.unwrap_or(AUTO_BANDS).saturating_mul(u32::try_from(faces.len()).unwrap_or(u32::MAX))
         }
-        _ => 0,
+        OperationKind::Flank { .. } => 0,
+        OperationKind::Groove { .. }
+        | OperationKind::Expand { .. }
+        | OperationKind::Rough { .. }
+        | OperationKind::Plunge { .. }
+        | OperationKind::Channel { .. }
+        | OperationKind::Point { .. } => 0,
     };
     let all = program.operations.iter().map(|(_, o)| strips_of(o)).fold(0, u32::saturating_add);
     let Some((_, operation)) =

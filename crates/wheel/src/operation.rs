@@ -236,7 +236,7 @@ impl OperationKind {
     pub fn step_down(&self) -> Option<Mm> {
         match *self {
             Self::Groove { depth, .. } | Self::Expand { depth, .. } | Self::Rough { depth, .. } => Some(depth),
-            _ => None,
+            Self::Plunge { .. } | Self::Flank { .. } | Self::Channel { .. } | Self::Point { .. } => None,
         }
     }
 
@@ -249,7 +249,12 @@ impl OperationKind {
     pub fn of_larger_tool(&self) -> Option<Mm> {
         match self {
             Self::Channel { allowance_vane, .. } => *allowance_vane,
-            _ => None,
+            Self::Groove { .. }
+            | Self::Expand { .. }
+            | Self::Rough { .. }
+            | Self::Plunge { .. }
+            | Self::Flank { .. }
+            | Self::Point { .. } => None,
         }
     }
 
@@ -259,7 +264,11 @@ impl OperationKind {
         let mut blades: Vec<BladeId> = match self {
             Self::Flank { faces, .. } => faces.iter().map(|face| face.blade).collect(),
             Self::Point { surfaces, .. } => surfaces.iter().filter_map(|s| word(*s)).map(|w| w.2).collect(),
-            _ => all(),
+            Self::Groove { .. }
+            | Self::Expand { .. }
+            | Self::Rough { .. }
+            | Self::Plunge { .. }
+            | Self::Channel { .. } => all(),
         };
         blades.sort_unstable();
         blades.dedup();
@@ -277,7 +286,11 @@ impl OperationKind {
     pub fn axis_method(&self) -> Option<AxisMethod> {
         match self {
             Self::Channel { method, .. } | Self::Point { method, .. } => Some(*method),
-            _ => None,
+            Self::Groove { .. }
+            | Self::Expand { .. }
+            | Self::Rough { .. }
+            | Self::Plunge { .. }
+            | Self::Flank { .. } => None,
         }
     }
 }

@@ -99,7 +99,13 @@ fn asked(program: &Program) -> Vec<Fit> {
                     surfaces.iter().filter_map(|s| if let SurfaceKind::Face(side) = s { Some(*side) } else { None });
                 faces.filter(|side| reached(*side)).map(|side| (side, EnoughFit::Scallop(scallop.get()))).collect()
             }
-            _ => Vec::new(),
+            OperationKind::Groove { .. }
+            | OperationKind::Expand { .. }
+            | OperationKind::Rough { .. }
+            | OperationKind::Plunge { .. }
+            | OperationKind::Flank { .. }
+            | OperationKind::Channel { .. }
+            | OperationKind::Point { .. } => Vec::new(),
         };
         for (side, allowed) in faces {
             if !asked.iter().any(|f| f.side == side && f.cutter == cutter) {

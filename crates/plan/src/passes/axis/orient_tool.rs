@@ -56,10 +56,17 @@ fn orient_operation(cx: &mut PassContext<'_>, cc: &CcOperation) -> Result<ClOper
 
 /// Tilt before collision avoidance.
 fn tilt(operation: &Operation) -> AxisTilt {
+    if operation.kind.axis_method() == Some(AxisMethod::Ruling) {
+        return AxisTilt::Along;
+    }
     match operation.kind {
-        _ if operation.kind.axis_method() == Some(AxisMethod::Ruling) => AxisTilt::Along,
         OperationKind::Point { .. } => AxisTilt::Away(FIRST_TILT),
-        _ => AxisTilt::Away(0.0),
+        OperationKind::Groove { .. }
+        | OperationKind::Expand { .. }
+        | OperationKind::Rough { .. }
+        | OperationKind::Plunge { .. }
+        | OperationKind::Flank { .. }
+        | OperationKind::Channel { .. } => AxisTilt::Away(0.0),
     }
 }
 
@@ -80,6 +87,8 @@ pub(crate) fn tilted_points(
         Drive::Round(blade) => {
             vane_points(program, operation, pass, |axes, (i, p)| axes.round(blade, p.w, [p.u, p.v], tilt(i)))
         }
-        _ => hub_points(program, operation, pass, tilt),
+        Drive::Channel | Drive::Face { .. } | Drive::Hub(_) | Drive::HubWithLead(..) => {
+            hub_points(program, operation, pass, tilt)
+        }
     }
 }

@@ -18,7 +18,7 @@ pub(crate) fn hub_points(
     let cutter = &program.tools[operation.tool].solid.cutter;
     let passage = match pass.drive {
         Drive::Hub(passage) | Drive::HubWithLead(passage, _) => passage,
-        _ => PassageId::FIRST,
+        Drive::Channel | Drive::Face { .. } | Drive::Contact(_) | Drive::Round(_) => PassageId::FIRST,
     };
     let chart = ChannelChart::new(part, passage);
     let at = |(i, p): (usize, &CcPoint)| {
@@ -27,7 +27,9 @@ pub(crate) fn hub_points(
         let at = if u == p.u { p.position } else { edge(program, pass, u) };
         let axis = match pass.drive {
             Drive::HubWithLead(_, angle) => lead::axis(&chart, (u, p.w, libm::atan2(at.y, at.x)), angle),
-            _ => hub_axis(&chart, u, p.w, &at, tilt(i)),
+            Drive::Channel | Drive::Face { .. } | Drive::Hub(_) | Drive::Contact(_) | Drive::Round(_) => {
+                hub_axis(&chart, u, p.w, &at, tilt(i))
+            }
         };
         let tip = cutter.tip_at(&p.position, &p.normal, &axis)?;
         Some(ClPoint { tip, axis, contact: Some(p.position) })

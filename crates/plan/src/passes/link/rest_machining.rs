@@ -68,7 +68,14 @@ pub fn run(
                     strokes::reduce(program, operation, &direct, planned, (&mut field, &work));
                     add_cuts(program, planned, &mut cleared);
                 }
-                _ => stock_order::reduce(program, operation, &direct, planned, (&mut field, &mut cleared, &work)),
+                OperationKind::Rough { .. } => {
+                    stock_order::reduce(program, operation, &direct, planned, (&mut field, &mut cleared, &work));
+                }
+                OperationKind::Groove { .. }
+                | OperationKind::Expand { .. }
+                | OperationKind::Flank { .. }
+                | OperationKind::Channel { .. }
+                | OperationKind::Point { .. } => {}
             }
             unless_cancelled(progress)?;
             if planned.passes.is_empty() {
@@ -131,7 +138,11 @@ fn field(program: &Program, sink: &mut Sink) -> Result<Field, Aborted> {
         let most = match o.kind {
             OperationKind::Rough { .. } => most_rough,
             OperationKind::Plunge { stepover, .. } => most_rough.min(OF_STEP * stepover.get()),
-            _ => MOST_CELL,
+            OperationKind::Groove { .. }
+            | OperationKind::Expand { .. }
+            | OperationKind::Flank { .. }
+            | OperationKind::Channel { .. }
+            | OperationKind::Point { .. } => MOST_CELL,
         };
         // The error between the rays is an eighth of what a loop takes: a loop that were not seen would be left out.
         let thinnest = [o.rest.map(|t| t.get()), spacing::loop_distance(program, o).map(|d| 0.25 * d)];
