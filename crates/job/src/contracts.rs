@@ -1,9 +1,9 @@
 //! Contracts of the job: `require` and `allow`.
 
-use super::context::Context;
-use super::eval::{suggest, unknown};
-use super::model::{AllowedSpec, ContractKind, ContractSpec, OperationSpec};
-use super::quantity::{Dimension, Quantity};
+use crate::block::context::Context;
+use crate::block::eval::{suggest, unknown};
+use crate::model::{AllowedSpec, ContractKind, ContractSpec, OperationSpec};
+use crate::property::quantity::{Dimension, Quantity};
 use base::source::Span;
 use diagnostics::Diag;
 use diagnostics::codes::job as codes;

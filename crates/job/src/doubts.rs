@@ -1,6 +1,6 @@
 //! Warnings about jobs that are valid, but hardly what their authors mean.
 
-use super::model::{ContractSpec, OperationSpec, StockSpec, ToolSpec};
+use crate::model::{ContractSpec, OperationSpec, StockSpec, ToolSpec};
 use base::units::{Mm, length, trim};
 use diagnostics::codes::job as codes;
 use diagnostics::{Diag, Sink};

@@ -4,16 +4,16 @@
 //! Numbers have all their digits, so that the printed job is the same to the last bit. An angle is in degrees where that loses
 //! nothing, else in radians.
 
-use super::library_schema::LINUXCNC;
-use super::model::{
+use crate::library::schema::LINUXCNC;
+use crate::model::tool::{PROPERTIES, PropertyText, ToolSpec};
+use crate::model::{
     AnglesAtSpan, AnglesSpec, BladeForm, BladeSpec, CamberSpec, CurveSpec, DistributionSpec, EdgePlace, FaceForm,
     FaceSpec, Job, Looks, MeridianPlace, OperationKind, OperationSpec, RevolvedSpec, RotarySpec, SectionsSpec,
     StockSpec,
 };
-use super::property::Property;
-use super::quantity::{angle, mm, short};
-use super::resolve::EDITION;
-use super::tool_model::{PROPERTIES, PropertyText, ToolSpec};
+use crate::property::Property;
+use crate::property::quantity::{angle, mm, short};
+use crate::resolve::EDITION;
 use base::units::{Mm, Rad, trim};
 use blade::LOOP_EDGES;
 use blade::angles::EdgeShape;

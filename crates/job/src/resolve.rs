@@ -1,19 +1,20 @@
 //! From the syntax tree to the [`Job`].
 
-use super::context::{Context, head};
-use super::doubts::{self, Stated};
-use super::eval::{LetScope, suggest};
-use super::files::{Fault, Files, MissingFile};
-use super::library;
-use super::model::{
+use crate::block::context::{Context, head};
+use crate::block::eval::{LetScope, suggest};
+use crate::block::properties::{Properties, Range, name_of};
+use crate::contracts;
+use crate::doubts::{self, Stated};
+use crate::files::{Fault, Files, MissingFile};
+use crate::library::tool_file::{self, ToolLibrary};
+use crate::library::{machine, post_file};
+use crate::model::{
     ClampingSpec, DEFAULT_CHORD, DEFAULT_CHORD_ROUGH, Job, MachineSpec, PartSpec, PartialJob, StockSpec,
 };
-use super::operations::Workpiece;
-use super::properties::{Properties, Range, name_of};
-use super::quantity::Dimension;
-use super::tool_file::{self, ToolLibrary};
-use super::vocabulary::{self, TopicKind};
-use super::{contracts, operations, part, post_file, stock_file, tools};
+use crate::operation::{self, Workpiece, tools};
+use crate::part::{self, stock_file};
+use crate::property::quantity::Dimension;
+use crate::vocabulary::{self, TopicKind};
 use base::source::{SourceMap, Span};
 use base::units::Mm;
 use diagnostics::codes::{files as file_codes, job as codes};
@@ -49,7 +50,7 @@ pub fn understand(file: &File, files: &mut dyn Files, sources: &mut SourceMap, s
         cut_before: stock.as_ref().is_some_and(|s| s.left.is_some()),
         material: stock.as_ref().and_then(|s| s.material),
     };
-    let operations = operations::resolve(file, &tools, machine.as_ref(), &workpiece, &mut cx);
+    let operations = operation::resolve(file, &tools, machine.as_ref(), &workpiece, &mut cx);
     let (chord, chord_rough) = tolerances(file, &mut cx);
     let (contracts, allowed) = contracts::resolve(file, &operations, &mut cx);
     let post = post(file, &mut cx);
@@ -199,7 +200,7 @@ fn machine(file: &File, cx: &mut Context<'_>) -> Option<MachineSpec> {
     match cx.files.machine(&what.text) {
         Ok(found) => {
             let source = cx.sources.add_file(found);
-            library::machine(&what.text, source, cx.sources, what.span, cx.sink)
+            machine::machine(&what.text, source, cx.sources, what.span, cx.sink)
         }
         Err(missing) => {
             cx.sink.push(not_in_library("machine", inner(&what), &missing));

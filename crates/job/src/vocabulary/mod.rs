@@ -6,9 +6,9 @@ pub(crate) mod operations;
 mod part;
 mod tools;
 
-use super::property::property;
-pub use super::property::{Form, Property, Without};
-use super::quantity::{Dimension, JOB_UNITS};
+use crate::property::property;
+use crate::property::quantity::{Dimension, JOB_UNITS};
+pub use crate::property::{Form, Property, Without};
 use std::fmt::Write as _;
 use wheel::contract::ContractKind;
 

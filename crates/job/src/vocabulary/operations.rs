@@ -2,7 +2,7 @@
 
 use super::Without::{Is, Means, Required};
 use super::{Dimension, Form, Property, Topic, TopicKind, property, topic_of};
-use crate::limits;
+use crate::property::limits;
 use crate::property::{Range, typed};
 use wheel::method::{AxisMethod, Conflict, ErrorSide, FaceOrder, FlankMethod, Levels, Lines, Milling, Slots, Spacing};
 

@@ -1,7 +1,7 @@
-//! Kinds of tools. Their properties are those of `tool_model`.
+//! Kinds of tools. Their properties are those of `model::tool`.
 
 use super::{Topic, TopicKind, topic_of};
-use crate::tool_model::PROPERTIES;
+use crate::model::tool::PROPERTIES;
 
 pub(super) const TOPICS: &[Topic] = &[
     topic_of(

@@ -1,0 +1,605 @@
+//! Operations: tool, speed, feed, and the properties of each kind.
+
+mod channel;
+mod finishing;
+mod plunge;
+mod rough;
+pub(crate) mod tools;
+
+use crate::block::context::{Context, head};
+use crate::block::eval::{mismatch, suggest, unknown};
+pub(super) use crate::block::properties::named;
+use crate::block::properties::{LabelledValue, Properties, Range};
+use crate::model::{MachineSpec, OperationKind, OperationSpec, ToolSpec};
+use crate::property::limits;
+use crate::property::quantity::Dimension;
+use crate::vocabulary::operations::{LEAD_IN, LEAD_OUT, LINK_FEED};
+use crate::vocabulary::{self, TopicKind};
+use base::source::Span;
+use base::units::{Mm, MmPerMin, Rpm, length, trim};
+use diagnostics::Diag;
+use diagnostics::codes::job as codes;
+use finishing::{blades, chosen, faces, flank, levels, milling_of, point_axes};
+use std::collections::{BTreeMap, BTreeSet};
+use std::f64::consts::PI;
+use syntax::ast::{Expr, File, Item, ItemKind, Name};
+use tools::Declared;
+use wheel::material::Material;
+use wheel::method::{AxisMethod, Lines, Spacing};
+use wheel::operation::{VaneAllowance, by_lines};
+use wheel::part::SurfaceKind;
+
+/// Kinds of tools that can rough.
+pub(super) const ROUGHS: [&str; 4] = ["flat", "ball", "bull", "tapered-ball"];
+
+/// Least step down, mm: thinner chips are dust.
+pub(super) const LEAST_DEPTH: f64 = 0.01;
+
+/// Least residual of roughing, mm.
+const LEAST_RESIDUAL: f64 = 0.001;
+
+/// Least scallop height, mm: a tenth of a micrometre is below the roughness of any milled surface.
+const LEAST_SCALLOP: f64 = 1e-4;
+
+/// Thicknesses of rest machining, mm. The ends of the stock are known to a micrometre and paths to their tolerances;
+/// stock above the upper limit does not count as a rest.
+const REST: Range = Range::Between(0.02, 10.0);
+
+/// What operations take from part and stock.
+pub(super) struct Workpiece {
+    /// Number of vanes, where the part is readable.
+    pub(super) vanes: Option<u32>,
+    /// Names of the blades of a sector, the main blade first; none where the part is not readable.
+    pub(super) blades: Vec<String>,
+    /// True where a file states what is left of the blank.
+    pub(super) cut_before: bool,
+    /// Material of the stock.
+    pub(super) material: Option<Material>,
+}
+
+pub(super) fn resolve(
+    file: &File,
+    tools: &[Declared],
+    machine: Option<&MachineSpec>,
+    workpiece: &Workpiece,
+    cx: &mut Context<'_>,
+) -> Vec<OperationSpec> {
+    let mut out = Vec::new();
+    let mut used = Used::default();
+    let mut layers: Option<Layers> = None;
+    let mut any = false;
+    for item in &file.items {
+        let ItemKind::Operation { kind, name, .. } = &item.kind else { continue };
+        any = true;
+        let kinds = vocabulary::names(TopicKind::Operation);
+        if !kinds.contains(&kind.text.as_str()) {
+            let message = format!("operation `{}` is not in the language", kind.text);
+            let diag = Diag::error(codes::NOT_IN_LANGUAGE, message);
+            cx.sink.push(suggest(diag, &kind.text, kind.span, "operation", &kinds));
+            continue;
+        }
+        let name = unique_name(kind, name.as_ref(), &mut used, cx);
+        let on_whole_blank = used.names.len() == 1 && !workpiece.cut_before;
+        let mut reader = OperationReader { name, on_whole_blank, tools, machine, workpiece, groove: layers };
+        let several = match kind.text.as_str() {
+            "rough" => Some(reader.rough(item, cx)),
+            _ if OperationReader::has_list(item) => Some(reader.channel(item, cx)),
+            _ => None,
+        };
+        if let Some(planned) = several {
+            let mut planned = planned.unwrap_or_default();
+            for (k, operation) in planned.iter_mut().enumerate().skip(1) {
+                operation.name = numbered(&operation.name, k + 1, kind.span, &mut used);
+            }
+            out.extend(planned);
+            continue;
+        }
+        let operation = reader.read(item, cx);
+        if let Some(OperationKind::Groove { depth, allowance_vane, allowance_hub }) =
+            operation.as_ref().map(|o| o.kind.clone())
+        {
+            layers = Some(Layers { depth, allowance_vane, allowance_hub });
+        }
+        out.extend(operation);
+    }
+    if !any && !file.damaged {
+        cx.sink.push(Diag::error(codes::MISSING_ITEM, "the job has no operation").help(
+            "add `operation rough { ... }`; operations are rough, plunge, groove, expand, flank, point, fillet, edge and channel",
+        ));
+    }
+    out
+}
+
+/// Names of the operations so far.
+#[derive(Default)]
+struct Used {
+    names: BTreeMap<String, Span>,
+    /// Last number in a generated name, by kind.
+    numbers: BTreeMap<String, u32>,
+}
+
+/// The given name, or the kind, with a number when it is not the first of its kind.
+fn unique_name(kind: &Name, name: Option<&Name>, used: &mut Used, cx: &mut Context<'_>) -> String {
+    let span = name.map_or(kind.span, |n| n.span);
+    let text = match name {
+        Some(name) => {
+            if let Some(first) = used.names.get(&name.text) {
+                cx.sink.push(
+                    Diag::error(codes::GIVEN_TWICE, format!("two operations are called `{}`", name.text))
+                        .label(name.span, "the second one")
+                        .label(*first, "the first one")
+                        .help("give the second operation another name"),
+                );
+            }
+            name.text.clone()
+        }
+        None => {
+            let mut text = kind.text.clone();
+            while used.names.contains_key(&text) {
+                let number = used.numbers.entry(kind.text.clone()).or_insert(1);
+                *number += 1;
+                text = format!("{}{number}", kind.text);
+            }
+            text
+        }
+    };
+    used.names.entry(text.clone()).or_insert(span);
+    text
+}
+
+/// The name with the next free number from `number` on.
+fn numbered(name: &str, number: usize, span: Span, used: &mut Used) -> String {
+    let text = (number..).map(|n| format!("{name}{n}")).find(|text| !used.names.contains_key(text));
+    let text = text.unwrap_or_else(|| name.to_owned());
+    used.names.insert(text.clone(), span);
+    text
+}
+
+pub(super) struct OperationReader<'a> {
+    pub(super) name: String,
+    /// True for the first operation of a job that starts from the whole blank.
+    pub(super) on_whole_blank: bool,
+    pub(super) tools: &'a [Declared],
+    machine: Option<&'a MachineSpec>,
+    workpiece: &'a Workpiece,
+    groove: Option<Layers>,
+}
+
+/// Properties that both roughing operations have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Layers {
+    /// Largest step down.
+    depth: Mm,
+    /// Allowance on the vanes.
+    allowance_vane: VaneAllowance,
+    /// Allowance on the hub.
+    allowance_hub: Mm,
+}
+
+impl OperationReader<'_> {
+    fn read(&mut self, item: &Item, cx: &mut Context<'_>) -> Option<OperationSpec> {
+        let ItemKind::Operation { kind, body, .. } = &item.kind else { return None };
+        let known = vocabulary::properties(TopicKind::Operation, &kind.text);
+        let owner = format!("operation {}", self.name);
+        let mut p = Properties::new(owner, head(item), body, &known, &mut cx.scope, cx.sink);
+        let tool = self.tool(kind, &mut p);
+        let spec = tool.and_then(|(at, _)| self.tools.get(at)).and_then(|t| t.spec.as_ref());
+        let speed = self.speed(spec, &mut p);
+        let feed = self.feed(spec, speed, &mut p);
+        let link_feed = self.link_feed(&mut p);
+        let [lead_in, lead_out] = leads(&mut p);
+        let rest = self.rest(&mut p);
+        let sectors = self.sectors(&mut p);
+        let kind = self.kind(kind, spec, &mut p);
+        Some(OperationSpec {
+            name: self.name.clone(),
+            kind: kind?,
+            tool: tool?.0,
+            speed: speed?,
+            feed: feed?,
+            link_feed: link_feed?,
+            lead_in: lead_in?,
+            lead_out: lead_out?,
+            rest: rest?,
+            sectors: sectors?,
+            span: head(item),
+        })
+    }
+
+    /// Feed of links, or its default.
+    pub(super) fn link_feed(&self, p: &mut Properties<'_, '_>) -> Option<MmPerMin> {
+        match p.read(&LINK_FEED)? {
+            Some(feed) => self.within_axes(LINK_FEED.name, feed, p),
+            None => LINK_FEED.default().map(MmPerMin),
+        }
+    }
+
+    fn tool(&mut self, kind: &Name, p: &mut Properties<'_, '_>) -> Option<(usize, Span)> {
+        if !p.has("tool") {
+            p.missing("tool", "tool t1");
+            return None;
+        }
+        let words = p.words("tool", "tool t1")?;
+        let [word] = words.as_slice() else {
+            p.wrong_form(words.first()?.span, "tool", "one tool", "tool t1");
+            return None;
+        };
+        self.named_tool(kind, word, p)
+    }
+
+    /// The declared tool with this name, if its kind suits the operation.
+    pub(super) fn named_tool(&self, kind: &Name, word: &Name, p: &mut Properties<'_, '_>) -> Option<(usize, Span)> {
+        let needed: &[&str] = match kind.text.as_str() {
+            // Offsets of rulings assume a cylinder that ends in a ball.
+            "flank" if p.is_word("method", "two-point") || p.is_word("method", "one-point") => &["ball"],
+            "flank" => &["ball", "bull", "flat", "tapered-ball", "barrel"],
+            "point" => &["ball", "bull", "barrel", "tapered-ball", "lollipop"],
+            // A ball only touches fillet, edge, tip and the floor beside the walls.
+            "fillet" | "edge" | "tip" => &["ball", "tapered-ball", "lollipop"],
+            "channel" => &["ball", "lollipop"],
+            "rough" => &ROUGHS,
+            _ => &["flat", "ball", "bull"],
+        };
+        // In a list of tools, bull noses may finish the middle.
+        let place = if kind.text == "channel" { ", beside the walls," } else { "" };
+        self.tool_of_kind(word, (&format!("operation {}{place}", kind.text), needed), p)
+    }
+
+    /// The declared tool with this name, if it has one of the kinds that its user needs.
+    pub(super) fn tool_of_kind(
+        &self,
+        word: &Name,
+        (user, needed): (&str, &[&str]),
+        p: &mut Properties<'_, '_>,
+    ) -> Option<(usize, Span)> {
+        let Some(at) = self.tools.iter().position(|t| t.name.text == word.text) else {
+            if !p.scope.damaged {
+                let known = self.tools.iter().map(|t| t.name.text.as_str());
+                p.sink.push(unknown(&word.text, word.span, "tool", known));
+            }
+            return None;
+        };
+        let declared = self.tools.get(at)?;
+        let suits = |kinds: &[&str]| declared.spec.as_ref().is_none_or(|s| kinds.contains(&s.kind.keyword()));
+        if !suits(needed) {
+            let has = declared.spec.as_ref().map_or("", |s| s.kind.keyword());
+            p.sink.push(
+                Diag::error(codes::WRONG_TOOL, format!("operation {} cannot use a {has} tool", self.name))
+                    .label(word.span, format!("`{}` is a {has} tool", word.text))
+                    .label(declared.name.span, "declared here")
+                    .help(format!("{user} needs a tool of the kind {}", needed.join(", "))),
+            );
+            return None;
+        }
+        Some((at, word.span))
+    }
+
+    /// Spindle speed, given directly or as the cutting speed at the tool's diameter.
+    fn speed(&self, tool: Option<&ToolSpec>, p: &mut Properties<'_, '_>) -> Option<Rpm> {
+        if !p.has("speed") {
+            p.missing("speed", "speed 8000 rpm");
+            return None;
+        }
+        let expr = p.expression("speed", "speed 8000 rpm")?;
+        self.speed_of(expr, tool, p)
+    }
+
+    /// The spindle speed that an expression means for a tool.
+    pub(super) fn speed_of(&self, expr: &Expr, tool: Option<&ToolSpec>, p: &mut Properties<'_, '_>) -> Option<Rpm> {
+        let value = p.scope.value(expr, p.sink)?;
+        let rpm = match value.dimension {
+            Dimension::SPINDLE => value.value,
+            Dimension::FEED => value.value / (PI * tool?.diameter.get()),
+            _ => {
+                p.sink.push(mismatch(expr, value, &[Dimension::SPINDLE, Dimension::FEED], "`speed`"));
+                return None;
+            }
+        };
+        let [min, max] = self.machine.map_or([Rpm(0.0), Rpm(1e6)], |m| m.spindle);
+        if rpm < min.get() || rpm > max.get() || rpm < limits::LEAST_SPINDLE {
+            let name = self.machine.map_or("any machine", |m| m.name.as_str());
+            p.sink.push(
+                Diag::error(
+                    codes::MACHINE_RANGE,
+                    format!("the spindle of {name} does not turn at {} rpm", trim(rpm, 1)),
+                )
+                .label(expr.span, format!("the range is {} to {} rpm", min.get().max(limits::LEAST_SPINDLE), max.get()))
+                .help("choose a speed within the range of the spindle"),
+            );
+            return None;
+        }
+        Some(Rpm(rpm))
+    }
+
+    /// Feed, given directly or per tooth.
+    fn feed(&self, tool: Option<&ToolSpec>, speed: Option<Rpm>, p: &mut Properties<'_, '_>) -> Option<MmPerMin> {
+        if !p.has("feed") {
+            p.missing("feed", "feed 250 mm/min");
+            return None;
+        }
+        let expr = p.expression("feed", "feed 250 mm/min")?;
+        self.feed_of(expr, tool, speed, p)
+    }
+
+    /// The feed that an expression means for a tool at a speed.
+    pub(super) fn feed_of(
+        &self,
+        expr: &Expr,
+        tool: Option<&ToolSpec>,
+        speed: Option<Rpm>,
+        p: &mut Properties<'_, '_>,
+    ) -> Option<MmPerMin> {
+        let value = p.scope.value(expr, p.sink)?;
+        let feed = match value.dimension {
+            Dimension::FEED => value.value,
+            Dimension::FEED_PER_TOOTH => value.value * speed?.get() * f64::from(tool?.flutes),
+            _ => {
+                p.sink.push(mismatch(expr, value, &[Dimension::FEED, Dimension::FEED_PER_TOOTH], "`feed`"));
+                return None;
+            }
+        };
+        if !limits::FEED.holds(feed) {
+            p.out_of_range(expr.span, "feed", &limits::FEED.text(Dimension::FEED));
+            return None;
+        }
+        let feed = self.within_axes("feed", (feed, expr.span), p)?;
+        match (tool, speed) {
+            (Some(tool), Some(speed)) => self.within_chip(feed, expr.span, tool, speed, p),
+            _ => Some(feed),
+        }
+    }
+
+    /// The feed when its feed per tooth is within the limit of the tool.
+    fn within_chip(
+        &self,
+        feed: MmPerMin,
+        span: Span,
+        tool: &ToolSpec,
+        speed: Rpm,
+        p: &mut Properties<'_, '_>,
+    ) -> Option<MmPerMin> {
+        let (teeth, most) = (speed.get() * f64::from(tool.flutes), tool.largest_chip(self.workpiece.material).get());
+        let chip = feed.get() / teeth;
+        // Room for rounding where the job states the limit itself.
+        if chip <= most * (1.0 + 1e-9) {
+            return Some(feed);
+        }
+        let limit = match tool.limits.chip {
+            Some(_) => "its `max-chip`".to_owned(),
+            None => format!(
+                "{} % of its diameter of {} at a stick-out of {} diameters{}",
+                trim(100.0 * most / tool.diameter.get(), 2),
+                tool.diameter,
+                trim(tool.reach.get() / tool.diameter.get(), 1),
+                self.workpiece.material.map_or_else(String::new, |m| format!(" in {}", m.name()))
+            ),
+        };
+        p.sink.push(
+            Diag::error(
+                codes::CHIP,
+                format!("operation {} feeds {} by {} a tooth", self.name, tool.name, length(chip)),
+            )
+            .label(span, format!("the limit is {}", length(most)))
+            .note(format!("{} has {} flutes and a limit of {limit}", tool.name, tool.flutes))
+            .note(format!(
+                "{} are a cutting speed of {} m/min at its diameter",
+                speed,
+                trim(speed.get() * PI * tool.diameter.get() / 1000.0, 2)
+            ))
+            .help(format!(
+                "use a feed of at most {} mm/min; a higher speed; or, where the maker of the tool allows it, `max-chip {}` \
+                 of the tool",
+                trim((teeth * most).floor(), 0),
+                Mm((chip * 1e4).ceil() / 1e4)
+            )),
+        );
+        None
+    }
+
+    fn within_axes(&self, name: &str, (feed, span): (f64, Span), p: &mut Properties<'_, '_>) -> Option<MmPerMin> {
+        let fastest =
+            self.machine.map_or(1e6, |m| m.linear.iter().map(|a| a.speed.get()).fold(f64::INFINITY, f64::min));
+        if feed <= fastest {
+            return Some(MmPerMin(feed));
+        }
+        p.sink.push(
+            Diag::error(
+                codes::MACHINE_RANGE,
+                format!("the `{name}` of operation {} is too fast for the machine", self.name),
+            )
+            .label(span, format!("its slowest linear axis reaches {fastest} mm/min"))
+            .help("choose a lower feed"),
+        );
+        None
+    }
+
+    /// Thickness of rest machining; `Some(None)` when it is off.
+    pub(super) fn rest(&self, p: &mut Properties<'_, '_>) -> Option<Option<Mm>> {
+        let example = "rest over 0.05 mm";
+        if !p.has("rest") {
+            return Some(None);
+        }
+        if p.is_word("rest", "off") {
+            p.take("rest");
+            return Some(None);
+        }
+        let values = p.labelled("rest", &["over"], example);
+        let (label, expr) = values.first()?;
+        let thickness = p.value_of(expr, "rest over", Dimension::LENGTH, REST)?;
+        if self.on_whole_blank {
+            p.sink.push(
+                Diag::error(
+                    codes::NO_REST_BEFORE,
+                    format!("`{}` uses `rest over`, but no operation comes before it", self.name),
+                )
+                .label(Span { end: expr.span.end, ..label.span }, "earlier operations leave the rest")
+                .help(
+                    "remove `rest` from the first operation, or give the stock what is left of it: `from \"left.stl\"`",
+                ),
+            );
+            return None;
+        }
+        Some(Some(Mm(thickness)))
+    }
+
+    pub(super) fn sectors(&self, p: &mut Properties<'_, '_>) -> Option<Vec<u32>> {
+        let count = self.workpiece.vanes.unwrap_or(10_000);
+        if !p.has("sectors") {
+            return Some((0..count).collect());
+        }
+        let sectors = p.counts("sectors", 1, count, "sectors 1, 2")?;
+        let mut seen = BTreeSet::new();
+        for (sector, span) in &sectors {
+            if !seen.insert(*sector) {
+                p.sink.push(
+                    Diag::error(codes::GIVEN_TWICE, format!("sector {sector} is given twice"))
+                        .label(*span, "given again")
+                        .help("name each sector once"),
+                );
+                return None;
+            }
+        }
+        // Ascending: an operation works from sector to sector.
+        Some(seen.into_iter().map(|s| s - 1).collect())
+    }
+
+    pub(super) fn kind(
+        &self,
+        kind: &Name,
+        tool: Option<&ToolSpec>,
+        p: &mut Properties<'_, '_>,
+    ) -> Option<OperationKind> {
+        let radius = tool.map_or(250.0, |t| t.diameter.get() / 2.0);
+        match kind.text.as_str() {
+            "groove" => {
+                let Layers { depth, allowance_vane, allowance_hub } = self.layers(false, tool, p)?;
+                Some(OperationKind::Groove { depth, allowance_vane, allowance_hub })
+            }
+            "expand" => {
+                let layers = self.layers(true, tool, p);
+                let range = Range::Between(LEAST_RESIDUAL, radius);
+                let residual = p.required("residual", Dimension::LENGTH, range, "residual 0.5 mm");
+                let Layers { depth, allowance_vane, allowance_hub } = layers?;
+                Some(OperationKind::Expand { depth, allowance_vane, allowance_hub, residual: Mm(residual?.0) })
+            }
+            "plunge" => self.plunge(tool, p),
+            "flank" => flank(&self.workpiece.blades, p),
+            "point" | "fillet" | "edge" | "tip" => {
+                let range = Range::Between(LEAST_SCALLOP, radius);
+                let scallop = p.required("scallop", Dimension::LENGTH, range, "scallop 5 um");
+                let blades = blades(&self.workpiece.blades, p)?;
+                let given = match kind.text.as_str() {
+                    "edge" => chosen(p, "edges", "edge", ["inlet", "outlet"]),
+                    "tip" => Some(vec!["tip"]),
+                    _ => faces(p),
+                };
+                let of_kind = blades.into_iter().flat_map(by_lines).filter(|s| s.1 == kind.text);
+                let faces = given.as_ref().map_or(0, Vec::len);
+                let surfaces = given.map(|given| of_kind.filter(|s| given.contains(&s.2)).map(|s| s.0).collect());
+                let all: &[Lines] = if kind.text == "point" { &Lines::ROUND } else { &Lines::ALL };
+                let spiral = p.is_word("lines", "spiral");
+                let lines = named(p, "lines", all, Lines::name);
+                if spiral && faces == 1 {
+                    p.sink.push(
+                        Diag::error(codes::WRONG_FORM, format!("`lines spiral` of {} needs both faces", self.name))
+                            .label(kind.span, "this operation finishes one face only")
+                            .help("name both faces, `faces pressure, suction`, or use `lines zigzag`"),
+                    );
+                    return None;
+                }
+                let milling =
+                    if matches!(kind.text.as_str(), "edge" | "tip") { Some(None) } else { milling_of(lines?, p) };
+                let (scallop, method) = (Mm(scallop?.0), point_axes(tool, p)?);
+                let (surfaces, lines, milling): (Vec<SurfaceKind>, _, _) = (surfaces?, lines?, milling?);
+                let levels = if kind.text == "point" { levels(lines, faces, p)? } else { None };
+                Some(OperationKind::Point { surfaces, scallop, lines, milling, levels, method })
+            }
+            _ => {
+                let range = Range::Between(LEAST_SCALLOP, radius);
+                let scallop = p.required("scallop", Dimension::LENGTH, range, "scallop 10 um");
+                let (spacing, lines) =
+                    (named(p, "spacing", &Spacing::ALL, Spacing::name), named(p, "lines", &Lines::ALL, Lines::name));
+                let method = named(p, "method", &AxisMethod::ALL, AxisMethod::name);
+                let scallop = Mm(scallop?.0);
+                Some(OperationKind::Channel {
+                    scallop,
+                    spacing: spacing?,
+                    lines: lines?,
+                    method: method?,
+                    allowance_vane: None,
+                })
+            }
+        }
+    }
+
+    /// Step down and allowances; `expand` takes missing values from the groove before it.
+    fn layers(&self, inherits: bool, tool: Option<&ToolSpec>, p: &mut Properties<'_, '_>) -> Option<Layers> {
+        let before = self.groove.filter(|_| inherits);
+        let deepest = tool.map_or(1000.0, |t| t.flute.get());
+        let depth = match before {
+            Some(before) if !p.has("depth") => Some(before.depth),
+            _ => {
+                let range = Range::Between(LEAST_DEPTH, deepest);
+                p.required("depth", Dimension::LENGTH, range, "depth 1.5 mm").map(|d| Mm(d.0))
+            }
+        };
+        let (allowance_vane, allowance_hub) = match before {
+            Some(before) if !p.has("allowance") => (before.allowance_vane, before.allowance_hub),
+            _ => allowances(p)?,
+        };
+        Some(Layers { depth: depth?, allowance_vane, allowance_hub })
+    }
+}
+
+/// Largest allowance, mm.
+pub(super) const ALLOWANCE: Range = Range::NotNegative(100.0);
+
+/// Allowances on vane and hub.
+pub(super) fn allowances(p: &mut Properties<'_, '_>) -> Option<(VaneAllowance, Mm)> {
+    let example = "allowance vane 0.2 mm, hub 0.5 mm";
+    if !p.has("allowance") {
+        p.missing("allowance", example);
+        return None;
+    }
+    let values = p.labelled_ranges("allowance", &["vane", "hub"], example);
+    let [vane, hub] = ["vane", "hub"].map(|label| {
+        let found = values.iter().copied().find(|(l, _)| l.text == label);
+        if found.is_none() {
+            p.missing(&format!("allowance {label}"), example);
+        }
+        found
+    });
+    let vane = vane.and_then(|(_, of)| vane_allowance(of, p));
+    let hub = hub.and_then(|(label, of)| {
+        let one = p.single("allowance", label, of, example)?;
+        p.value_of(one, "allowance hub", Dimension::LENGTH, ALLOWANCE).map(Mm)
+    });
+    Some((vane?, hub?))
+}
+
+/// Allowance on the vanes: one value, or one at the tip and one at the root.
+fn vane_allowance(of: LabelledValue<'_>, p: &mut Properties<'_, '_>) -> Option<VaneAllowance> {
+    let mut value = |expr| p.value_of(expr, "allowance vane", Dimension::LENGTH, ALLOWANCE).map(Mm);
+    let tip = value(of.first);
+    let Some(second) = of.second else { return tip.map(VaneAllowance::even) };
+    let (root, tip) = (value(second)?, tip?);
+    let allowance = VaneAllowance::growing(tip, root);
+    if allowance.is_none() {
+        p.sink.push(
+            Diag::error(codes::OUT_OF_RANGE, "`allowance vane` is smaller at the root than at the tip")
+                .label(of.first.span, "at the tip")
+                .label(second.span, "at the root")
+                .note("a vane is stiff if it is thicker at the root, where it stands on the hub")
+                .help(format!("give the smaller value first, `vane {root} .. {tip}`; or one value, `vane {tip}`")),
+        );
+    }
+    allowance
+}
+
+/// Lengths of both leads, or their defaults.
+pub(super) fn leads(p: &mut Properties<'_, '_>) -> [Option<Mm>; 2] {
+    [LEAD_IN, LEAD_OUT].map(|lead| {
+        let length = p.read(&lead)?.map(|given| given.0);
+        length.or_else(|| lead.default()).map(Mm)
+    })
+}
