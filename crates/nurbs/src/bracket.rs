@@ -118,6 +118,45 @@ pub fn root([mut low, mut high]: [f64; 2], start: f64, mut at: impl FnMut(f64) -
     x
 }
 
+/// A bracket of a root that secants narrow, with half the weight for an end that does not move: else it would never (Illinois). The
+/// function is negative at the low end only.
+#[derive(Clone, Copy, Debug)]
+pub struct SecantBracket {
+    /// Low and high end.
+    pub ends: [f64; 2],
+    weights: [f64; 2],
+    /// The end that moved last.
+    moved: Option<usize>,
+}
+
+impl SecantBracket {
+    /// Both ends with the values of the function there.
+    pub fn new(ends: [f64; 2], values: [f64; 2]) -> Self {
+        Self { ends, weights: values, moved: None }
+    }
+
+    /// Width.
+    pub fn width(&self) -> f64 {
+        self.ends[1] - self.ends[0]
+    }
+
+    /// Where the secant is zero; through rounding this may be an end or lie beyond it.
+    pub fn next(&self) -> f64 {
+        let [low, high] = self.weights;
+        self.ends[1] - high * self.width() / (high - low)
+    }
+
+    /// Takes a place within the bracket, with the value of the function there, as its new end.
+    pub fn take(&mut self, x: f64, value: f64) {
+        let end = usize::from(value.is_nan() || value >= 0.0);
+        (self.ends[end], self.weights[end]) = (x, value);
+        if self.moved == Some(end) {
+            self.weights[1 - end] *= 0.5;
+        }
+        self.moved = Some(end);
+    }
+}
+
 /// When secants end: after a number of steps, at a value of the function, or where it does not change.
 #[derive(Clone, Copy, Debug)]
 pub struct SecantEnd {
@@ -215,6 +254,21 @@ mod tests {
         }
         // A root at an end.
         assert!(root([0.0, 1.0], 0.5, |x| [x + 1.0, 1.0]) < 1e-14);
+    }
+
+    #[test]
+    fn secants_narrow_a_bracket() {
+        // Without half weights the low end would never move.
+        let f = |x: f64| x * x * x * x - 0.1;
+        let mut bracket = SecantBracket::new([0.0, 1.0], [0.0, 1.0].map(f));
+        let mut steps = 0;
+        while f(bracket.next()).abs() > 1e-12 {
+            let x = bracket.next();
+            bracket.take(x, f(x));
+            steps += 1;
+            assert!(f(bracket.ends[0]) < 0.0 && f(bracket.ends[1]) >= 0.0);
+        }
+        assert!(steps < 15, "{steps}");
     }
 
     #[test]

@@ -5,6 +5,7 @@
 
 use super::target::{LEVER, Of, Target};
 use nalgebra::Vector3;
+use nurbs::bracket::SecantBracket;
 use nurbs::{AxisAt, DualCurve, Pieces};
 use rayon::prelude::*;
 use tool_stock::collide::cutter::Slope;
@@ -156,40 +157,26 @@ fn rate(pieces: &Pieces, tool: &Mounted<'_>, t: f64, target: &Target) -> RatedDe
 
 /// Least distance between two parameters: where the derivative of the distance changes its sign, else at the better
 /// end.
-fn between(
-    pieces: &Pieces,
-    tool: &Mounted<'_>,
-    target: &Target,
-    [low_end, high_end]: [RatedDeviation; 2],
-) -> Deviation {
+fn between(pieces: &Pieces, tool: &Mounted<'_>, target: &Target, ends: [RatedDeviation; 2]) -> Deviation {
     /// Largest number of iterations; the secant method needs about six.
     const STEPS: usize = 40;
-    let [a, b] = [low_end, high_end].map(|end| end.deviation);
-    let (mut fa, mut fb) = (low_end.rate, high_end.rate);
-    if fa >= 0.0 || fb <= 0.0 {
+    let [a, b] = ends.map(|end| end.deviation);
+    let rates = ends.map(|end| end.rate);
+    if rates[0] >= 0.0 || rates[1] <= 0.0 {
         return if a.value < b.value { a } else { b };
     }
-    let (mut low, mut high) = (a.t, b.t);
-    let width = high - low;
+    let mut bracket = SecantBracket::new([a.t, b.t], rates);
+    let width = bracket.width();
     let mut found = a;
-    let mut stays = 0;
     for _ in 0..STEPS {
-        let t = (high - fb * (high - low) / (fb - fa)).clamp(low, high);
-        let RatedDeviation { deviation, rate: f } = rate(pieces, tool, t, target);
+        let t = bracket.next().clamp(bracket.ends[0], bracket.ends[1]);
+        let RatedDeviation { deviation, rate } = rate(pieces, tool, t, target);
         found = deviation;
         // The error of the value is quadratic in the remaining interval: less than 1 pm here.
-        if high - low < INTERVAL * width || f.abs() * width < LEVEL_CHANGE_MM {
+        if bracket.width() < INTERVAL * width || rate.abs() * width < LEVEL_CHANGE_MM {
             break;
         }
-        if f < 0.0 {
-            (low, fa) = (t, f);
-            fb *= if stays < 0 { 0.5 } else { 1.0 };
-            stays = -1;
-        } else {
-            (high, fb) = (t, f);
-            fa *= if stays > 0 { 0.5 } else { 1.0 };
-            stays = 1;
-        }
+        bracket.take(t, rate);
     }
     found
 }

@@ -4,7 +4,7 @@ use super::{FaceId, Part, Surface};
 use nalgebra::{Point3, Vector2, Vector3};
 use nurbs::Revolution;
 use nurbs::angle::great_arc;
-use nurbs::bracket::{Bracket, SecantEnd, secant};
+use nurbs::bracket::{Bracket, SecantBracket, SecantEnd, secant};
 
 /// End of secants along a ruling, mm.
 const RULING: SecantEnd = SecantEnd { steps: 12, exact: 1e-12, level: 1e-15 };
@@ -96,52 +96,38 @@ impl Part {
 /// The place between two places with known values where a function becomes positive, by 50 bisection steps, which end
 /// below rounding for a ruling of some 100 mm. A bracket decides most steps without an evaluation.
 fn halved(f: impl Fn(f64) -> f64, ends: [(f64, f64); 2]) -> f64 {
-    let (below, above) = bracket(&f, ends);
+    let [below, above] = bracket(&f, ends);
     let whole = Bracket { holds: ends[0].0, fails: ends[1].0 };
     whole.halved(50, |v| v <= below || (v < above && f(v) < 0.0)).middle()
 }
 
-/// A narrow bracket of the place where a function becomes positive, from a wide bracket with known values: by secants,
-/// with half the weight for an end that does not move (Illinois).
-fn bracket(f: impl Fn(f64) -> f64, [(mut low, mut f_low), (mut high, mut f_high)]: [(f64, f64); 2]) -> (f64, f64) {
+/// A narrow bracket of the place where a function becomes positive, from a wide bracket with known values, by secants.
+fn bracket(f: impl Fn(f64) -> f64, ends: [(f64, f64); 2]) -> [f64; 2] {
     /// Largest number of steps: for rulings about six are enough.
     const STEPS: usize = 20;
     /// Final width: some units of rounding.
     const CLOSE_ON_RULING: f64 = 2e-14;
-    let mut stays = None;
+    let mut found = SecantBracket::new(ends.map(|end| end.0), ends.map(|end| end.1));
     let mut last = f64::NAN;
+    let inside = |v: f64, [low, high]: [f64; 2]| v > low && v < high;
     for _ in 0..STEPS {
-        let next = high - f_high * (high - low) / (f_high - f_low);
-        if !(next > low && next < high) {
+        let next = found.next();
+        if !inside(next, found.ends) {
             break;
         }
         // After a very short step the root lies close to this place.
-        let ends = if (next - last).abs() < CLOSE_ON_RULING {
-            [next - CLOSE_ON_RULING, next + CLOSE_ON_RULING]
-        } else {
-            [next; 2]
-        };
+        let close = (next - last).abs() < CLOSE_ON_RULING;
         last = next;
-        for v in ends {
-            if v <= low || v >= high {
-                continue;
-            }
-            let value = f(v);
-            if value < 0.0 {
-                (low, f_low) = (v, value);
-                f_high *= if stays == Some(true) { 0.5 } else { 1.0 };
-                stays = Some(true);
-            } else {
-                (high, f_high) = (v, value);
-                f_low *= if stays == Some(false) { 0.5 } else { 1.0 };
-                stays = Some(false);
+        for v in if close { [next - CLOSE_ON_RULING, next + CLOSE_ON_RULING] } else { [next; 2] } {
+            if inside(v, found.ends) {
+                found.take(v, f(v));
             }
         }
-        if high - low <= 2.0 * CLOSE_ON_RULING {
+        if found.width() <= 2.0 * CLOSE_ON_RULING {
             break;
         }
     }
-    (low, high)
+    found.ends
 }
 
 impl Part {
