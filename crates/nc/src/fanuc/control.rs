@@ -1,9 +1,10 @@
 //! Modal groups and order of words of the family, and what differs between its members.
 
-use super::writer;
 use crate::control::modal::{Modal, ModalGroup, Needed};
 use crate::control::{Act, Control, WorkOffsets};
 use crate::dialect::{Dialect, NO_TURNED_FRAME};
+use crate::form::{ModuloForm, NumberForm, TextForm};
+use five_axis::control::ModuloWay;
 
 /// The word that takes back shifts of the work frame, as a message names it.
 pub(super) const PRESET: &str = "G92.1 X0. Y0. Z0. with both rotary axes at 0.";
@@ -53,7 +54,15 @@ pub(super) const FANUC: Member = Member {
             "feed override is 100 % at most, no dry run; the first feed waits for the spindle (3708#0 SAR = 1)",
             "M6 leaves Z at the retract height",
         ],
-        form: writer::FANUC,
+        form: form(
+            99_999_999,
+            // B-63534EN/02, 20.2.1, for roll-over axes.
+            Ok(ModuloForm {
+                ways: &[ModuloWay::Shortest],
+                about: ["", ""],
+                assumed: "parameters 1008#0 ROA = 1 and 1260 = 360 deg; 1008#1 RAB = 0 makes it go the shorter way",
+            }),
+        ),
         splines: None,
         no_subprograms: NO_TURNED_FRAME,
         offsets: Some(&OFFSETS),
@@ -88,7 +97,10 @@ pub(super) const MITSUBISHI: Member = Member {
             "feed override is 100 % at most, no dry run; the first feed waits for the spindle",
             "M6 leaves Z at the retract height",
         ],
-        form: writer::MITSUBISHI,
+        form: form(
+            999_999,
+            Err("no manual that the project knows says which way this control takes to a word of such an axis"),
+        ),
         splines: None,
         no_subprograms: NO_TURNED_FRAME,
         offsets: Some(&OFFSETS),
@@ -101,6 +113,18 @@ pub(super) const MITSUBISHI: Member = Member {
     levels: false,
     point: "parameter #1078",
 };
+
+/// How the family writes text: the largest block number, and what holds for axes modulo 360 deg.
+const fn form(largest: u64, modulo: Result<ModuloForm, &'static str>) -> TextForm {
+    TextForm {
+        comment: ["(", ")"],
+        rotary: "",
+        modulo,
+        numbers: NumberForm { prefix: "N", largest, always: false, comments: false, without: &["%", "O", "<"] },
+        continued: "",
+        longest: 128,
+    }
+}
 
 /// The work offsets: six, and further ones as an option.
 pub(super) const OFFSETS: WorkOffsets =

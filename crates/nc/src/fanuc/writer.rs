@@ -3,12 +3,10 @@
 use super::Family;
 use super::control::Member;
 use crate::dialect::WriteBlock;
-use crate::form::{ModuloForm, NumberForm, TextForm};
 use crate::modulo;
 use crate::words::{self, fixed};
 use crate::write::{self, FeedWord};
 use diagnostics::{Diag, Sink, codes::job, codes::post};
-use five_axis::control::ModuloWay;
 use five_axis::{Angles, Carries, Joints, Machine, between, most_turn};
 use ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
 use wheel::control::Orientation;
@@ -19,32 +17,6 @@ const LARGEST_TOOL: u32 = 999;
 
 /// Turn of the tables in one block before the start of a path, radians: 1 deg.
 const TURN: f64 = std::f64::consts::PI / 180.0;
-
-/// Text of Fanuc.
-pub(super) const FANUC: TextForm = form(
-    99_999_999,
-    // B-63534EN/02, 20.2.1, for roll-over axes.
-    Ok(ModuloForm {
-        ways: &[ModuloWay::Shortest],
-        about: ["", ""],
-        assumed: "parameters 1008#0 ROA = 1 and 1260 = 360 deg; 1008#1 RAB = 0 makes it go the shorter way",
-    }),
-);
-
-/// Text of Mitsubishi.
-pub(super) const MITSUBISHI: TextForm =
-    form(999_999, Err("no manual that the project knows says which way this control takes to a word of such an axis"));
-
-const fn form(largest: u64, modulo: Result<ModuloForm, &'static str>) -> TextForm {
-    TextForm {
-        comment: ["(", ")"],
-        rotary: "",
-        modulo,
-        numbers: NumberForm { prefix: "N", largest, always: false, comments: false, without: &["%", "O", "<"] },
-        continued: "",
-        longest: 128,
-    }
-}
 
 /// A number that has its point also without digits behind it.
 pub(super) fn number(value: f64, decimals: usize) -> String {
