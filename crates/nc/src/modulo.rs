@@ -16,7 +16,7 @@ use wheel::control::on_step;
 const TURN: f64 = 360.0;
 
 /// Share of half a turn that the rounding of the words of two blocks can take, radians: one step of two decimals.
-const ROUNDING: f64 = 2e-4;
+const TURN_ROUNDING_RAD: f64 = 2e-4;
 
 /// Refuses an axis modulo 360 deg for which the dialect knows no words, or whose control turns by another rule.
 pub(super) fn check_machine(form: &TextForm, machine: &Machine, chosen: Option<Span>, sink: &mut Sink) {
@@ -69,16 +69,17 @@ pub(super) fn check_way(
     sink: &mut Sink,
 ) {
     for operation in &motion.operations {
-        for (k, axis) in program.machine.rotary.iter().enumerate().filter(|(_, axis)| takes_shorter(axis)) {
-            check_axis(program, operation, (k, axis), sink);
+        for (k, _) in program.machine.rotary.iter().enumerate().filter(|(_, axis)| takes_shorter(axis)) {
+            check_axis(program, operation, k, sink);
         }
     }
 }
 
-fn check_axis(program: &Program, operation: &MotionOperation, (k, axis): (usize, &RotaryAxis), sink: &mut Sink) {
+fn check_axis(program: &Program, operation: &MotionOperation, k: usize, sink: &mut Sink) {
+    let axis = &program.machine.rotary[k];
     let declared = &program.operations[operation.operation];
     let turn = |m: &[ir::JointMove]| (m[1].joints.rotary[k] - m[0].joints.rotary[k]).abs();
-    let Some(m) = operation.moves.windows(2).find(|m| turn(m) >= PI - ROUNDING) else { return };
+    let Some(m) = operation.moves.windows(2).find(|m| turn(m) >= PI - TURN_ROUNDING_RAD) else { return };
     let label = operation.labels.get(m[1].pass as usize).cloned().unwrap_or_default();
     let help = if axis.modulo.is_some() {
         "report the job file; write `travel` of the axis in the machine file if the control permits it, or use another post"

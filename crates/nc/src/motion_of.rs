@@ -40,13 +40,13 @@ impl NcMotion {
 const MOST_FAULTS: usize = super::MOST_FAULTS;
 
 /// Share by which feed and spindle speed may exceed those of the job through rounding.
-const ROUNDING: f64 = 1e-6;
+const FEED_ROUNDING: f64 = 1e-6;
 
 /// Largest turn of the table that is rounding of words while the tool moves down to the first target, radians.
 const PARKED: f64 = 1e-5;
 
 /// Share of the time of a move at rapid that is rounding of the words of its block.
-const RAPID_ROUNDING: f64 = 1e-3;
+const RAPID_TIME_ROUNDING: f64 = 1e-3;
 
 /// Rotary moves and tip moves below these values count as standstill, in radians and mm.
 const STILL: (f64, f64) = (1e-6, 1e-4);
@@ -149,7 +149,7 @@ impl Interpreter<'_> {
             return false;
         }
         let fits = |m: &NcMove| {
-            says_tool(m, tool) && (m.speed - operation.speed.get()).abs() <= 0.5 + ROUNDING * operation.speed.get()
+            says_tool(m, tool) && (m.speed - operation.speed.get()).abs() <= 0.5 + FEED_ROUNDING * operation.speed.get()
         };
         let Some(wrong) = section.moves.iter().find(|m| !fits(m)) else { return true };
         let known = self.program.tools.iter().any(|(_, t)| says_tool(wrong, t));
@@ -215,7 +215,7 @@ impl Interpreter<'_> {
                 continue;
             }
             let first = course.last.is_none();
-            self.check_turn(m, first, (course.rotary, rotary), free);
+            self.check_turn(m, first, course.rotary, rotary, free);
             self.check_interpolation(m, course.rotary, rotary);
             let way = course.way(&m.tip, rotary);
             let (kind, mut feed) = self.kind(m, operation, first, &way);
@@ -326,7 +326,7 @@ impl Interpreter<'_> {
     }
 
     /// Reports rotary positions that are not certain, and turns while the tool moves down.
-    fn check_turn(&mut self, m: &NcMove, first: bool, (before, to): (Angles, Angles), free: bool) {
+    fn check_turn(&mut self, m: &NcMove, first: bool, before: Angles, to: Angles, free: bool) {
         let names = self.program.machine.names();
         if first && most_turn(before, to) > PARKED {
             let what = if self.program.machine.chain.has_head() { "a rotary axis" } else { "the table" };
@@ -410,7 +410,7 @@ impl Interpreter<'_> {
     /// Kind and feed of a move. A move faster than the process feed can only be a link. A block in inverse time is a
     /// move at rapid in two cases: its time is that of a rapid, or its feed is larger than every feed of the operation.
     fn kind(&mut self, m: &NcMove, operation: &Operation, first: bool, way: &ReadMove) -> (MoveKind, Option<f64>) {
-        let most = operation.link_feed.get().max(operation.feed.get()) * (1.0 + ROUNDING);
+        let most = operation.link_feed.get().max(operation.feed.get()) * (1.0 + FEED_ROUNDING);
         let feed = match (m.feed, m.time) {
             (_, Some(time)) if way.is_rapid(time) => return (MoveKind::Rapid, None),
             (_, Some(time)) => way.length() / time * 60.0,
@@ -428,7 +428,7 @@ impl Interpreter<'_> {
                 "begin with a rapid to a place outside the stock",
             );
         }
-        if feed <= operation.feed.get() * (1.0 + ROUNDING) {
+        if feed <= operation.feed.get() * (1.0 + FEED_ROUNDING) {
             return (MoveKind::Cut, Some(feed));
         }
         if feed > most {
@@ -583,7 +583,7 @@ impl ReadMove<'_> {
         let planned = planned.max(self.length() / machine.rapid);
         let [x, y, z, first, second] = machine.speeds();
         let digits = QUANTUM.0 / x.min(y).min(z) + QUANTUM.1 / first.min(second);
-        (time - planned).abs() <= RAPID_ROUNDING * planned + digits
+        (time - planned).abs() <= RAPID_TIME_ROUNDING * planned + digits
     }
 
     /// Time of a block with the word of a rapid, s.

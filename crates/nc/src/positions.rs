@@ -1,14 +1,12 @@
 //! Rotary positions for directions of the tool: what a control does with a vector, and what a post-processor may do with CL
 //! data, which leave the choice to it.
 
+use super::control::WORD_ROUNDING_RAD;
 use super::nc::{Direction, NcSection};
 use five_axis::{Angles, Machine};
 use nalgebra::Vector3;
 use nurbs::angle::nearest_turn;
 use std::f64::consts::TAU;
-
-/// Turn beyond the travel that is rounding of words, radians.
-const ROUNDING: f64 = 1e-7;
 
 /// Most turns to either side of zero that are tried.
 const MOST_TURNS: i32 = 3;
@@ -66,7 +64,11 @@ fn candidates(machine: &Machine, axis: &Vector3<f64>, near: f64) -> Vec<Angles> 
 }
 
 fn reaches(machine: &Machine, rotary: Angles) -> bool {
-    machine.rotary.iter().zip(rotary).all(|(axis, q)| q >= axis.min - ROUNDING && q <= axis.max + ROUNDING)
+    machine
+        .rotary
+        .iter()
+        .zip(rotary)
+        .all(|(axis, q)| q >= axis.min - WORD_ROUNDING_RAD && q <= axis.max + WORD_ROUNDING_RAD)
 }
 
 #[cfg(test)]

@@ -17,7 +17,7 @@ use std::f64::consts::{SQRT_2, TAU};
 use wheel::control::Decimals;
 
 /// Share of a time that rounding may take.
-const ROUNDING: f64 = 1e-12;
+const TIME_ROUNDING: f64 = 1e-12;
 
 /// Margin of moves whose words are those of another place, tip in mm and angles in radians. A move of a subprogram differs
 /// from its first place by at most the rounding of the arithmetic, and so does the turn of each unit of it from that of the
@@ -56,7 +56,7 @@ pub fn refused(program: &Program, nc: &NcProgram, fault: &TextFault) -> Diag {
         return diag.help("report the job file: this is a fault of the compiler");
     }
     let diag = Diag::error(*code, format!("post {} makes a program that is refused: {reason}", program.post.name));
-    let diag = at_template(diag, nc, (*line, "the program"));
+    let diag = at_template(diag, nc, *line, "the program");
     match help {
         Some(help) => diag.help(format!("correct the post file: {help}")),
         None => diag,
@@ -64,7 +64,7 @@ pub fn refused(program: &Program, nc: &NcProgram, fault: &TextFault) -> Diag {
 }
 
 /// Adds the template of the post file that made a line of a text, or the last one before it, and the line.
-pub(super) fn at_template(mut diag: Diag, nc: &NcProgram, (line, of): (usize, &str)) -> Diag {
+pub(super) fn at_template(mut diag: Diag, nc: &NcProgram, line: usize, of: &str) -> Diag {
     let line = if line == 0 { nc.lines.len() } else { line.min(nc.lines.len()) };
     let own = nc.lines.get(line.wrapping_sub(1));
     if let Some(span) = nc.lines[..line].iter().rev().find_map(|l| l.frame) {
@@ -310,7 +310,7 @@ fn compare(
     if let Some(time) = read.time.filter(|_| inverse) {
         // One step of F, and the shortest time that is written.
         let longest = meant.time * (1.0 + meant.time / 60.0 * 10f64.powi(-INVERSE_DECIMALS)) + 1e-3;
-        let fits = time >= meant.time * (1.0 - ROUNDING) && time <= longest;
+        let fits = time >= meant.time * (1.0 - TIME_ROUNDING) && time <= longest;
         return if fits { Ok(()) } else { Err(format!("a rapid takes {time} s instead of {} s", meant.time)) };
     }
     same_feed(program, meant, read)

@@ -15,7 +15,7 @@ use ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
 use wheel::control::Sectors;
 
 /// Difference of feeds (mm/min) and times (s) that is rounding of the arithmetic, as a share.
-const ROUNDING: f64 = 1e-9;
+const FEED_AND_TIME_ROUNDING: f64 = 1e-9;
 
 /// Divides an operation; `None` where its text is inline.
 pub(super) fn divided<'a>(
@@ -48,7 +48,7 @@ fn division(program: &Program, operation: &MotionOperation) -> Option<Division> 
     // LinuxCNC takes a turn of the work frame when the axes rest. Other controls may rest there: at rapid it does no harm.
     let stops = program.machine.planning == Planning::LinuxCnc;
     let cut = |i: usize| if stops { moves[i - 1].stop } else { rapid(i - 1) || rapid(i) };
-    let near = |a: f64, b: f64| (a - b).abs() <= ROUNDING * a.max(b);
+    let near = |a: f64, b: f64| (a - b).abs() <= FEED_AND_TIME_ROUNDING * a.max(b);
     let same = |a: &JointMove, b: &JointMove| {
         let feeds = match (a.feed, b.feed) {
             (Some(a), Some(b)) => near(a, b),

@@ -3,7 +3,7 @@
 use ir::Tool;
 
 /// Largest difference of a length from that of the tool, mm: the digits of words, and their effect on the profile.
-const ROUNDING: f64 = 2e-4;
+const SHAPE_ROUNDING_MM: f64 = 2e-4;
 
 /// Places of the profile that are compared.
 const PLACES: u32 = 64;
@@ -56,7 +56,7 @@ impl NcCutter {
     /// Whether arc and lines meet without a step.
     fn closes(&self) -> bool {
         let ends = (self.up - self.corner).abs().max((2.0 * self.radius_on_line(0.0) - self.diameter).abs());
-        self.lower == 0.0 && self.across > -ROUNDING && ends < 4.0 * ROUNDING
+        self.lower == 0.0 && self.across > -SHAPE_ROUNDING_MM && ends < 4.0 * SHAPE_ROUNDING_MM
     }
 
     /// Distance of the upper line from the axis at a height.
@@ -68,7 +68,7 @@ impl NcCutter {
 
 /// In what the tool of a text is not that of the job.
 pub(super) fn difference(shape: &NcToolShape, tool: &Tool) -> Option<String> {
-    if let Some(length) = shape.length.filter(|l| (l - tool.length()).abs() > ROUNDING) {
+    if let Some(length) = shape.length.filter(|l| (l - tool.length()).abs() > SHAPE_ROUNDING_MM) {
         return Some(format!("the length {length} mm; the tool {} of the job has {:.4} mm", tool.name, tool.length()));
     }
     let cutter = shape.cutter?;
@@ -77,7 +77,7 @@ pub(super) fn difference(shape: &NcToolShape, tool: &Tool) -> Option<String> {
         .map(|k| flute * f64::from(k) / f64::from(PLACES))
         .map(|s| (cutter.radius_at(s) - tool.solid.cutter.radius_at(s)).abs())
         .fold(0.0, f64::max);
-    if !cutter.closes() || off > ROUNDING {
+    if !cutter.closes() || off > SHAPE_ROUNDING_MM {
         let what = tool.solid.cutter.keyword();
         return Some(format!("a cutter that is not the {what} {} of the job", tool.name));
     }

@@ -92,7 +92,7 @@ fn refused(program: &Program, nc: &NcProgram, fault: &TextFault) -> Diag {
             ),
         );
     }
-    let diag = at_template(Diag::error(code, message), nc, (*line, "a trial program"));
+    let diag = at_template(Diag::error(code, message), nc, *line, "a trial program");
     match help.as_ref().filter(|_| code != codes::FRAME) {
         Some(help) => diag.help(help),
         None => diag.help(format!(

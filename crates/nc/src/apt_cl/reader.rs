@@ -32,7 +32,7 @@ const LARGEST_TOOL: f64 = 1e8;
 const UNIT: f64 = 1e-4;
 
 /// Rounding of the words of a pose in the height of the gauge line, mm.
-const ROUNDING: f64 = 1e-3;
+const HEIGHT_ROUNDING_MM: f64 = 1e-3;
 
 /// Reads a text.
 pub(super) fn read(text: &str, machine: &Machine) -> ReadResult {
@@ -369,7 +369,7 @@ impl<'a> State<'a> {
     /// Whether the gauge line stands at the retract height or above.
     fn is_retracted(&self, pose: &NcPose) -> bool {
         let height = self.shape.length.and_then(|length| self.height(pose, length));
-        height.is_some_and(|height| height >= self.machine.retract - ROUNDING)
+        height.is_some_and(|height| height >= self.machine.retract - HEIGHT_ROUNDING_MM)
     }
 
     /// Reports a pose in which the gauge line stands below the retract height.
@@ -380,7 +380,7 @@ impl<'a> State<'a> {
             let [.., first, second] = machine.names();
             return self.program.fault(format!("{word}: no angles of {first} and {second} give this direction"));
         };
-        if height < machine.retract - ROUNDING {
+        if height < machine.retract - HEIGHT_ROUNDING_MM {
             self.program.fault(format!(
                 "{word}: the gauge line stands at Z {height:.3} of the machine; where a path begins and ends, it stands at the \
                  retract height {:.3} of the machine file",

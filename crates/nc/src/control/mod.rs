@@ -10,7 +10,7 @@ pub(super) mod modal;
 pub(super) mod spline;
 mod state;
 
-pub(super) use state::{Line, ProgramState, control_character, read, read_in_order};
+pub(super) use state::{Line, ProgramState, Setup, control_character, read, read_in_order};
 
 use crate::nc::NcTool;
 use five_axis::Machine;
@@ -40,8 +40,11 @@ pub(super) const WIDEST_TURN_DEG: f64 = 0.1;
 /// takes another time than F says.
 pub(super) const SLOWEST_INVERSE: f64 = 0.1;
 
-/// Rounding of positions in words: mm, and radians (a step of a rotary word is 1e-5 deg).
-const ROUNDING: (f64, f64) = (1e-4, 1e-7);
+/// Rounding of positions in words, mm.
+const WORD_ROUNDING_MM: f64 = 1e-4;
+
+/// Rounding of positions of rotary axes in words, radians: a step is 1e-5 deg.
+pub(super) const WORD_ROUNDING_RAD: f64 = 1e-7;
 
 /// A plain decimal number.
 pub(super) fn number(text: &str) -> Result<f64, String> {
@@ -352,7 +355,7 @@ impl NcBlock {
                 "{name} = {degrees} deg: the control reduces words of this axis modulo 360 deg; write a word from 0 to below 360"
             ));
         }
-        if angle < limits.min - ROUNDING.1 || angle > limits.max + ROUNDING.1 {
+        if angle < limits.min - WORD_ROUNDING_RAD || angle > limits.max + WORD_ROUNDING_RAD {
             let mut travel = [limits.min, limits.max].map(|x| x.to_degrees() * limits.word_sign);
             travel.sort_by(f64::total_cmp);
             return Err(format!(

@@ -24,9 +24,11 @@ pub(crate) enum SplineWords {
     },
 }
 
-/// Largest distance of the start of a spline from the end of the block before, mm and radians, where the words give the start
-/// (iTNC 530: 1 um).
-pub(crate) const START: (f64, f64) = (1e-3, 2e-5);
+/// Largest distance of the start of a spline from the end of the block before, mm, where the words give the start (iTNC 530: 1 um).
+const START_OFF_MM: f64 = 1e-3;
+
+/// Largest turn between them, radians.
+const START_OFF_RAD: f64 = 2e-5;
 
 /// Where the tool stands.
 pub(crate) struct SplineStart {
@@ -56,7 +58,7 @@ impl SplineWords {
                 let tips = backward(tip);
                 let turns: Vec<Vector2<f64>> = backward(rotary);
                 let off = (tips[0] - start.tip.coords).amax();
-                if off > START.0 {
+                if off > START_OFF_MM {
                     return Err(format!(
                         "the spline begins {off:.4} mm away from where the tool stands: the control takes 0.001 mm"
                     ));
@@ -64,7 +66,7 @@ impl SplineWords {
                 let before =
                     start.rotary.ok_or("a spline of rotary axes after a direction vector: write their positions")?;
                 let turned = (turns[0] - Vector2::from(before)).amax();
-                if turned > START.1 {
+                if turned > START_OFF_RAD {
                     return Err(format!(
                         "the spline begins with a rotary axis {:.5} deg away from its position",
                         turned.to_degrees()

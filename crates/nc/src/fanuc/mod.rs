@@ -60,7 +60,7 @@ impl Post for Family {
     }
 
     fn sections(&self, text: &str, machine: &Machine, offset: &str) -> ReadResult {
-        reader::read(text, (machine, offset), self.member)
+        reader::read(text, machine, offset, self.member)
     }
 
     fn recognises(&self, code: &str) -> bool {

@@ -7,7 +7,7 @@
 use super::control::{CONTROL, HARMLESS, IN_PLANE, LINEAR, Member, OFFSETS, PRESET, is_offset};
 use super::text::{code_name, count, decimal, first_word, program_name, without_comments};
 use crate::control::modal::ModalGroup;
-use crate::control::{self, LengthWord, MOST_FAULTS, MotionWord, NcBlock, Smoothing, once, shown};
+use crate::control::{self, LengthWord, MOST_FAULTS, MotionWord, NcBlock, Setup, Smoothing, once, shown};
 use crate::nc::{ENDS_HERE, NcTool, ReadError, ReadResult};
 use five_axis::Machine;
 
@@ -39,9 +39,11 @@ enum Directed {
 }
 
 /// Reads a program.
-pub(super) fn read(text: &str, (machine, offset): (&Machine, &str), member: &Member) -> ReadResult {
+pub(super) fn read(text: &str, machine: &Machine, part_offset: &str, member: &Member) -> ReadResult {
     let mut reader = Reader { machine, member, tape: Tape::Leader, directed: Directed::Angles };
-    let result = control::read(text, &CONTROL, (machine, offset), |line, _, faults| reader.line(line, faults));
+    let result = control::read(text, Setup { control: &CONTROL, machine, part_offset }, |line, _, faults| {
+        reader.line(line, faults)
+    });
     if reader.tape == Tape::Closed {
         return result;
     }

@@ -49,7 +49,7 @@ fn good() -> String {
 
 /// The sections of a text, or the first fault.
 fn read_for(member: &Member, text: &str) -> Result<Vec<NcSection>, (usize, String)> {
-    reader::read(text, (&machine(), "G54"), member).map_err(|faults| (faults[0].line, faults[0].reason.clone()))
+    reader::read(text, &machine(), "G54", member).map_err(|faults| (faults[0].line, faults[0].reason.clone()))
 }
 
 fn sections(text: &str) -> Vec<NcSection> {
@@ -103,9 +103,9 @@ fn the_table_stands_at_zero_where_the_control_fixes_the_frame() {
                 G53 G0 B30. C0.\nG53 G0 X5. Y5.\nG05.1 Q1\nM8\nG43.4 H1\nG0 X0. Y0. Z99. B30. C0.\nG1 Z9. F90.\nG49\n\
                 G53 G0 Z350.\nM9\nM5\nM30\n%\n";
     let text = format!("%\nO1\n{text}");
-    assert!(reader::read(&text, (&head(), "G54"), &FANUC).is_ok_and(|s| s[0].moves.len() == 2));
+    assert!(reader::read(&text, &head(), "G54", &FANUC).is_ok_and(|s| s[0].moves.len() == 2));
     let turned = text.replacen("B30. C0.", "B30. C9.", 1);
-    let faults = reader::read(&turned, (&head(), "G54"), &FANUC).unwrap_err();
+    let faults = reader::read(&turned, &head(), "G54", &FANUC).unwrap_err();
     assert!(faults[0].reason.contains("with C at 9 deg"), "{}", faults[0].reason);
 }
 
@@ -134,7 +134,7 @@ fn vectors_are_complete_and_follow_g43_5() {
         )
     };
     let read = |text: &str, member: &Member| {
-        reader::read(text, (&head(), "G54"), member).map_err(|faults| faults[0].reason.clone())
+        reader::read(text, &head(), "G54", member).map_err(|faults| faults[0].reason.clone())
     };
     let found = read(&vectors("G43.5 H1 P0"), &FANUC).unwrap();
     assert!(matches!(found[0].moves[1].direction, Direction::Axis(axis) if axis.x > 0.49));
@@ -216,8 +216,8 @@ fn words_of_the_machine_builder_are_those_of_the_machine_file() {
     let text = with("M8\n", "M8\nM0200\n");
     refused(&text, "add it to `own-words` of the machine file");
     let machine = Machine { own_words: vec!["M200".to_owned()], ..machine() };
-    assert!(reader::read(&text, (&machine, "G54"), &FANUC).is_ok());
+    assert!(reader::read(&text, &machine, "G54", &FANUC).is_ok());
     let beside = with("F250.", "F250. M200");
-    let faults = reader::read(&beside, (&machine, "G54"), &FANUC).unwrap_err();
+    let faults = reader::read(&beside, &machine, "G54", &FANUC).unwrap_err();
     assert!(faults[0].reason.contains("depends on the machine"), "{}", faults[0].reason);
 }

@@ -8,8 +8,8 @@ use super::spline;
 use super::straight::{self, PLACES, RATE_PLACES, count, decimal};
 use crate::control::modal::{Modal, ModalGroup, Needed};
 use crate::control::{
-    self, Act, Control, NcBlock, Smoothing, SmoothingTolerance, WIDEST_TOLERANCE_MM, WIDEST_TURN_DEG, WorkOffsets,
-    once, shown,
+    self, Act, Control, NcBlock, Setup, Smoothing, SmoothingTolerance, WIDEST_TOLERANCE_MM, WIDEST_TURN_DEG,
+    WorkOffsets, once, shown,
 };
 use crate::nc::{ENDS_HERE, NcTool, ReadError, ReadResult};
 use five_axis::Machine;
@@ -131,7 +131,9 @@ pub(super) fn read(text: &str, machine: &Machine, preset: &str) -> ReadResult {
     let control = if !text.contains("TCPM") && text.contains("M128") { &M128 } else { &TCPM };
     let mut reader = ProgramReader::new(control, machine);
     let sections =
-        control::read(text, control, (machine, &preset_block(preset)), |line, _, faults| reader.line(line, faults))?;
+        control::read(text, Setup { control, machine, part_offset: &preset_block(preset) }, |line, _, faults| {
+            reader.line(line, faults)
+        })?;
     if reader.closed {
         return Ok(sections);
     }

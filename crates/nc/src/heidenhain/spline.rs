@@ -3,13 +3,13 @@
 //! First the ends of all axes, then three coefficients for each of them in the same order, K3, K2, K1. A coefficient has at
 //! most one digit before the point and eight behind it; larger ones have an exponent. The last words are F and M.
 
-use super::straight::{self, PLACES, decimal};
+use super::straight::{self, PLACES, Places, decimal};
 use crate::control::spline::SplineWords;
 use crate::control::{MotionWord, NcBlock, shown};
 use five_axis::Machine;
 
 /// Digits of a coefficient before and behind the point.
-const COEFFICIENT: (usize, usize) = (1, 8);
+const COEFFICIENT: Places = Places { before: 1, behind: 8 };
 
 /// Largest exponent that is read: no machine is larger.
 const LARGEST_EXPONENT: i32 = 5;

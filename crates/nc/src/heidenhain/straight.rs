@@ -9,10 +9,10 @@ use five_axis::Machine;
 const MOST_M: usize = 2;
 
 /// Places before and behind the point of lengths and angles, and of feeds and speeds.
-pub(super) const PLACES: (usize, usize) = (5, 4);
-pub(super) const RATE_PLACES: (usize, usize) = (5, 3);
+pub(super) const PLACES: Places = Places { before: 5, behind: 4 };
+pub(super) const RATE_PLACES: Places = Places { before: 5, behind: 3 };
 /// Places of the components of vectors.
-const VECTOR_PLACES: (usize, usize) = (1, 8);
+const VECTOR_PLACES: Places = Places { before: 1, behind: 8 };
 
 /// Largest error of the length of a vector: it has at least four decimals. The manual asks for a length of 1 and for enough
 /// decimals, and says nothing of what the control does with another length.
@@ -34,8 +34,15 @@ pub(super) struct Words {
     at_end: Option<&'static str>,
 }
 
+/// Most digits of a number about its point.
+#[derive(Clone, Copy)]
+pub(super) struct Places {
+    pub(super) before: usize,
+    pub(super) behind: usize,
+}
+
 /// A number with as many places as the control takes.
-pub(super) fn decimal(text: &str, (before, behind): (usize, usize)) -> Result<f64, String> {
+pub(super) fn decimal(text: &str, Places { before, behind }: Places) -> Result<f64, String> {
     if text.contains(',') {
         return Err(format!("`{}`: write a decimal point", shown(text, 40)));
     }

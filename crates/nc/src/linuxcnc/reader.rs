@@ -8,8 +8,8 @@ use super::comments::{COMMENT, behind_number, code_of};
 use super::subprograms;
 use crate::control::modal::{Modal, ModalGroup, Needed};
 use crate::control::{
-    self, Act, Control, LengthWord, Line, MotionWord, NcBlock, Smoothing, SmoothingTolerance, WIDEST_TOLERANCE_MM,
-    WorkOffsets, number, once, shown,
+    self, Act, Control, LengthWord, Line, MotionWord, NcBlock, Setup, Smoothing, SmoothingTolerance,
+    WIDEST_TOLERANCE_MM, WorkOffsets, number, once, shown,
 };
 use crate::nc::{NcTool, ReadError, ReadResult};
 use five_axis::Machine;
@@ -136,8 +136,7 @@ pub(super) fn read(text: &str, machine: &Machine, offset: &str) -> ReadResult {
     let number = offset_number(offset).unwrap_or(1);
     let sections = control::read_in_order(
         text,
-        &LINUXCNC,
-        (machine, offset),
+        Setup { control: &LINUXCNC, machine, part_offset: offset },
         &subprograms::flow(text),
         |Line { text: line, arguments, number: at }, faults| {
             let code = match code_of(line) {
@@ -167,7 +166,7 @@ pub(super) fn read(text: &str, machine: &Machine, offset: &str) -> ReadResult {
             if tape == Tape::Start {
                 tape = Tape::None;
             }
-            let block = block(&code, (arguments, number), machine, faults)?;
+            let block = block(&code, arguments, number, machine, faults)?;
             if let Some(tool) = &block.tool
                 && let Some((_, before)) = selected.replace((at, tool.clone())).filter(|(_, before)| before != tool)
             {
@@ -274,12 +273,7 @@ impl Parameters {
 }
 
 /// The block of a line in a call with some values, where the part is in the work offset with a number.
-fn block(
-    code: &str,
-    (arguments, offset): (&[f64], u32),
-    machine: &Machine,
-    faults: &mut Vec<String>,
-) -> Option<NcBlock> {
+fn block(code: &str, arguments: &[f64], offset: u32, machine: &Machine, faults: &mut Vec<String>) -> Option<NcBlock> {
     let mut block = NcBlock::default();
     let mut parameters = Parameters::default();
     let mut rest = behind_number(code).unwrap_or(code);

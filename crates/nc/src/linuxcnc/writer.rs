@@ -139,14 +139,15 @@ pub(super) const FORM: TextForm = TextForm {
 
 /// Writes the blocks of the moves of an operation.
 pub(super) fn moves(program: &Program, operation: &MotionOperation, smoothing: &str, write: &mut WriteBlock<'_>) {
-    stretch(program, operation, (1..operation.moves.len().saturating_sub(1), CallWords::Fixed), smoothing, write);
+    stretch(program, operation, 1..operation.moves.len().saturating_sub(1), CallWords::Fixed, smoothing, write);
 }
 
 /// Writes the blocks of some moves. Before and behind them the feed mode is G94, and the control smooths.
 fn stretch(
     program: &Program,
     operation: &MotionOperation,
-    (range, words): (Range<usize>, CallWords),
+    range: Range<usize>,
+    words: CallWords,
     smoothing: &str,
     write: &mut WriteBlock<'_>,
 ) {
@@ -159,7 +160,7 @@ fn stretch(
         if modes.stop && !stop {
             write(smoothing.to_owned(), None);
         }
-        write(block(program, m, (stop, words), &mut modes), Some(i));
+        write(block(program, m, stop, words, &mut modes), Some(i));
     }
     if modes.stop {
         write(smoothing.to_owned(), None);
@@ -187,7 +188,7 @@ pub(super) fn subprograms(program: &Program, divided: &Divided<'_>, smoothing: &
     for MoveStretch { moves, repeats } in &divided.division.stretches {
         let Some((subprogram, turned)) = repeats else {
             turn_frame(0, write);
-            stretch(program, operation, (moves.clone(), CallWords::Fixed), smoothing, write);
+            stretch(program, operation, moves.clone(), CallWords::Fixed, smoothing, write);
             continue;
         };
         let (name, branches) = (divided.number(*subprogram), divided.changes_branch(*subprogram));
@@ -196,7 +197,7 @@ pub(super) fn subprograms(program: &Program, divided: &Divided<'_>, smoothing: &
             let words = if branches { CallWords::BranchOfCall } else { CallWords::ShiftOfCall };
             write(format!("(o{name}: the same in {places} places)"), None);
             write(format!("o{name} sub"), None);
-            stretch(program, operation, (moves.clone(), words), smoothing, write);
+            stretch(program, operation, moves.clone(), words, smoothing, write);
             write(format!("o{name} endsub"), None);
             written += 1;
         }
@@ -229,7 +230,7 @@ struct Modes {
     feed: FeedWord,
 }
 
-fn block(program: &Program, m: &JointMove, (stop, words): (bool, CallWords), modes: &mut Modes) -> String {
+fn block(program: &Program, m: &JointMove, stop: bool, words: CallWords, modes: &mut Modes) -> String {
     let post = &LinuxCnc;
     let mut text = String::new();
     if stop && !modes.stop {

@@ -9,7 +9,7 @@ use super::words::{WordValue, count, is_count, split, upper};
 use crate::control::modal::{Modal, ModalGroup, Needed};
 use crate::control::spline::SplineWords;
 use crate::control::{
-    self, Act, Control, FARTHEST, LengthWord, Line, MotionWord, NcBlock, Smoothing, SmoothingTolerance,
+    self, Act, Control, FARTHEST, LengthWord, Line, MotionWord, NcBlock, Setup, Smoothing, SmoothingTolerance,
     WIDEST_TOLERANCE_MM, WIDEST_TURN_DEG, WorkOffsets, number, once, shown,
 };
 use crate::nc::{NcTool, ReadResult};
@@ -144,8 +144,7 @@ pub(super) fn read(text: &str, machine: &Machine, offset: &str) -> ReadResult {
     let mut transformation = None;
     control::read_in_order(
         text,
-        &SINUMERIK,
-        (machine, offset),
+        Setup { control: &SINUMERIK, machine, part_offset: offset },
         &repetition::flow(text),
         |Line { text: line, number, .. }, faults| {
             let line = line.strip_suffix('\r').unwrap_or(line);

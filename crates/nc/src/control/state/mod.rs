@@ -9,7 +9,7 @@ mod switching;
 
 pub(crate) use program::ProgramState;
 
-use super::{Act, Control, LengthWord, MOST_FAULTS, MotionWord, NcBlock, ROUNDING, Smoothing, figure};
+use super::{Act, Control, LengthWord, MOST_FAULTS, MotionWord, NcBlock, Smoothing, WORD_ROUNDING_MM, figure};
 use crate::control::flow::{Flow, MOST_EXECUTED, Step};
 use crate::control::modal::{ModalGroup, Setting};
 use crate::nc::{Direction, NcTool, ReadResult};
@@ -85,8 +85,17 @@ struct ControlState<'a> {
     frame_turn: f64,
 }
 
+/// What a text is read for.
+#[derive(Clone, Copy)]
+pub(crate) struct Setup<'a> {
+    pub(crate) control: &'a Control,
+    pub(crate) machine: &'a Machine,
+    /// The work offset that holds the part origin.
+    pub(crate) part_offset: &'a str,
+}
+
 impl<'a> ControlState<'a> {
-    fn new(control: &'a Control, machine: &'a Machine, part_offset: &'a str) -> Self {
+    fn new(Setup { control, machine, part_offset }: Setup<'a>) -> Self {
         Self {
             control,
             machine,
@@ -131,7 +140,7 @@ impl<'a> ControlState<'a> {
 
     /// Whether the tool is at the retract height or above.
     fn is_retracted(&self) -> bool {
-        self.axes[2].known().is_some_and(|z| z >= self.machine.retract - ROUNDING.0)
+        self.axes[2].known().is_some_and(|z| z >= self.machine.retract - WORD_ROUNDING_MM)
     }
 
     /// Executes one block. A move is executed also with a faulty state; the result then does not hold it.
@@ -405,19 +414,16 @@ pub(crate) struct Line<'a> {
 }
 
 /// Executes a text line by line. The `block` of a dialect makes a [`NcBlock`] of a line, or `None` of an empty line. It
-/// adds whatever it does not understand to the list that it receives. `part_offset` is the work offset of the part.
+/// adds whatever it does not understand to the list that it receives.
 ///
 /// # Errors
 /// The faults, in order, at most [`MOST_FAULTS`].
 pub(crate) fn read(
     text: &str,
-    control: &Control,
-    (machine, part_offset): (&Machine, &str),
+    setup: Setup<'_>,
     mut block: impl FnMut(&str, usize, &mut Vec<String>) -> Option<NcBlock>,
 ) -> ReadResult {
-    read_in_order(text, control, (machine, part_offset), &Flow::default(), |line, reasons| {
-        block(line.text, line.number, reasons)
-    })
+    read_in_order(text, setup, &Flow::default(), |line, reasons| block(line.text, line.number, reasons))
 }
 
 /// As [`read`], in the order of the calls of the text.
@@ -426,13 +432,12 @@ pub(crate) fn read(
 /// As [`read`].
 pub(crate) fn read_in_order(
     text: &str,
-    control: &Control,
-    (machine, part_offset): (&Machine, &str),
+    setup: Setup<'_>,
     flow: &Flow,
     mut block: impl FnMut(Line<'_>, &mut Vec<String>) -> Option<NcBlock>,
 ) -> ReadResult {
     let lines: Vec<&str> = text.strip_suffix('\n').unwrap_or(text).split('\n').collect();
-    let mut state = ControlState::new(control, machine, part_offset);
+    let mut state = ControlState::new(setup);
     let mut executed = 0_usize;
     let mut at = 0;
     while at < lines.len() {
@@ -465,7 +470,7 @@ pub(crate) fn read_in_order(
             return Err(state.program.faults);
         }
     }
-    state.program.finished(lines.len(), control.end)
+    state.program.finished(lines.len(), setup.control.end)
 }
 
 impl ControlState<'_> {

@@ -2,7 +2,9 @@
 
 use super::{AxisPosition, ControlState, Length, Transformation};
 use crate::control::modal::{ModalGroup, Setting};
-use crate::control::{Control, MotionWord, NcBlock, ROUNDING, SLOWEST_INVERSE, Smoothing, figure};
+use crate::control::{
+    Control, MotionWord, NcBlock, SLOWEST_INVERSE, Smoothing, WORD_ROUNDING_MM, WORD_ROUNDING_RAD, figure,
+};
 use crate::nc::{Direction, NcMove, NcPlace, NcRetract, STANDS};
 use five_axis::{Carries, Interpolation, Joints, between};
 use nalgebra::{Point3, Vector3};
@@ -10,6 +12,13 @@ use std::f64::consts::{PI, TAU};
 
 /// Length of a direction vector below which it gives no direction.
 const NO_DIRECTION: f64 = 1e-6;
+
+/// Feed of a block in mm/min, and in inverse time its time in s, where the feed follows from the length of the block.
+#[derive(Default)]
+struct BlockFeed {
+    feed: Option<f64>,
+    time: Option<f64>,
+}
 
 impl ControlState<'_> {
     pub(super) fn moved(&mut self, block: &NcBlock) {
@@ -106,7 +115,7 @@ impl ControlState<'_> {
         self.within_travel(&words);
         let retract = self.machine.retract;
         if let Some(z) = words[2] {
-            if z < retract - ROUNDING.0 {
+            if z < retract - WORD_ROUNDING_MM {
                 self.fault(format!(
                     "with the transformation off the tool goes to Z{} of the machine, but the retract height of the machine \
                      file is Z{}: write {}",
@@ -131,7 +140,7 @@ impl ControlState<'_> {
         let machine = self.machine;
         for (k, (axis, word)) in machine.linear.iter().zip(words).enumerate() {
             let Some(x) = *word else { continue };
-            if x < axis.min - ROUNDING.0 || x > axis.max + ROUNDING.0 {
+            if x < axis.min - WORD_ROUNDING_MM || x > axis.max + WORD_ROUNDING_MM {
                 self.fault(format!(
                     "{} goes to {} in the machine frame, outside its travel of {} to {}",
                     machine.names()[k],
@@ -186,7 +195,8 @@ impl ControlState<'_> {
         if self.turns_by_second_point() {
             self.fault_once("oricurve", "a straight block with ORICURVE, without XH YH ZH: write ORIAXES before it");
         }
-        let (feed, time) = if rapid { (None, None) } else { self.feed_of(block, before, &tip, &direction) };
+        let BlockFeed { feed, time } =
+            if rapid { BlockFeed::default() } else { self.feed_of(block, before, &tip, &direction) };
         if !rapid {
             self.judge_spindle();
         }
@@ -277,7 +287,7 @@ impl ControlState<'_> {
         let from = self.rotary[k];
         let turns = ((from - word) / TAU).round();
         let to = word + TAU * turns;
-        if (to - from).abs() >= PI - ROUNDING.1 {
+        if (to - from).abs() >= PI - WORD_ROUNDING_RAD {
             self.fault(format!(
                 "{} turns by half a turn in one block: both ways are as short; divide the block",
                 axis.name
@@ -345,15 +355,14 @@ impl ControlState<'_> {
         true
     }
 
-    /// Feed of a block in mm/min, and its time in s in inverse time, where the feed follows from the length of the
-    /// block.
+    /// Feed and time of a block at feed.
     fn feed_of(
         &mut self,
         block: &NcBlock,
         before: [Option<f64>; 3],
         tip: &Point3<f64>,
         direction: &Direction,
-    ) -> (Option<f64>, Option<f64>) {
+    ) -> BlockFeed {
         let inverse = matches!(self.program.modal[ModalGroup::FeedMode as usize], Setting::Said("G93", _));
         let Some(word) = (if inverse { block.feed } else { self.program.feed }) else {
             if inverse {
@@ -362,13 +371,13 @@ impl ControlState<'_> {
                 self.fault("a move at feed without a feed: write F in this block");
                 self.program.feed = Some(1.0);
             }
-            return (Some(1.0), None);
+            return BlockFeed { feed: Some(1.0), time: None };
         };
         if !inverse {
-            return (Some(word), None);
+            return BlockFeed { feed: Some(word), time: None };
         }
         let time = Some(60.0 / word);
-        let [Some(x), Some(y), Some(z)] = before else { return (None, time) };
+        let [Some(x), Some(y), Some(z)] = before else { return BlockFeed { feed: None, time } };
         let feed = (tip.coords - self.in_part(Vector3::new(x, y, z))).norm() * word;
         // Where the tip stands still, the control takes F as degrees.
         let turn = match (self.direction, *direction) {
@@ -383,7 +392,7 @@ impl ControlState<'_> {
                  than F states"
             ));
         }
-        (Some(feed), time)
+        BlockFeed { feed: Some(feed), time }
     }
 
     fn direction(&mut self, block: &NcBlock) -> Direction {

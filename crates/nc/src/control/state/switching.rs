@@ -2,7 +2,7 @@
 
 use super::{AxisPosition, ControlState, Length, Transformation};
 use crate::control::modal::{ModalGroup, Setting};
-use crate::control::{Control, LengthWord, NcBlock, ROUNDING, figure};
+use crate::control::{Control, LengthWord, NcBlock, WORD_ROUNDING_RAD, figure};
 use crate::nc::{Direction, NcPlace, NcStation, NcTool};
 use crate::tool_shape::NcToolShape;
 use five_axis::{Carries, RotaryAxis};
@@ -104,7 +104,7 @@ impl ControlState<'_> {
         let machine = self.machine;
         let turned = (0..2).find(|k| {
             machine.chain.axes()[*k].carries == Carries::Part
-                && self.axes[3 + *k].known().is_some_and(|angle| angle.abs() > ROUNDING.1)
+                && self.axes[3 + *k].known().is_some_and(|angle| angle.abs() > WORD_ROUNDING_RAD)
         });
         if let Some(k) = turned {
             let Control { machine_frame, behind, .. } = self.control;
