@@ -98,7 +98,7 @@ pub fn read_back(post: &dyn Post, program: &Program, motion: &Motion, text: &str
         };
         let (line, retract) = section.retract.ok_or_else(|| differs(0, "an operation without a retract".to_owned()))?;
         let turns = whole_turns(program, operation, section);
-        stations(program, operation, (section, turns), &retract)
+        stations(program, operation, section, turns, &retract)
             .map_err(|(at_end, why)| differs(if at_end { line } else { section.start.line }, why))?;
         let declared = &program.operations[operation.operation];
         let tool = &program.tools[declared.tool];
@@ -119,7 +119,7 @@ pub fn read_back(post: &dyn Post, program: &Program, motion: &Motion, text: &str
                     index = spline.last;
                 }
                 (None, None) => {
-                    compare(program, meant, (read, turns), &mut result).map_err(|why| differs(read.line, why))?
+                    compare(program, meant, read, turns, &mut result).map_err(|why| differs(read.line, why))?
                 }
                 _ => return Err(differs(read.line, "a spline and a straight block are exchanged".to_owned())),
             }
@@ -199,7 +199,8 @@ fn wound(angles: Angles, turns: Angles) -> Angles {
 fn stations(
     program: &Program,
     operation: &MotionOperation,
-    (section, turns): (&NcSection, Angles),
+    section: &NcSection,
+    turns: Angles,
     retract: &NcRetract,
 ) -> Result<(), (bool, String)> {
     let digits = &program.post.control.decimals;
@@ -265,7 +266,8 @@ fn same_pose(program: &Program, meant: &JointMove, read: &NcPose) -> Result<(), 
 fn compare(
     program: &Program,
     meant: &JointMove,
-    (read, turns): (&NcMove, Angles),
+    read: &NcMove,
+    turns: Angles,
     result: &mut ReadBack,
 ) -> Result<(), String> {
     let digits: &Decimals = &program.post.control.decimals;

@@ -25,8 +25,11 @@ const MOST_IN_STATEMENT: usize = 24;
 /// Most control points of a curve: it bounds the memory.
 const MOST_POINTS: usize = 100_000;
 
-/// Largest distance of a pose from the curve, mm and radians: two roundings of the words.
-const ON_CURVE: (f64, f64) = (1e-3, 2e-5);
+/// Largest distance of a pose from the curve, mm: two roundings of the words.
+const ON_CURVE_MM: f64 = 1e-3;
+
+/// Largest turn of a pose from that of the curve, radians: two roundings of the words.
+const ON_CURVE_RAD: f64 = 2e-5;
 
 /// Share by which the distance of both curves at their start, and the length of that of the tip, may differ from what is said.
 const LENGTH_OFF: f64 = 1e-3;
@@ -37,8 +40,11 @@ const APART_OFF: f64 = 0.1;
 /// Chords by which the length of a curve is measured.
 const CHORDS: u32 = 48;
 
-/// Places of a curve at which the nearest one to a pose is looked for, and halvings from there.
-const LOOKS: (u32, usize) = (16, 30);
+/// Places of a curve among which the nearest one to a pose is found.
+const PLACES: u32 = 16;
+
+/// Steps of the search from there, each of which leaves two thirds of the range.
+const THIRDS: usize = 30;
 
 /// Places of a chord at which it is compared with the curve.
 const BETWEEN: u32 = 8;
@@ -196,13 +202,13 @@ impl Movnrb {
             return Err(format!("both curves are not {} mm apart, which LENGTH says", self.length));
         }
         let long: f64 = pieces.iter().map(way).sum();
-        if (long - head.length).abs() > LENGTH_OFF * long + ON_CURVE.0 {
+        if (long - head.length).abs() > LENGTH_OFF * long + ON_CURVE_MM {
             return Err(format!("the curve of the tip is {long:.3} mm long, and MOVNRB/ON says {:.3} mm", head.length));
         }
         if let Some(from) = from {
             let (tip, axis) = pose(&pieces[0], 0.0);
             let (off, turned) = ((tip - from.tip).norm(), axis.angle(&from.axis));
-            if off > ON_CURVE.0 || turned > ON_CURVE.1 {
+            if off > ON_CURVE_MM || turned > ON_CURVE_RAD {
                 return Err(format!(
                     "the curve begins {off:.4} mm and {:.4} deg away from where the tool stands",
                     turned.to_degrees()
@@ -234,7 +240,7 @@ impl Movnrb {
         };
         let (tip, _) = pose(&pieces[at.0], at.1);
         let gap = (tip - pose(&pieces[pieces.len() - 1], 1.0).0).norm();
-        if at.0 + 1 < pieces.len() || gap > ON_CURVE.0 {
+        if at.0 + 1 < pieces.len() || gap > ON_CURVE_MM {
             return Err(format!("the last GOTO stands {gap:.4} mm before the end of the curve"));
         }
         Ok(())
@@ -253,7 +259,7 @@ impl Follow {
             if off < least.0 {
                 least = (off, turned);
             }
-            if off <= ON_CURVE.0 && turned <= ON_CURVE.1 {
+            if off <= ON_CURVE_MM && turned <= ON_CURVE_RAD {
                 let away = self.chord((index, t));
                 self.at = (index, t);
                 if away > tolerance {
@@ -308,10 +314,10 @@ fn way(piece: &PoseCurve) -> f64 {
 /// Parameter from `from` to 1 at which a piece is nearest to a point.
 fn nearest(piece: &PoseCurve, from: f64, to: &Point3<f64>) -> f64 {
     let far = |t: f64| (pose(piece, t).0 - to).norm_squared();
-    let step = (1.0 - from) / f64::from(LOOKS.0);
+    let step = (1.0 - from) / f64::from(PLACES);
     let best =
-        (0..=LOOKS.0).map(|k| from + step * f64::from(k)).min_by(|a, b| far(*a).total_cmp(&far(*b))).unwrap_or(from);
-    let [low, high] = around_minimum([(best - step).max(from), (best + step).min(1.0)], LOOKS.1, far);
+        (0..=PLACES).map(|k| from + step * f64::from(k)).min_by(|a, b| far(*a).total_cmp(&far(*b))).unwrap_or(from);
+    let [low, high] = around_minimum([(best - step).max(from), (best + step).min(1.0)], THIRDS, far);
     // The ends of a piece are joints with the next one.
     let middle = 0.5 * (low + high);
     [low, high, middle].into_iter().min_by(|a, b| far(*a).total_cmp(&far(*b))).unwrap_or(middle)
