@@ -5,7 +5,7 @@ use crate::support;
 use impellerc::base::entity::PrimaryMap;
 use impellerc::base::progress::Progress;
 use impellerc::base::source::Span;
-use impellerc::base::units::Mm;
+use impellerc::base::units::{Mm, Share};
 use impellerc::diagnostics::{Severity, Sink, codes::verification};
 use impellerc::ir::{Allowed, Contract, Motion, OperationId, OperationKind, Program};
 use impellerc::plan::passes::pipeline;
@@ -13,6 +13,7 @@ use impellerc::report::proof::contracts;
 use impellerc::report::proof::details::details;
 use impellerc::report::proof::head;
 use impellerc::tool_stock::collide::Cutter;
+use impellerc::verify::machine::Axes;
 use impellerc::verify::stock::Settings;
 use impellerc::verify::{Certificate, certify_with};
 use impellerc::wheel::contract::{ContractKind, Cuts, Guarded, Scope};
@@ -243,7 +244,11 @@ fn times_and_speeds_are_told_apart() {
     assert!(times.iter().all(|t| *t > 0.0) && (asked(Time, &[], &[]) - times[0] - times[1]).abs() < 1e-9, "{times:?}");
     let fastest = asked(AxisSpeed, &[], &[]);
     assert_eq!(fastest, asked(AxisSpeed, &[0], &[]).max(asked(AxisSpeed, &[1], &[])));
-    let largest = ASKED.0.machine.axes.iter().map(|a| a.speed_share).fold(0.0, f64::max);
+    let largest = {
+        let Axes { linear, rotary } = &ASKED.0.machine.axes;
+        let shares = linear.iter().map(|a| a.speed_share).chain(rotary.iter().map(|a| a.speed_share));
+        shares.map(Share::get).fold(0.0, f64::max)
+    };
     assert_eq!(fastest, largest);
 }
 
@@ -251,8 +256,8 @@ fn times_and_speeds_are_told_apart() {
 fn errors_between_blocks_are_told_apart() {
     use ContractKind::{ContourError, OrientationError};
     let runs = &ASKED.0.machine.runs;
-    let contour = [0, 1].map(|o| runs[o].contour.value);
-    let orientation = [0, 1].map(|o| runs[o].orientation.value);
+    let contour = [0, 1].map(|o| runs[o].contour.value.get());
+    let orientation = [0, 1].map(|o| runs[o].orientation.value.get());
     assert!(contour.iter().chain(&orientation).all(|e| *e > 0.0), "{contour:?} {orientation:?}");
     assert_eq!([0, 1].map(|o| asked(ContourError, &[o], &[])), contour);
     assert_eq!(asked(ContourError, &[], &[]), contour[0].max(contour[1]));

@@ -4,6 +4,7 @@
 use crate::support::jobs::{self, Compiled};
 use ciborium::Value;
 use impellerc::base::source::Span;
+use impellerc::base::units::{Deg, Mm, Share};
 use impellerc::diagnostics::{Sink, codes::verification};
 use impellerc::five_axis::control::Planning;
 use impellerc::ir::{Motion, Program};
@@ -59,15 +60,15 @@ fn a_figure_that_is_none_is_an_error_with_its_name() {
         ("surfaces.0.area", |c, x| c.surfaces[0].area = x),
         ("surfaces.0.gouge.depth", |c, x| c.surfaces[0].gouge.depth = x),
         ("surfaces.0.percentiles.1", |c, x| c.surfaces[0].percentiles[1] = x),
-        ("perimeter.retract", |c, x| c.perimeter.retract = x),
-        ("machine.axes.3.speed_share", |c, x| c.machine.axes[3].speed_share = x),
-        ("machine.axes.0.used.1", |c, x| c.machine.axes[0].used[1] = x),
-        ("machine.pole_distance", |c, x| c.machine.pole_distance = x),
+        ("perimeter.retract", |c, x| c.perimeter.retract = Mm(x)),
+        ("machine.axes.3.speed_share", |c, x| c.machine.axes.rotary[0].speed_share = Share(x)),
+        ("machine.axes.0.used.1", |c, x| c.machine.axes.linear[0].used[1] = Mm(x)),
+        ("machine.pole_distance", |c, x| c.machine.pole_distance = Deg(x)),
         ("machine.runs.0.time.0", |c, x| c.machine.runs[0].time[0] = x),
-        ("machine.runs.0.jerk.4.value", |c, x| c.machine.runs[0].jerk[4].value = x),
+        ("machine.runs.0.jerk.4.value", |c, x| c.machine.runs[0].jerk[4].value = Share(x)),
         ("machine.runs.0.contour.tip.2", |c, x| c.machine.runs[0].contour.tip[2] = x),
-        ("machine.other_rules.0.great_circle.value", |c, x| c.machine.other_rules[0].great_circle.value = x),
-        ("machine.fastest.0.share", |c, x| c.machine.fastest[0].as_mut().unwrap().share = x),
+        ("machine.other_rules.0.great_circle.value", |c, x| c.machine.other_rules[0].great_circle.value = Mm(x)),
+        ("machine.fastest.0.share", |c, x| c.machine.fastest[0].as_mut().unwrap().share = Share(x)),
         ("stock.operations.0.removed", |c, x| c.stock.as_mut().unwrap().operations[0].removed = x),
         ("stock.operations.0.depth.tip.0", |c, x| {
             c.stock.as_mut().unwrap().operations[0].depth.as_mut().unwrap().tip[0] = x;

@@ -79,7 +79,7 @@ fn of(found: &KeptSurfaces, kind: SurfaceKind) -> &KeptReport {
 #[track_caller]
 fn deep(report: &KeptReport, depth: f64) {
     assert!((report.gouge.depth - depth).abs() < TENTH, "{report:?}, expected {depth}");
-    assert!((depth - TENTH..depth + 7e-4).contains(&report.gouge_bound), "{report:?}, expected {depth}");
+    assert!((depth - TENTH..depth + 7e-4).contains(&report.gouge_bound.get()), "{report:?}, expected {depth}");
 }
 
 fn down(to: [f64; 3], kind: MoveKind) -> (Program, Motion) {
@@ -95,7 +95,7 @@ fn plunges_have_their_closed_form() {
         let found = measured(&program, &motion);
         deep(of(&found, SurfaceKind::Nose), 0.03);
         for other in [SurfaceKind::Rim, SurfaceKind::Bore, SurfaceKind::Back, SurfaceKind::Tip(BladeId::MAIN)] {
-            assert_eq!(of(&found, other).gouge_bound, 0.0, "{other:?}");
+            assert_eq!(of(&found, other).gouge_bound.get(), 0.0, "{other:?}");
         }
         // Into the wall of the bore of 5 mm, a hollow cylinder, with the side of the cutter of 3 mm.
         let (program, motion) = down([2.02, 0.0, -30.0], kind);
@@ -186,15 +186,15 @@ fn the_clamping_has_its_closed_form() {
         // Beside the part: by default everything below the back face at -40 mm is kept free.
         let (mut program, motion) = down([70.0, 0.0, -42.0], kind);
         let found = distance(&program, &motion);
-        assert!(found.0 == "cutter" && near(found.1, -2.0), "{found:?}");
+        assert!(found.0 == "cutter" && near(found.1.get(), -2.0), "{found:?}");
         // A chuck of 100 mm: the centre of the ball is 20 mm beside and 1 mm over its edge.
         clamped(&mut program, -40.0, 50.0);
         let found = distance(&program, &motion);
-        assert!(found.0 == "cutter" && near(found.1, 20.0_f64.hypot(1.0) - 3.0), "{found:?}");
+        assert!(found.0 == "cutter" && near(found.1.get(), 20.0_f64.hypot(1.0) - 3.0), "{found:?}");
         // One that ends lower: the centre of the ball is 20 mm beside and 11 mm over its edge.
         clamped(&mut program, -50.0, 50.0);
         let found = distance(&program, &motion);
-        assert!(near(found.1, 20.0_f64.hypot(11.0) - 3.0), "{found:?}");
+        assert!(near(found.1.get(), 20.0_f64.hypot(11.0) - 3.0), "{found:?}");
     }
     // Lying: the holder of 20 mm is the lowest part, over the chuck.
     let axis = Vector3::new(0.0, -1.0, 0.0);
@@ -202,7 +202,7 @@ fn the_clamping_has_its_closed_form() {
     let (mut program, motion) = moved(&[(at(10.0), axis, MoveKind::Cut), (at(-15.0), axis, MoveKind::Cut)]);
     clamped(&mut program, -40.0, 200.0);
     let found = distance(&program, &motion);
-    assert!(found.0 == "holder" && near(found.1, 5.0), "{found:?}");
+    assert!(found.0 == "holder" && near(found.1.get(), 5.0), "{found:?}");
     let mut sink = Sink::default();
     clamping_report(&program, &motion, &mut sink);
     assert!(!sink.has_errors());
@@ -241,7 +241,7 @@ fn what_planning_takes_for_clear_of_the_clamping_is_clear() {
                 60.0 * share(0.819_172_5) - 70.0,
             );
             replace(&program, &mut motion, 0, &[(tip, axis, MoveKind::Cut); 2]);
-            let gap = clamping::check(&program, &motion).distance.unwrap();
+            let gap = clamping::check(&program, &motion).distance.unwrap().get();
             let clear = clamping.clears_body(&solid, &tip, &axis);
             // The verifier gives a bound that is too low by a few micrometres.
             assert!(!clear || gap > -3e-3, "{clamping:?} {tip} {axis}: {gap}");
@@ -272,7 +272,7 @@ fn roughing_counts_with_what_the_control_adds() {
             Some(n) => assert!(fails && n.surface == "nose" && (n.place.value - over).abs() < TENTH, "{n:?}"),
             None => assert!(!fails),
         }
-        assert!((found.bound - over.min(0.051)).abs() < 6e-4, "{over}: {}", found.bound);
+        assert!((found.bound.get() - over.min(0.051)).abs() < 6e-4, "{over}: {}", found.bound);
     }
 }
 
@@ -305,7 +305,7 @@ fn roughing_keeps_its_allowance_on_the_vanes() {
         println!("root {root}: missing {missing:.4}, measured {measured:.4}, bound {:.4}", found.bound);
         // Beside the place the allowance is a little larger and the ball a little farther.
         assert!(measured >= missing - TENTH && measured < missing + 0.01, "{missing} {found:?}");
-        assert!(found.bound >= measured && found.bound < measured + 1e-3, "{found:?}");
+        assert!(found.bound >= Mm(measured) && found.bound < Mm(measured + 1e-3), "{found:?}");
     }
 }
 
@@ -526,11 +526,11 @@ fn harm_outside_of_the_design_surfaces_is_refused() {
 #[test]
 fn the_whole_contract_bounds_kept_surfaces() {
     let (mut program, motion) = down([11.0, 0.0, -10.03], MoveKind::Cut);
-    assert_eq!(measured(&program, &motion).allowed, 0.1);
+    assert_eq!(measured(&program, &motion).allowed.get(), 0.1);
     let mut hub = Contract::whole(ContractKind::Gouge, 1e-3);
     hub.scope.surfaces = vec![impellerc::wheel::part::SurfaceClass::Hub];
     program.contracts =
         vec![hub, Contract::whole(ContractKind::Gouge, 0.05), Contract::whole(ContractKind::Gouge, 0.02)];
-    assert_eq!(measured(&program, &motion).allowed, 0.02);
+    assert_eq!(measured(&program, &motion).allowed.get(), 0.02);
     assert!((FRAC_PI_2 - Chain::tilting_table().nearest(&Vector3::x(), 0.0)[0][0]).abs() < 1e-12);
 }

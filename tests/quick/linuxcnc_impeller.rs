@@ -239,15 +239,7 @@ fn its_moves_are_measured_against_a_job_for_it() {
     println!("{checked} samples, {} poses", poses.len());
     assert!(checked > 1000);
 
-    for axis in &certificate.machine.axes {
-        println!(
-            "{}: {:.3} to {:.3}, {:.1} % of the speed",
-            axis.axis,
-            axis.used[0],
-            axis.used[1],
-            axis.speed_share * 100.0
-        );
-    }
+    println!("{:?}", certificate.machine.axes);
     for e in &errors {
         println!("{e}");
     }

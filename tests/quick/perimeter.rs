@@ -2,6 +2,7 @@
 
 use crate::support::pinned;
 use impellerc::base::entity::PrimaryMap;
+use impellerc::base::units::Mm;
 use impellerc::diagnostics::{Sink, codes::verification};
 use impellerc::five_axis::{Carried, CarriedKind};
 use impellerc::ir::{MoveKind, Program};
@@ -55,7 +56,7 @@ fn a_tool_that_does_not_stand_over_a_fixture_is_refused() {
         facts::check(&program, &mut facts);
         assert_eq!(has(&facts), !fits, "facts at {gap}");
         let found = perimeter::check(&program, &shifted(program.machine.retract));
-        assert!((found.clearance - gap).abs() < 1e-6, "{found:?}");
+        assert!((found.clearance.get() - gap).abs() < 1e-6, "{found:?}");
         let mut sink = Sink::default();
         let _ = certify(&program, &shifted(program.machine.retract), &mut sink);
         assert_eq!(has(&sink), !fits, "verifier at {gap}");
@@ -91,7 +92,7 @@ fn a_lone_rapid_through_the_part_is_found() {
 #[test]
 fn travel_counts_the_length_of_the_tool() {
     let (program, motion) = pinned::flank().planned();
-    let used = |program: &Program| machine::check(program, motion, None).axes[2].used;
+    let used = |program: &Program| machine::check(program, motion, None).axes.linear[2].used.map(Mm::get);
     let length = program.tools.iter().next().unwrap().1.length();
     let before = used(program);
     let mut program = program.clone();

@@ -5,12 +5,24 @@
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-macro_rules! quantity {
-    ($(#[$doc:meta])* $name:ident, $unit:literal) => {
+macro_rules! number {
+    ($(#[$doc:meta])* $name:ident) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize, Deserialize)]
         #[serde(transparent)]
         pub struct $name(pub f64);
+
+        impl From<f64> for $name {
+            fn from(number: f64) -> Self {
+                Self(number)
+            }
+        }
+
+        impl From<$name> for f64 {
+            fn from(quantity: $name) -> Self {
+                quantity.0
+            }
+        }
 
         impl $name {
             /// The bare number, in the unit of the type.
@@ -18,6 +30,22 @@ macro_rules! quantity {
                 self.0
             }
         }
+    };
+}
+
+number!(
+    /// An angle in degrees, for figures that people read; elsewhere an angle is a [`Rad`].
+    Deg
+);
+number!(
+    /// A share of one.
+    Share
+);
+
+/// A number with a unit that prints with it.
+macro_rules! quantity {
+    ($(#[$doc:meta])* $name:ident, $unit:literal) => {
+        number!($(#[$doc])* $name);
 
         impl fmt::Display for $name {
             fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

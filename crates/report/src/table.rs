@@ -1,6 +1,7 @@
 //! One table, and how each kind of text shows it: columns on a terminal, Markdown, the page of the report, a sheet for printing.
 
 use crate::markup::escaped;
+use base::units::{Deg, Mm, Share};
 use std::borrow::Cow;
 
 /// How a number is written: its factor, its decimals, and what follows it.
@@ -60,6 +61,19 @@ impl From<f64> for Figure {
         Self::Number(value)
     }
 }
+
+/// A quantity as its number: what a text does with it is its form.
+macro_rules! quantities {
+    ($($unit:ident),*) => {
+        $(impl From<$unit> for Figure {
+            fn from(quantity: $unit) -> Self {
+                Self::Number(quantity.get())
+            }
+        })*
+    };
+}
+
+quantities!(Mm, Deg, Share);
 
 impl From<usize> for Figure {
     fn from(count: usize) -> Self {

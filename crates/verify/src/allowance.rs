@@ -10,7 +10,7 @@ use super::proof::sweep::Sweep;
 use super::surface::{self, SLACK, Worst};
 use super::vane_allowance::{self, VaneReport};
 use base::progress::Progress;
-use base::units::length;
+use base::units::{Mm, length};
 use diagnostics::{Diag, Sink, codes::verification};
 use ir::{Motion, Program};
 use serde::{Deserialize, Serialize};
@@ -21,11 +21,11 @@ use wheel::part::kept::{Kept, MilledTurned, kept, milled};
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AllowanceReport {
     /// Smoothing tolerance of the control in roughing, mm.
-    pub tolerance: f64,
+    pub tolerance: Mm,
     /// The nearest place, if cutters come nearer to the part than the tolerance.
     pub nearest: Option<NearestRough>,
     /// Proved lower bound of the distance to all surfaces, mm; distances beyond the tolerance are cut off.
-    pub bound: f64,
+    pub bound: Mm,
     /// Operations with an allowance on the vanes.
     pub vanes: Vec<VaneReport>,
 }
@@ -61,7 +61,12 @@ pub fn check(program: &Program, motion: &Motion, progress: &Progress) -> Option<
         surface: c.surface.id.to_string(),
         place: surface::extreme(&c.surface, d.found, -1.0, &sweeps),
     });
-    Some(AllowanceReport { tolerance, nearest, bound, vanes: vane_allowance::check(program, motion, progress) })
+    Some(AllowanceReport {
+        tolerance: Mm(tolerance),
+        nearest,
+        bound: Mm(bound),
+        vanes: vane_allowance::check(program, motion, progress),
+    })
 }
 
 impl AllowanceReport {
@@ -77,7 +82,7 @@ pub(super) fn report(program: &Program, motion: &Motion, found: &AllowanceReport
     if !found.fails() {
         return;
     }
-    let tolerance = length(found.tolerance);
+    let tolerance = length(found.tolerance.get());
     let left = |value: f64| match value < 0.0 {
         true => format!("goes {} into", length(-value)),
         false => format!("comes within {} of", length(value)),
@@ -86,7 +91,7 @@ pub(super) fn report(program: &Program, motion: &Motion, found: &AllowanceReport
     let Some(n) = &found.nearest else {
         let text = format!(
             "the proved distance of roughing from the finished part is only {}; the control may deviate by {tolerance}",
-            length(found.bound)
+            length(found.bound.get())
         );
         sink.push(Diag::error(verification::ROUGH_TOLERANCE, text).help(help));
         return;

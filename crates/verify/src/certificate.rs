@@ -14,6 +14,7 @@ use super::stated_points::{ImportedReport, StatedReport};
 use super::stock::StockReport;
 use super::surface::SurfaceReport;
 use base::source::Span;
+use base::units::Mm;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -143,10 +144,10 @@ pub struct Certificate {
     /// Files that the part was imported from, with what the import states of them; `None` for a part that was not imported.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub imported: Option<ImportedReport>,
-    /// Spacing of the samples of the design surfaces, mm.
-    pub spacing: f64,
-    /// Largest difference between proved bounds and found values, mm.
-    pub slack: f64,
+    /// Spacing of the samples of the design surfaces.
+    pub spacing: Mm,
+    /// Largest difference between proved bounds and found values.
+    pub slack: Mm,
     /// Milled surfaces.
     pub surfaces: Vec<SurfaceReport>,
     /// Surfaces that milling must leave as they are.
@@ -182,10 +183,10 @@ impl Certificate {
         self.operations.iter().flat_map(|o| o.time).sum()
     }
 
-    /// The most by which the control leaves the programmed motion, mm, and the operation.
-    pub fn departure(&self) -> Option<(f64, &str)> {
+    /// The most by which the control leaves the programmed motion, and the operation.
+    pub fn departure(&self) -> Option<(Mm, &str)> {
         let all = self.operations.iter().zip(&self.machine.runs).map(|(o, run)| (run.contour.value, o.name.as_str()));
-        all.max_by(|a, b| a.0.total_cmp(&b.0))
+        all.max_by(|a, b| a.0.get().total_cmp(&b.0.get()))
     }
 
     /// Sectors that are machined, and all sectors: of each kind of surface that is machined at all, so many at least. A passage

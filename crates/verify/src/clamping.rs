@@ -6,7 +6,7 @@
 
 use super::place::describe;
 use super::proof::piece::{self, At, Piece};
-use base::units::length;
+use base::units::{Mm, length};
 use diagnostics::{Diag, Sink, codes::verification};
 use ir::{Motion, MoveKind, Program};
 use nalgebra::{Point3, Vector3};
@@ -27,15 +27,15 @@ const RUN: usize = 4096;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ClampingReport {
     /// Height of the clamping, mm.
-    pub below: f64,
+    pub below: Mm,
     /// Its diameter, mm; `None` for everything below the height.
-    pub diameter: Option<f64>,
+    pub diameter: Option<Mm>,
     /// True when the job does not state the clamping.
     pub by_default: bool,
     /// `cutter`, `shank` or `holder`; empty without moves.
     pub part: Cow<'static, str>,
     /// Lower bound of the least distance, mm; negative when a tool is inside. `None` without moves.
-    pub distance: Option<f64>,
+    pub distance: Option<Mm>,
     /// Tool tip there, part frame, mm.
     pub tip: [f64; 3],
     /// Move.
@@ -91,11 +91,11 @@ pub fn check(program: &Program, motion: &Motion) -> ClampingReport {
     }
     let (part, tip) = nearest.map_or(("", [0.0; 3]), |n| (n.1, n.2));
     ClampingReport {
-        below: clamping.below.get(),
-        diameter: clamping.radius.map(|r| 2.0 * r.get()),
+        below: Mm(clamping.below.get()),
+        diameter: clamping.radius.map(|r| Mm(2.0 * r.get())),
         by_default: clamping.by_default,
         part: part.into(),
-        distance: nearest.map(|n| n.0 - RESOLUTION),
+        distance: nearest.map(|n| Mm(n.0 - RESOLUTION)),
         tip,
         at: nearest.map(|n| n.3),
     }
@@ -137,15 +137,15 @@ fn least(
 impl ClampingReport {
     /// The space in words.
     pub fn space(&self) -> String {
-        let width = self.diameter.map_or_else(|| "everything".to_owned(), |d| format!("{d:.3} mm about Z"));
+        let width = self.diameter.map_or_else(|| "everything".to_owned(), |d| format!("{:.3} mm about Z", d.get()));
         let default = if self.by_default { ", by default" } else { "" };
-        format!("{width} below z {:.3} mm{default}", self.below)
+        format!("{width} below z {:.3} mm{default}", self.below.get())
     }
 }
 
 /// Reports a tool inside of the clamping as an error.
 pub fn report(program: &Program, motion: &Motion, found: &ClampingReport, sink: &mut Sink) {
-    let (Some(at), Some(distance)) = (found.at, found.distance.filter(|d| *d < 0.0)) else { return };
+    let (Some(at), Some(distance)) = (found.at, found.distance.map(Mm::get).filter(|d| *d < 0.0)) else { return };
     let Some(operation) = motion.operations.get(at.operation as usize) else { return };
     let kind = match operation.moves.get(at.index as usize).map(|m| m.kind) {
         Some(MoveKind::Rapid) => "at rapid",

@@ -28,6 +28,7 @@ pub use active::{ActiveLimit, MotionLimit, MoveLimit};
 
 use super::proof::piece::At;
 use active::ActiveTimes;
+use base::units::{Deg, Mm, Share};
 use five_axis::control::Planning;
 use five_axis::{Chain, Joints, Machine, between, linuxcnc};
 use ir::motion::MotionOperation;
@@ -44,21 +45,23 @@ const MOST_CELLS: f64 = 1000.0;
 
 /// A largest value and its place.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Peak {
+pub struct Peak<Q> {
     /// Value.
-    pub value: f64,
+    pub value: Q,
     /// Move.
     pub at: Option<At>,
 }
 
-impl Peak {
+impl<Q: Copy + From<f64> + Into<f64>> Peak<Q> {
     /// No value yet.
-    pub const NONE: Self = Self { value: 0.0, at: None };
+    pub fn none() -> Self {
+        Self { value: Q::from(0.0), at: None }
+    }
 
     /// Takes a larger value. Keeps a value that is not a number, so that nothing hides it.
     pub fn raise(&mut self, value: f64, at: At) {
-        if value > self.value || value.is_nan() {
-            *self = Self { value, at: Some(at) };
+        if value > self.value.into() || value.is_nan() {
+            *self = Self { value: Q::from(value), at: Some(at) };
         }
     }
 }
@@ -81,53 +84,56 @@ pub struct Run {
     #[serde(skip)]
     pub move_times: Vec<f64>,
     /// Least share of the programmed feed that a cutting block reaches, and this block.
-    pub slowest: Peak,
+    pub slowest: Peak<Share>,
     /// Largest reached speed of X, Y, Z and the rotary axes, as a share of the limit.
-    pub speed: [Peak; 5],
+    pub speed: [Peak<Share>; 5],
     /// Largest acceleration of the axes inside of blocks at the programmed feed, as a share of the limit: above 1 the
     /// control slows down.
-    pub asked: [Peak; 5],
+    pub asked: [Peak<Share>; 5],
     /// Largest jerk of the axes in the run, as a share of the limit; zero without a limit.
-    pub jerk: [Peak; 5],
-    /// Largest deviation of tip or flutes from the programmed corners at the reached speed, mm. Rapids count neither
+    pub jerk: [Peak<Share>; 5],
+    /// Largest deviation of tip or flutes from the programmed corners at the reached speed. Rapids count neither
     /// here nor in the next figure.
-    pub corners: Peak,
-    /// Largest deviation of the tool from the path between two positions that the control gives to its drives, mm.
-    pub cycle: Peak,
-    /// Total deviation of tip or flutes from the programmed motion: the larger corner of a block plus its cycle, mm.
-    pub contour: Departure,
-    /// Deviation of the tool axis from the programmed motion where corners are rounded, degrees. Inside of a block the
+    pub corners: Peak<Mm>,
+    /// Largest deviation of the tool from the path between two positions that the control gives to its drives.
+    pub cycle: Peak<Mm>,
+    /// Total deviation of tip or flutes from the programmed motion: the larger corner of a block plus its cycle.
+    pub contour: Departure<Mm>,
+    /// Deviation of the tool axis from the programmed motion where corners are rounded. Inside of a block the
     /// rotary axes are linear in the path of the tip, so that the cycle does not tilt the axis.
-    pub orientation: Departure,
+    pub orientation: Departure<Deg>,
 }
 
 /// Largest deviation from the verified motion, with its place.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Departure {
+pub struct Departure<Q> {
     /// Total deviation.
-    pub value: f64,
-    /// Share of the deviation from rounding a corner, in the same unit.
-    pub corner: f64,
+    pub value: Q,
+    /// Share of the deviation from rounding a corner.
+    pub corner: Q,
     /// Move.
     pub at: Option<At>,
     /// Tip at the end of this move, part frame, mm; the origin where there is no deviation.
     pub tip: [f64; 3],
 }
 
-impl Departure {
+impl<Q: Copy + From<f64> + Into<f64>> Departure<Q> {
     /// No deviation.
-    pub const NONE: Self = Self { value: 0.0, corner: 0.0, at: None, tip: [0.0; 3] };
+    pub fn none() -> Self {
+        Self { value: Q::from(0.0), corner: Q::from(0.0), at: None, tip: [0.0; 3] }
+    }
 
     /// The block with the largest deviation, the sum of its larger corner and its cycle.
     fn largest(blocks: &[BlockError], parts: impl Fn(&BlockError) -> [f64; 2]) -> Self {
-        let mut most = Self::NONE;
+        let mut most = Self::none();
         for (i, block) in blocks.iter().enumerate() {
             // The corner at the end of a block is the corner at the start of the next block.
             let end = blocks.get(i + 1).map_or(0.0, |next| parts(next)[0]);
             let [start, cycle] = parts(block);
             let corner = start.max(end);
-            if corner + cycle > most.value || (corner + cycle).is_nan() {
-                most = Self { value: corner + cycle, corner, at: Some(block.at), ..Self::NONE };
+            if corner + cycle > most.value.into() || (corner + cycle).is_nan() {
+                let (value, corner) = (Q::from(corner + cycle), Q::from(corner));
+                most = Self { value, corner, at: Some(block.at), ..Self::none() };
             }
         }
         most
@@ -245,22 +251,24 @@ impl BlockEnd {
 
 impl Run {
     /// Run of an operation without moves.
-    const NONE: Self = Self {
-        time: [0.0; 3],
-        within_accelerations: [0.0; 3],
-        programmed: [0.0; 3],
-        limits: Vec::new(),
-        of_moves: Vec::new(),
-        move_times: Vec::new(),
-        slowest: Peak { value: 1.0, at: None },
-        speed: [Peak::NONE; 5],
-        asked: [Peak::NONE; 5],
-        jerk: [Peak::NONE; 5],
-        corners: Peak::NONE,
-        cycle: Peak::NONE,
-        contour: Departure::NONE,
-        orientation: Departure::NONE,
-    };
+    fn none() -> Self {
+        Self {
+            time: [0.0; 3],
+            within_accelerations: [0.0; 3],
+            programmed: [0.0; 3],
+            limits: Vec::new(),
+            of_moves: Vec::new(),
+            move_times: Vec::new(),
+            slowest: Peak { value: Share(1.0), at: None },
+            speed: [Peak::none(); 5],
+            asked: [Peak::none(); 5],
+            jerk: [Peak::none(); 5],
+            corners: Peak::none(),
+            cycle: Peak::none(),
+            contour: Departure::none(),
+            orientation: Departure::none(),
+        }
+    }
 
     /// Collects times, shares of the limits and deviations from all parts of a run; `cycle` is the cycle of the
     /// control, s. Returns the deviations of each block from the programmed motion.
@@ -296,8 +304,8 @@ impl Run {
             }
             (programmed, spent) = (programmed + part.width, spent + part.time);
             if parts.get(i + 1).is_none_or(|next| cells[next.cell].block != cell.block) {
-                if cell.kind == MoveKind::Cut && programmed < self.slowest.value * spent {
-                    self.slowest = Peak { value: programmed / spent, at: Some(at) };
+                if cell.kind == MoveKind::Cut && programmed < self.slowest.value.get() * spent {
+                    self.slowest = Peak { value: Share(programmed / spent), at: Some(at) };
                 }
                 (programmed, spent) = (0.0, 0.0);
             }
@@ -341,7 +349,7 @@ fn rounded_corner(limits: &RunLimits, cells: &[MotionCell], part: &MovePart) -> 
 /// Run of one operation of a motion. `removal`: for each move its feed as a share of the feed at which tool or spindle reach a
 /// limit of removal; moves without an entry reach none.
 pub fn run(program: &Program, motion: &Motion, operation: usize, removal: &[f64]) -> Run {
-    let mut report = Run::NONE;
+    let mut report = Run::none();
     let Some(moves) = motion.operations.get(operation) else { return report };
     let declared = &program.operations[moves.operation];
     let (machine, t) = (&program.machine, &program.tolerances);

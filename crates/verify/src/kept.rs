@@ -11,7 +11,7 @@ use super::proof::grid::{Grid, PlacedSurface};
 use super::proof::sweep::Sweep;
 use super::surface::{self, FAR, LEAST_SLACK, SLACK, Worst};
 use base::progress::Progress;
-use base::units::length;
+use base::units::{Mm, length};
 use diagnostics::{Diag, Sink, codes::verification};
 use ir::{Motion, Program};
 use nalgebra::Rotation3;
@@ -34,7 +34,7 @@ pub struct KeptReport {
     /// Deepest measured cut.
     pub gouge: Worst,
     /// Proved bound of the depth of any cut into these surfaces, mm.
-    pub gouge_bound: f64,
+    pub gouge_bound: Mm,
     /// Kind of the surfaces; a file has the name of the surface with the deepest cut.
     #[serde(skip, default = "unknown_kind")]
     pub kind: SurfaceKind,
@@ -48,7 +48,7 @@ fn unknown_kind() -> SurfaceKind {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct KeptSurfaces {
     /// Deepest cut that is allowed, mm: the strictest contract on gouge.
-    pub allowed: f64,
+    pub allowed: Mm,
     /// Results by kind.
     pub surfaces: Vec<KeptReport>,
 }
@@ -82,12 +82,17 @@ pub fn check(program: &Program, sweeps: &[Sweep<'_>], off: f64, progress: &Progr
         // A deep cut is described by its depth; the bound of g gives the part of the depth that was not measured.
         let gouge_bound = (-d.low.min(gouge.value)).max(0.0) + (gouge.depth - (-gouge.value).max(0.0)) + off;
         let SurfaceId { kind, sector } = c.surface.id;
-        let report =
-            KeptReport { surface: String::new(), worst_on: c.surface.id.to_string(), gouge, gouge_bound, kind };
+        let report = KeptReport {
+            surface: String::new(),
+            worst_on: c.surface.id.to_string(),
+            gouge,
+            gouge_bound: Mm(gouge_bound),
+            kind,
+        };
         match surfaces.iter_mut().find(|(known, _)| known.kind == kind) {
             Some((known, sectors)) => {
                 sectors.push(sector);
-                known.gouge_bound = known.gouge_bound.max(report.gouge_bound);
+                known.gouge_bound = Mm(known.gouge_bound.get().max(report.gouge_bound.get()));
                 let deeper = (report.gouge.depth, -report.gouge.value) > (known.gouge.depth, -known.gouge.value);
                 if deeper {
                     *known = KeptReport { gouge_bound: known.gouge_bound, ..report };
@@ -101,7 +106,7 @@ pub fn check(program: &Program, sweeps: &[Sweep<'_>], off: f64, progress: &Progr
         sectors.dedup();
         KeptReport { surface: report.kind.in_sectors(&sectors), ..report }
     };
-    KeptSurfaces { allowed, surfaces: surfaces.into_iter().map(named).collect() }
+    KeptSurfaces { allowed: Mm(allowed), surfaces: surfaces.into_iter().map(named).collect() }
 }
 
 /// The surfaces in their sectors, and grids of the patches with a cutter nearer than `reach`.
@@ -188,8 +193,8 @@ pub(super) fn deepest(
 /// Reports cuts into kept surfaces as errors, one per kind.
 pub(super) fn report(program: &Program, motion: &Motion, found: &KeptSurfaces, sink: &mut Sink) {
     for s in found.surfaces.iter().filter(|s| s.gouge_bound > found.allowed) {
-        let (surface, allowed) = (&s.worst_on, length(found.allowed));
-        let text = if s.gouge.depth > found.allowed {
+        let (surface, allowed) = (&s.worst_on, length(found.allowed.get()));
+        let text = if s.gouge.depth > found.allowed.get() {
             format!(
                 "a cutter goes {} deep into the {surface}, a kept surface; allowed {allowed}",
                 length(s.gouge.depth)
@@ -199,7 +204,7 @@ pub(super) fn report(program: &Program, motion: &Motion, found: &KeptSurfaces, s
                 "the deepest cut found in the {surface}, a kept surface, is {}, but the proved bound is {}; allowed \
                  {allowed}",
                 length(s.gouge.depth),
-                length(s.gouge_bound)
+                length(s.gouge_bound.get())
             )
         };
         let mut diag =

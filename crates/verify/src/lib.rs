@@ -50,7 +50,7 @@ pub mod vane_allowance;
 pub use certificate::Certificate;
 
 use base::progress::{Progress, Work};
-use base::units::length;
+use base::units::{Mm, length};
 use certificate::OperationReport;
 use diagnostics::{Aborted, Diag, Sink, codes::verification};
 use ir::{ContractKind, Motion, MoveKind, Program};
@@ -178,8 +178,8 @@ pub fn certify_with(
         machine_name: program.machine.name.clone(),
         form: stated_points::check(program),
         imported: stated_points::imported(program),
-        spacing: SPACING,
-        slack: surface::SLACK,
+        spacing: Mm(SPACING),
+        slack: Mm(surface::SLACK),
         surfaces,
         kept,
         allowance,
@@ -219,11 +219,11 @@ pub fn certify_with(
 
 /// Takes the distance between curves and chords from the clearances to table, fixtures and clamping.
 fn nearer_surroundings(certificate: &mut Certificate, reports: &[Option<splines::SplineReport>]) {
-    let by = reports.iter().flatten().map(|r| r.tool).fold(0.0, f64::max);
+    let by = reports.iter().flatten().map(|r| r.tool.get()).fold(0.0, f64::max);
     for carried in &mut certificate.carried {
         splines::nearer(&mut carried.clearance, by);
     }
-    certificate.clamping.distance = certificate.clamping.distance.map(|distance| distance - by);
+    certificate.clamping.distance = certificate.clamping.distance.map(|distance| Mm(distance.get() - by));
 }
 
 /// The contracts on gouge and excess, each with its surfaces.
@@ -285,7 +285,7 @@ impl measure::NarrowMeasure for Narrower<'_> {
         let solid = &self.program.tools[declared.tool].solid;
         let work = self.progress.begin(format!("{}, clearance", declared.name), pieces.len());
         let mut found = least_over(&pieces, solid, distance, &cloud, (HALF_SPACING, self.search()), &work);
-        splines::nearer(&mut found, self.splines.get(operation)?.map_or(0.0, |s| s.tool));
+        splines::nearer(&mut found, self.splines.get(operation)?.map_or(0.0, |s| s.tool.get()));
         found
     }
 
@@ -361,7 +361,7 @@ fn operation_report(
         before = Some(tip);
     }
     let work = progress.begin(format!("{}, clearance", declared.name), 2 * pieces.len() + rapids.len());
-    let chords = splines.map_or(0.0, |s| s.tool);
+    let chords = splines.map_or(0.0, |s| s.tool.get());
     let body = |distance: fn(&ToolSolid, f64, f64) -> f64| {
         let mut found = least_over(&pieces, &tool.solid, distance, design, (HALF_SPACING, search), &work);
         splines::nearer(&mut found, chords);

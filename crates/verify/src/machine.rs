@@ -4,6 +4,7 @@
 use super::dynamics::{self, Peak, Run};
 use super::proof::piece::At;
 use super::stock::StockReport;
+use base::units::{Deg, Mm, Share};
 use five_axis::{Chain, Interpolation, Joints, Machine, between};
 use ir::{Motion, MoveKind, Program};
 use nalgebra::Point3;
@@ -21,22 +22,47 @@ const TRAVEL_ROUNDING: f64 = 1e-9;
 /// Excess of an axis speed over its limit that counts as rounding of times and feeds.
 const SPEED_ROUNDING: f64 = 1e-3;
 
-/// Range of an axis.
+/// Range of an axis; `Q` is the unit of its positions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct AxisRange {
+pub struct AxisRange<Q> {
     /// Name.
     pub axis: String,
-    /// Least and largest position used, mm or deg.
-    pub used: [f64; 2],
-    /// Travel, mm or deg; `None` for an axis without limits.
-    pub travel: Option<[f64; 2]>,
+    /// Least and largest position used.
+    pub used: [Q; 2],
+    /// Travel; `None` for an axis without limits.
+    pub travel: Option<[Q; 2]>,
     /// Largest speed of the run, as a share of the limit.
-    pub speed_share: f64,
+    pub speed_share: Share,
     /// Largest acceleration inside of blocks at the programmed feeds, as a share of the limit: above 1 the control
     /// slows down.
-    pub acceleration_share: f64,
+    pub acceleration_share: Share,
     /// Largest jerk of the run, as a share of the limit; zero without a limit.
-    pub jerk_share: f64,
+    pub jerk_share: Share,
+}
+
+/// All axes; in a file a list of five.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(from = "StoredAxes", into = "StoredAxes")]
+pub struct Axes {
+    /// X, Y and Z.
+    pub linear: [AxisRange<Mm>; 3],
+    /// The rotary axes, the first next to the tool.
+    pub rotary: [AxisRange<Deg>; 2],
+}
+
+#[derive(Serialize, Deserialize)]
+struct StoredAxes(AxisRange<Mm>, AxisRange<Mm>, AxisRange<Mm>, AxisRange<Deg>, AxisRange<Deg>);
+
+impl From<StoredAxes> for Axes {
+    fn from(StoredAxes(x, y, z, first, second): StoredAxes) -> Self {
+        Self { linear: [x, y, z], rotary: [first, second] }
+    }
+}
+
+impl From<Axes> for StoredAxes {
+    fn from(Axes { linear: [x, y, z], rotary: [first, second] }: Axes) -> Self {
+        Self(x, y, z, first, second)
+    }
 }
 
 /// Violation of a limit by an axis.
@@ -60,7 +86,7 @@ pub struct FastestAxis {
     /// Name.
     pub axis: String,
     /// Largest speed as a share of the limit.
-    pub share: f64,
+    pub share: Share,
     /// Move.
     pub at: At,
     /// Tool tip at the end of the move, part frame, mm.
@@ -68,22 +94,22 @@ pub struct FastestAxis {
 }
 
 /// Deviation of the tool from the verified motion between blocks under other rules of interpolation, from the tip to
-/// the end of the flutes, mm; for cuts and links.
+/// the end of the flutes; for cuts and links.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct OtherRules {
     /// Tool axis on great circles instead of linear rotary axes.
-    pub great_circle: Peak,
+    pub great_circle: Peak<Mm>,
     /// Without tool centre point control.
-    pub joints_linear: Peak,
+    pub joints_linear: Peak<Mm>,
 }
 
 /// Figures of the machine check.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct MachineReport {
     /// X, Y, Z and both rotary axes.
-    pub axes: Vec<AxisRange>,
-    /// Least angle between the tool axis and rotary axis 2 while cutting, degrees.
-    pub pole_distance: f64,
+    pub axes: Axes,
+    /// Least angle between the tool axis and rotary axis 2 while cutting.
+    pub pole_distance: Deg,
     /// Worst fault of each axis.
     pub faults: Vec<AxisFault>,
     /// For each operation the axis nearest to its speed limit in the run.
@@ -144,9 +170,9 @@ pub fn check(program: &Program, motion: &Motion, stock: Option<&StockReport>) ->
     for (k, peak) in runs.iter().flat_map(|r| r.speed.iter().enumerate()) {
         // If a block alone exceeds a speed, the block is the fault; the run adds speeds that only successive blocks
         // exceed.
-        let worse = peak.value > 1.0 + SPEED_ROUNDING && faults[5 + k].is_none();
+        let worse = peak.value > Share(1.0 + SPEED_ROUNDING) && faults[5 + k].is_none();
         if let Some(at) = peak.at.filter(|_| worse) {
-            faults[5 + k] = Some(AxisFault { axis: name(k), value: peak.value, bound: 1.0, speed: true, at });
+            faults[5 + k] = Some(AxisFault { axis: name(k), value: peak.value.get(), bound: 1.0, speed: true, at });
         }
     }
     for (k, fault) in faults.iter_mut().take(5).enumerate() {
@@ -155,23 +181,41 @@ pub fn check(program: &Program, motion: &Motion, stock: Option<&StockReport>) ->
         }
     }
     let other_rules = (0..count).into_par_iter().map(|o| other_rules(program, motion, o)).collect();
-    let most = |peaks: &dyn Fn(&Run) -> Peak| runs.iter().map(|r| peaks(r).value).fold(0.0, f64::max);
+    let range = |k: usize| Positions { name: machine.names()[k], used: used[k], travel: travel[k] };
     MachineReport {
-        axes: (0..5)
-            .map(|k| AxisRange {
-                axis: name(k),
-                used: used[k].map(|x| shown(k, x)),
-                travel: travel[k].iter().all(|x| x.is_finite()).then(|| travel[k].map(|x| shown(k, x))),
-                speed_share: most(&|r| r.speed[k]),
-                acceleration_share: most(&|r| r.asked[k]),
-                jerk_share: most(&|r| r.jerk[k]),
-            })
-            .collect(),
-        pole_distance: pole.to_degrees(),
+        axes: Axes {
+            linear: [0, 1, 2].map(|k| range(k).report(k, &runs, Mm)),
+            rotary: [3, 4].map(|k| range(k).report(k, &runs, |angle| Deg(angle.to_degrees()))),
+        },
+        pole_distance: Deg(pole.to_degrees()),
         faults: faults.into_iter().flatten().collect(),
         fastest: runs.iter().map(|run| fastest(program, motion, run)).collect(),
         runs,
         other_rules,
+    }
+}
+
+/// Positions of an axis, mm or radians.
+struct Positions<'a> {
+    name: &'a str,
+    used: [f64; 2],
+    travel: [f64; 2],
+}
+
+impl Positions<'_> {
+    /// The range of axis `k` in its unit, with what the runs take of its limits.
+    fn report<Q>(&self, k: usize, runs: &[Run], unit: impl Fn(f64) -> Q) -> AxisRange<Q> {
+        let most = |peaks: fn(&Run) -> &[Peak<Share>; 5]| {
+            Share(runs.iter().map(|run| peaks(run)[k].value.get()).fold(0.0, f64::max))
+        };
+        AxisRange {
+            axis: self.name.to_owned(),
+            used: self.used.map(&unit),
+            travel: self.travel.iter().all(|x| x.is_finite()).then(|| self.travel.map(&unit)),
+            speed_share: most(|run| &run.speed),
+            acceleration_share: most(|run| &run.asked),
+            jerk_share: most(|run| &run.jerk),
+        }
     }
 }
 
@@ -188,7 +232,7 @@ fn to_pole(chain: &Chain, from: f64, to: f64) -> f64 {
 /// The axis of a run nearest to its speed limit.
 fn fastest(program: &Program, motion: &Motion, run: &Run) -> Option<FastestAxis> {
     let names = program.machine.names();
-    let (axis, peak) = names.into_iter().zip(run.speed).max_by(|a, b| a.1.value.total_cmp(&b.1.value))?;
+    let (axis, peak) = names.into_iter().zip(run.speed).max_by(|a, b| a.1.value.get().total_cmp(&b.1.value.get()))?;
     let at = peak.at?;
     let end = motion.operations.get(at.operation as usize)?.moves.get(at.index as usize)?;
     let tip = program.machine.forward(&end.joints).tip;
@@ -196,7 +240,7 @@ fn fastest(program: &Program, motion: &Motion, run: &Run) -> Option<FastestAxis>
 }
 
 fn other_rules(program: &Program, motion: &Motion, operation: usize) -> OtherRules {
-    let mut found = OtherRules { great_circle: Peak::NONE, joints_linear: Peak::NONE };
+    let mut found = OtherRules { great_circle: Peak::none(), joints_linear: Peak::none() };
     let Some(moves) = motion.operations.get(operation) else { return found };
     let tool = &program.tools[program.operations[moves.operation].tool];
     let (length, height) = (tool.length(), tool.solid.flute_length);

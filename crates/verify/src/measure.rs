@@ -6,7 +6,7 @@ use super::dynamics::{Departure, Run};
 use super::proof::piece::At;
 use super::stock::{OperationStock, Peak, StockReport};
 use super::surface::SurfaceReport;
-use base::units::length;
+use base::units::{Deg, Mm, length};
 use wheel::contract::{ContractKind, Cuts, Guarded, Region};
 use wheel::part::SurfaceClass;
 
@@ -257,10 +257,10 @@ fn rest_volume(stock: &StockReport, after: Option<usize>, narrow: &dyn NarrowMea
 fn axis_speed(certificate: &Certificate, region: &Region) -> Figure {
     let chosen = region.operations();
     let uses = certificate.machine.fastest.iter().enumerate().filter(|(o, _)| chosen.get(*o) == Some(&true));
-    let fastest = uses.filter_map(|(_, f)| f.as_ref()).max_by(|a, b| a.share.total_cmp(&b.share));
+    let fastest = uses.filter_map(|(_, f)| f.as_ref()).max_by(|a, b| a.share.get().total_cmp(&b.share.get()));
     match fastest {
         Some(f) => Figure {
-            value: f.share,
+            value: f.share.get(),
             found: None,
             what: format!("axis {}", f.axis),
             point: Some(f.tip),
@@ -272,13 +272,18 @@ fn axis_speed(certificate: &Certificate, region: &Region) -> Figure {
 }
 
 /// Largest deviation from the verified motion over the operations of a region, and its cause in words.
-fn departure(certificate: &Certificate, region: &Region, pick: fn(&Run) -> (Departure, String)) -> Figure {
+fn departure<Q: Copy + Into<f64>>(
+    certificate: &Certificate,
+    region: &Region,
+    pick: fn(&Run) -> (Departure<Q>, String),
+) -> Figure {
     let chosen = region.operations();
     let runs = certificate.machine.runs.iter().enumerate().filter(|(o, _)| chosen.get(*o) == Some(&true));
-    let most = runs.map(|(o, run)| (o, pick(run))).reduce(|a, b| if b.1.0.value > a.1.0.value { b } else { a });
+    let most =
+        runs.map(|(o, run)| (o, pick(run))).reduce(|a, b| if b.1.0.value.into() > a.1.0.value.into() { b } else { a });
     match most {
         Some((o, (found, what))) => Figure {
-            value: found.value,
+            value: found.value.into(),
             found: None,
             what,
             point: found.at.map(|_| found.tip),
@@ -289,13 +294,17 @@ fn departure(certificate: &Certificate, region: &Region, pick: fn(&Run) -> (Depa
     }
 }
 
-fn contour(run: &Run) -> (Departure, String) {
+fn contour(run: &Run) -> (Departure<Mm>, String) {
     let d = run.contour;
-    let what = format!("rounding a corner {}, control cycle {}", length(d.corner), length(d.value - d.corner));
+    let what = format!(
+        "rounding a corner {}, control cycle {}",
+        length(d.corner.get()),
+        length(d.value.get() - d.corner.get())
+    );
     (d, what)
 }
 
-fn orientation(run: &Run) -> (Departure, String) {
+fn orientation(run: &Run) -> (Departure<Deg>, String) {
     (run.orientation, "rounding a corner".to_owned())
 }
 

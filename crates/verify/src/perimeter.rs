@@ -6,7 +6,7 @@
 //! to the first target and the retract behind the last one are moves of the motion, which all other checks judge.
 
 use super::proof::piece::At;
-use base::units::length;
+use base::units::{Mm, length};
 use diagnostics::{Diag, Sink, codes::verification};
 use five_axis::Joints;
 use ir::{Motion, MotionOperation, Program};
@@ -20,38 +20,38 @@ const ROUNDING: f64 = 1e-6;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PerimeterReport {
     /// Gauge line for tool changes, from the machine file.
-    pub retract: f64,
+    pub retract: Mm,
     /// The highest solid: `stock`, `table` or `fixture`.
     pub highest: Cow<'static, str>,
     /// Its largest height under any angles of the rotary axes within their travel.
-    pub height: f64,
+    pub height: Mm,
     /// Least height of a tool tip over it while any axis except Z moves.
-    pub clearance: f64,
+    pub clearance: Mm,
     /// Place of the least height: the first or the last move of an operation.
     pub at: Option<At>,
     /// Distance required by the job.
-    pub required: f64,
+    pub required: Mm,
 }
 
 /// Measures the heights of the first and the last station of every operation, with the tool of the operation.
 pub fn check(program: &Program, motion: &Motion) -> PerimeterReport {
     let (highest, height) = program.highest();
     let mut report = PerimeterReport {
-        retract: program.machine.retract,
+        retract: Mm(program.machine.retract),
         highest: highest.into(),
-        height,
-        clearance: f64::INFINITY,
+        height: Mm(height),
+        clearance: Mm(f64::INFINITY),
         at: None,
-        required: program.clearance.get(),
+        required: Mm(program.clearance.get()),
     };
     for (o, operation) in motion.operations.iter().enumerate() {
         let last = operation.moves.len().saturating_sub(1);
         for index in [0, last] {
             let Some(station) = operation.moves.get(index) else { continue };
             let clearance = lowest(program, operation, &station.joints) - height;
-            if clearance < report.clearance {
+            if clearance < report.clearance.get() {
                 let number = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
-                report.clearance = clearance;
+                report.clearance = Mm(clearance);
                 report.at = Some(At { operation: number(o), index: number(index) });
             }
         }
@@ -70,11 +70,11 @@ fn lowest(program: &Program, operation: &MotionOperation, joints: &Joints) -> f6
 
 /// Reports a tool that does not stand high enough as an error.
 pub(super) fn report(program: &Program, motion: &Motion, found: &PerimeterReport, sink: &mut Sink) {
-    let Some(at) = found.at.filter(|_| found.clearance < found.required - ROUNDING) else { return };
+    let Some(at) = found.at.filter(|_| found.clearance < Mm(found.required.get() - ROUNDING)) else { return };
     let Some(operation) = motion.operations.get(at.operation as usize) else { return };
     let declared = &program.operations[operation.operation];
     let tool = &program.tools[declared.tool];
-    let missing = found.required - found.clearance;
+    let missing = found.required.get() - found.clearance.get();
     let machine = &program.machine;
     let [.., first, second] = machine.names();
     let Some(station) = operation.moves.get(at.index as usize) else { return };
@@ -87,9 +87,9 @@ pub(super) fn report(program: &Program, motion: &Motion, found: &PerimeterReport
                 "while X, Y, {first} and {second} move, the {} of {} is {} above the height that the {} can reach; required {}",
                 if head { "lowest point" } else { "tip" },
                 tool.name,
-                length(found.clearance),
+                length(found.clearance.get()),
                 found.highest,
-                length(found.required)
+                length(found.required.get())
             ),
         )
         .label(declared.span, "before or after this operation")
@@ -102,12 +102,12 @@ pub(super) fn report(program: &Program, motion: &Motion, found: &PerimeterReport
             format!(
                 "Z {z:.3} of the gauge line, less {below:.3} mm that the tool reaches below it at some angle of the head; the {} \
                  reaches Z {:.3}",
-                found.highest, found.height
+                found.highest, found.height.get()
             )
         } else {
             format!(
                 "Z {z:.3} of the gauge line, less {below:.3} mm of tool; the {} reaches Z {:.3} under some {first} and {second}",
-                found.highest, found.height
+                found.highest, found.height.get()
             )
         })
         .help(if head {

@@ -8,6 +8,7 @@
 
 use super::clearance::Clearance;
 use super::surface::{FAR, Limits, SurfaceReport};
+use base::units::Mm;
 use diagnostics::{Diag, Sink, codes::verification};
 use five_axis::{Chain, Machine, PoseCurve, RotaryPose, TurnCurve};
 use ir::{Motion, MotionOperation, Program, SplineBlock};
@@ -27,9 +28,9 @@ pub struct SplineReport {
     pub chords: usize,
     /// Largest distance of the tool up to the upper end of its flutes from its chord, mm. The bounds of gouge and excess
     /// include it.
-    pub flutes: f64,
+    pub flutes: Mm,
     /// The same up to the gauge line, mm. The clearances include it.
-    pub tool: f64,
+    pub tool: Mm,
 }
 
 impl SplineReport {
@@ -37,7 +38,7 @@ impl SplineReport {
     fn of(program: &Program, operation: &MotionOperation) -> Result<Option<Self>, String> {
         let machine = &program.machine;
         let tool = &program.tools[program.operations[operation.operation].tool];
-        let mut report = Self { blocks: operation.splines.len(), chords: 0, flutes: 0.0, tool: 0.0 };
+        let mut report = Self { blocks: operation.splines.len(), chords: 0, flutes: Mm(0.0), tool: Mm(0.0) };
         let mut free = 1;
         for (k, spline) in operation.splines.iter().enumerate() {
             let count = (spline.last + 1).saturating_sub(spline.first);
@@ -56,8 +57,8 @@ impl SplineReport {
             if !flutes.is_finite() || flutes > NOT_OF_CURVE {
                 return Err(format!("spline block {k} leaves its chords by {flutes} mm"));
             }
-            report.flutes = report.flutes.max(flutes);
-            report.tool = report.tool.max(tip + axis * tool.length());
+            report.flutes = Mm(report.flutes.get().max(flutes));
+            report.tool = Mm(report.tool.get().max(tip + axis * tool.length()));
         }
         Ok((report.blocks > 0).then_some(report))
     }
@@ -133,7 +134,7 @@ fn apart(chain: &Chain, part: &PoseCurve, [from, to]: [RotaryPose; 2]) -> [f64; 
 
 /// Largest distance up to the flutes over all operations, mm.
 pub fn widest(reports: &[Option<SplineReport>]) -> f64 {
-    reports.iter().flatten().map(|r| r.flutes).fold(0.0, f64::max)
+    reports.iter().flatten().map(|r| r.flutes.get()).fold(0.0, f64::max)
 }
 
 impl Limits {

@@ -3,6 +3,7 @@
 //! The points are those of the files or lists of the job, as they were read. They are projected to the surfaces of the part, so the
 //! distance shows what fitting, extending and turning did, and a curve that was read as another one.
 
+use base::units::Mm;
 use ir::{Program, StatedPoints};
 use nalgebra::Point3;
 use nurbs::chords::from_chords;
@@ -19,7 +20,7 @@ pub struct StatedReport {
     /// Number of points.
     pub points: usize,
     /// Largest distance of a point from faces and edges, mm.
-    pub distance: f64,
+    pub distance: Mm,
     /// The point with this distance, mm.
     pub point: Point3<f64>,
 }
@@ -30,13 +31,13 @@ pub struct ImportedReport {
     /// Names of the files.
     pub files: String,
     /// Largest distance between the points of the files and the job, mm, as the import states it.
-    pub within: f64,
+    pub within: Mm,
 }
 
 /// The files of the part, as the job names them.
 pub fn imported(program: &Program) -> Option<ImportedReport> {
     let from = program.imported.as_ref()?;
-    Some(ImportedReport { files: from.files.clone(), within: from.within.get() })
+    Some(ImportedReport { files: from.files.clone(), within: Mm(from.within.get()) })
 }
 
 /// The largest distance of each vane that the job states by points.
@@ -45,7 +46,7 @@ pub fn check(program: &Program) -> Vec<StatedReport> {
         let blade = program.part.blade(stated.blade);
         let far = |p: &Point3<f64>| (distance(blade, p), *p);
         let (distance, point) = stated.points.par_iter().map(far).max_by(|a, b| a.0.total_cmp(&b.0))?;
-        Some(StatedReport { name: blade.name.clone(), points: stated.points.len(), distance, point })
+        Some(StatedReport { name: blade.name.clone(), points: stated.points.len(), distance: Mm(distance), point })
     };
     program.stated.iter().filter_map(report).collect()
 }

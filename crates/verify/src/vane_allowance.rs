@@ -13,7 +13,7 @@ use super::proof::sweep::Sweep;
 use super::surface::{self, Worst};
 use super::{SPACING, proof::cells::Extreme};
 use base::progress::Progress;
-use base::units::length;
+use base::units::{Mm, length};
 use diagnostics::{Diag, Sink, codes::verification};
 use ir::{Motion, Program};
 use nalgebra::Point3;
@@ -32,11 +32,11 @@ pub struct VaneReport {
     /// Name of the operation.
     pub name: String,
     /// Allowance at the tip and at the root, mm; both are the same unless it grows.
-    pub allowance: [f64; 2],
+    pub allowance: [Mm; 2],
     /// The place where most is missing; `None` where no cutter reaches into the allowance.
     pub worst: Option<MissingAllowance>,
     /// Proved bound of what is missing anywhere, mm.
-    pub bound: f64,
+    pub bound: Mm,
 }
 
 /// A place where a cutter goes into the allowance.
@@ -110,7 +110,13 @@ pub(super) fn check(program: &Program, motion: &Motion, progress: &Progress) -> 
         let sweep = Sweep::new(program, motion, o as usize)?;
         let (bound, worst) = missing(program, (&declared.name, vane), &[sweep], progress);
         let allowance = [vane.tip(), vane.root()].map(|value| value.get());
-        Some(VaneReport { operation: o, name: declared.name.clone(), allowance, worst, bound })
+        Some(VaneReport {
+            operation: o,
+            name: declared.name.clone(),
+            allowance: allowance.map(Mm),
+            worst,
+            bound: Mm(bound),
+        })
     });
     reports.collect()
 }
@@ -152,7 +158,7 @@ fn missing(
 impl VaneReport {
     /// The allowance in words: one value, or the values at the tip and at the root.
     pub fn leaves(&self) -> String {
-        let [tip, root] = self.allowance.map(length);
+        let [tip, root] = self.allowance.map(|mm| length(mm.get()));
         if self.allowance[0] == self.allowance[1] { tip } else { format!("{tip} .. {root}") }
     }
 }
@@ -160,7 +166,7 @@ impl VaneReport {
 /// Reports operations that leave less than their allowance as errors.
 pub(super) fn report(program: &Program, motion: &Motion, found: &[VaneReport], sink: &mut Sink) {
     let tolerance = program.tolerances.chord_rough.get();
-    for r in found.iter().filter(|r| r.bound > tolerance) {
+    for r in found.iter().filter(|r| r.bound > Mm(tolerance)) {
         let Some(operation) = motion.operations.get(r.operation as usize) else { continue };
         let (name, allowed) = (&r.name, length(tolerance));
         let worst = r.worst.as_ref().filter(|w| -w.place.value > tolerance);
@@ -172,7 +178,7 @@ pub(super) fn report(program: &Program, motion: &Motion, found: &[VaneReport], s
                 )
             }
             None => {
-                let bound = length(r.bound);
+                let bound = length(r.bound.get());
                 format!(
                     "`{name}` is proved to leave its allowance only to within {bound}; at most {allowed} may be missing"
                 )

@@ -4,6 +4,7 @@ mod active;
 mod times;
 
 use crate::support;
+use impellerc::base::units::Mm;
 use impellerc::five_axis::{Chain, Interpolation, Joints, Machine};
 use impellerc::ir::{JointMove, Motion, MotionOperation, MoveKind, Program};
 use impellerc::verify::dynamics::{Run, run};
@@ -54,13 +55,13 @@ fn one_axis_runs_in_trapezoids() {
     near(whole.programmed[0], 1.0, 1e-12);
     let blocks = cut(&along_x(&[0.0, 0.3, 20.0, 20.01, 55.0, 99.5, 100.0], 100.0));
     near(blocks.time[0], 1.0 + 100.0 / A, 1e-9);
-    near(blocks.corners.value, 0.0, 1e-9);
+    near(blocks.corners.value.get(), 0.0, 1e-9);
     // Too short for its speed.
     near(cut(&along_x(&[0.0, 1.0], 500.0)).time[0], 2.0 * (1.0 / A).sqrt(), 1e-12);
     near(cut(&along_x(&[0.0, 0.1, 0.4, 1.0], 500.0)).time[0], 2.0 * (1.0 / A).sqrt(), 1e-9);
     // The slowest block is run through with half of its feed or less.
     let run = cut(&along_x(&[0.0, 1.0], 500.0));
-    near(run.slowest.value, (1.0 / 500.0) / run.time[0], 1e-12);
+    near(run.slowest.value.get(), (1.0 / 500.0) / run.time[0], 1e-12);
     // Another feed from the second block on.
     let mut stops = along_x(&[0.0, 50.0, 150.0], 50.0);
     stops[2].3 = 100.0 / 200.0;
@@ -70,7 +71,7 @@ fn one_axis_runs_in_trapezoids() {
     // Speeds above the limit of the axis are not reached.
     let fast = ran(&program, MoveKind::Rapid, &along_x(&[0.0, 200.0], 1000.0));
     near(fast.time[2], 200.0 / 500.0 + 500.0 / A, 1e-12);
-    near(fast.speed[0].value, 1.0, 1e-12);
+    near(fast.speed[0].value.get(), 1.0, 1e-12);
 }
 
 #[test]
@@ -80,7 +81,7 @@ fn a_table_turns_in_a_trapezoid() {
     let stops = [([0.0; 3], 0.0, -0.5, 0.0), ([0.0; 3], 0.0, 2.0, 2.5 / PI)];
     let run = ran(&program, MoveKind::Rapid, &stops);
     near(run.time[2], 2.5 / PI + PI / 20.0, 1e-9);
-    near(run.speed[4].value, 1.0, 1e-9);
+    near(run.speed[4].value.get(), 1.0, 1e-9);
 }
 
 #[test]
@@ -93,7 +94,7 @@ fn a_corner_is_rounded_within_the_tolerance() {
     let (v, corner) = (100.0, (8.0 * chord * A / 2.0_f64.sqrt()).sqrt());
     let leg = 50.0 / v + v / (2.0 * A) + (v - corner).powi(2) / (2.0 * A * v);
     near(run.time[0], 2.0 * leg, 1e-9);
-    near(run.corners.value, chord, 1e-12);
+    near(run.corners.value.get(), chord, 1e-12);
     // The rounded way itself, step by step: X slows down evenly while Y speeds up.
     let t = corner / A;
     let way = |s: f64| {
@@ -187,7 +188,7 @@ fn a_circle_of_chords_takes_the_time_of_the_circle() {
     near(run.time[0], dense, 0.02 * dense);
     // The corners of so fine a polygon are rounded by less than the sag of its chords.
     let sag = radius * (1.0 - (PI / f64::from(count)).cos());
-    assert!(run.corners.value > 0.0 && run.corners.value <= sag, "{} {sag}", run.corners.value);
+    assert!(run.corners.value.get() > 0.0 && run.corners.value <= Mm(sag), "{} {sag}", run.corners.value);
 }
 
 #[test]
@@ -198,10 +199,10 @@ fn the_control_cycle_leaves_the_arc_by_its_sag() {
     let stops = [([radius, 0.0, 0.0], 0.0, 0.0, 0.0), ([radius, 0.0, 0.0], 0.0, 2.0, 2.0 / omega)];
     let run = ran(&program, MoveKind::Link, &stops);
     let due = radius * (1.0 - (omega * program.machine.cycle / 2.0).cos());
-    near(run.cycle.value, due, 1e-3 * due);
+    near(run.cycle.value.get(), due, 1e-3 * due);
     // Without a corner it is all of the error, and the axis leans nowhere.
-    near(run.contour.value, run.cycle.value, 0.0);
-    assert_eq!((run.contour.corner, run.orientation.value), (0.0, 0.0));
+    near(run.contour.value.get(), run.cycle.value.get(), 0.0);
+    assert_eq!((run.contour.corner.get(), run.orientation.value.get()), (0.0, 0.0));
     near(run.contour.tip[0], radius, 1e-9);
 }
 
@@ -217,25 +218,25 @@ fn a_turn_that_comes_back_is_rounded_as_its_arc() {
     };
     let run = to_and_fro(0.0);
     // A turn of the tool by the angle moves the end of the flutes by no more than the chord tolerance.
-    near(run.contour.value, chord, 1e-9);
-    near(run.contour.corner, run.contour.value, 1e-12);
-    near(run.orientation.value, (chord / height).to_degrees(), 1e-9);
+    near(run.contour.value.get(), chord, 1e-9);
+    near(run.contour.corner.get(), run.contour.value.get(), 1e-12);
+    near(run.orientation.value.get(), (chord / height).to_degrees(), 1e-9);
     assert_eq!(run.orientation.at.map(|at| at.index), Some(1));
     // The rounded turn itself, step by step: from a speed to its opposite at the acceleration of the axis.
     let speed = (2.0 * turning * chord / height).sqrt();
     let duration = 2.0 * speed / turning;
     let left = |t: f64| -speed * duration / 2.0 + speed * t - turning * t * t / 2.0;
     let nearest = (0..=10_000).map(|k| left(duration * f64::from(k) / 10_000.0).abs()).fold(f64::INFINITY, f64::min);
-    near(nearest.to_degrees(), run.orientation.value, 1e-6 * run.orientation.value);
+    near(nearest.to_degrees(), run.orientation.value.get(), 1e-6 * run.orientation.value.get());
     // Away from the axis of C the cycle comes on top of the corner, in the same block.
     let run = to_and_fro(60.0);
-    assert!(run.corners.value > 0.0 && run.cycle.value > 0.0, "{run:?}");
-    near(run.contour.value, run.corners.value + run.cycle.value, 1e-12);
-    near(run.contour.corner, run.corners.value, 0.0);
+    assert!(run.corners.value.get() > 0.0 && run.cycle.value.get() > 0.0, "{run:?}");
+    near(run.contour.value.get(), run.corners.value.get() + run.cycle.value.get(), 1e-12);
+    near(run.contour.corner.get(), run.corners.value.get(), 0.0);
     // At rapid nobody asks.
     let stops = [([0.0; 3], 0.0, 0.0, 0.0), ([0.0; 3], 0.0, 1.0, 1.0), ([0.0; 3], 0.0, 0.0, 1.0)];
     let rapid = ran(&program, MoveKind::Rapid, &stops);
-    assert_eq!((rapid.contour.value, rapid.orientation.value, rapid.contour.at), (0.0, 0.0, None));
+    assert_eq!((rapid.contour.value.get(), rapid.orientation.value.get(), rapid.contour.at), (0.0, 0.0, None));
 }
 
 #[test]
@@ -248,10 +249,13 @@ fn the_error_of_a_block_is_between_the_larger_and_the_sum_of_its_parts() {
     let stops: Vec<Stop> = (0..200).map(place).collect();
     let run = ran(&program, MoveKind::Cut, &stops);
     let (corner, cycle) = (run.corners.value, run.cycle.value);
-    assert!(corner > 0.0 && cycle > 0.0 && run.orientation.value > 0.0, "{run:?}");
+    assert!(corner.get() > 0.0 && cycle.get() > 0.0 && run.orientation.value.get() > 0.0, "{run:?}");
     let all = run.contour.value;
-    assert!(all >= corner.max(cycle) && all <= corner + cycle, "{all} {corner} {cycle}");
-    assert!(run.contour.corner <= corner && all - run.contour.corner <= cycle + 1e-15);
+    assert!(
+        all.get() >= corner.get().max(cycle.get()) && all.get() <= corner.get() + cycle.get(),
+        "{all} {corner} {cycle}"
+    );
+    assert!(run.contour.corner <= corner && all.get() - run.contour.corner.get() <= cycle.get() + 1e-15);
     // The tip that is named is that of the move.
     let index = run.contour.at.unwrap().index as usize;
     (0..3).for_each(|k| near(run.contour.tip[k], stops[index].0[k], 1e-9));
@@ -303,8 +307,8 @@ fn with_jerk_one_axis_runs_in_seven_phases() {
         // Without the jerk it is the trapezoid, and that is the bound.
         near(run.within_accelerations[0], 1.0 + 100.0 / A, 1e-9);
         near(run.programmed[0], 1.0, 1e-9);
-        assert!(run.jerk[0].value > 0.9 && run.jerk[0].value <= 1.0 + 1e-9, "{:?}", run.jerk);
-        assert!(run.jerk[1].value == 0.0 && run.jerk[4].value == 0.0);
+        assert!(run.jerk[0].value.get() > 0.9 && run.jerk[0].value.get() <= 1.0 + 1e-9, "{:?}", run.jerk);
+        assert!(run.jerk[1].value.get() == 0.0 && run.jerk[4].value.get() == 0.0);
     }
     // Large limits of jerk are none.
     let run = ran(&with_jerk(1e9, 1e6), MoveKind::Cut, &along_x(&[0.0, 100.0], 100.0));
@@ -315,7 +319,7 @@ fn with_jerk_one_axis_runs_in_seven_phases() {
     let ramp = curve(0.0, PI, 20.0, 200.0);
     let due = 2.0 * ramp + (2.5 - PI * ramp) / PI;
     assert!(run.time[2] >= due - 1e-9 && run.time[2] <= 1.15 * due, "{} {due}", run.time[2]);
-    assert!(run.jerk[4].value > 0.9 && run.jerk[4].value <= 1.0 + 1e-9);
+    assert!(run.jerk[4].value.get() > 0.9 && run.jerk[4].value.get() <= 1.0 + 1e-9);
 }
 
 #[test]
@@ -327,7 +331,11 @@ fn with_jerk_a_corner_is_rounded_by_a_pulse() {
     let run = ran(&program, MoveKind::Cut, &stops);
     // Both axes change their speed by v in the time 2 sqrt(v / j), so that the corner is left by sqrt(2) v t / 8 at most.
     let corner = (4.0 * chord * J.sqrt() / 2.0_f64.sqrt()).cbrt().powi(2);
-    assert!(run.corners.value <= chord + 1e-12 && run.corners.value > 0.9 * chord, "{} {chord}", run.corners.value);
+    assert!(
+        run.corners.value <= Mm(chord + 1e-12) && run.corners.value > Mm(0.9 * chord),
+        "{} {chord}",
+        run.corners.value
+    );
     // The pulse itself, step by step: the way from the corner in its middle is v t / 12.
     let (t, v) = (curve(0.0, corner, A, J), corner);
     let (steps, mut speed, mut way) = (100_000, 0.0, 0.0);
@@ -359,7 +367,7 @@ fn less_jerk_takes_longer() {
         let run = ran(&with_jerk(50_000.0 * share, 200.0 * share), MoveKind::Cut, &stops);
         println!("{share}: {:.4} s, without jerk {:.4} s", run.time[0], run.within_accelerations[0]);
         assert!(run.time[0] > last && run.time[0] >= run.within_accelerations[0], "{share}: {run:?}");
-        assert!(run.jerk.iter().all(|j| j.value <= 1.0 + 1e-9), "{run:?}");
+        assert!(run.jerk.iter().all(|j| j.value.get() <= 1.0 + 1e-9), "{run:?}");
         last = run.time[0];
     }
 }

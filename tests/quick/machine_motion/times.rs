@@ -1,6 +1,7 @@
 //! Times of any motion are finite and include every block: extreme feeds, limits and lengths, long operations.
 
 use super::{Stop, motion, program, ran, support, with_jerk};
+use impellerc::base::units::{Deg, Mm};
 use impellerc::five_axis::Machine;
 use impellerc::five_axis::control::Planning;
 use impellerc::ir::{JointMove, MoveKind, Program};
@@ -14,9 +15,11 @@ fn figures(run: &Run) -> Vec<f64> {
     let limits = run.limits.iter().flat_map(|l| l.time);
     let times = [run.time, run.within_accelerations, run.programmed].concat().into_iter().chain(limits);
     let peaks = [run.speed, run.asked, run.jerk].concat();
-    let others = [run.slowest, run.corners, run.cycle].map(|p| p.value);
-    let departures = [run.contour, run.orientation].map(|d| [d.value, d.corner]).concat();
-    times.chain(peaks.iter().map(|p| p.value)).chain(others).chain(departures).collect()
+    let others = [run.slowest.value.get(), run.corners.value.get(), run.cycle.value.get()];
+    let contour = [run.contour.value, run.contour.corner].map(Mm::get);
+    let orientation = [run.orientation.value, run.orientation.corner].map(Deg::get);
+    let peaks = peaks.iter().map(|p| p.value.get());
+    times.chain(peaks).chain(others).chain(contour).chain(orientation).collect()
 }
 
 fn limited(speed: f64, acceleration: f64, jerk: f64, planning: Planning) -> Program {

@@ -21,13 +21,18 @@ pub fn lines(certificate: &Certificate) -> Vec<String> {
     ));
     lines.push(format!(
         "at the start nothing is taken for known but that Z is not over {:.3}, the retract height",
-        certificate.perimeter.retract
+        certificate.perimeter.retract.get()
     ));
     lines.push(
         "surfaces are those that the programmed motion leaves; from it the control departs by at most:".to_owned(),
     );
     for (o, run) in certificate.operations.iter().zip(&certificate.machine.runs) {
-        lines.push(format!("{}: {:.2} um, {:.3} deg", o.name, run.contour.value * 1e3, run.orientation.value));
+        lines.push(format!(
+            "{}: {:.2} um, {:.3} deg",
+            o.name,
+            run.contour.value.get() * 1e3,
+            run.orientation.value.get()
+        ));
     }
     lines
 }

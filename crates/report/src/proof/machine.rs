@@ -2,38 +2,62 @@
 
 use super::Text;
 use crate::table::{Form, Table, figures, words};
-use base::units::length;
+use base::units::{Share, length};
 use ir::{Motion, Program};
 use std::collections::BTreeMap;
 use verify::Certificate;
 use verify::carried::SEARCH;
 use verify::certificate::OperationReport;
 use verify::dynamics::{ActiveLimit, MotionLimit, Run};
-use verify::machine::{AxisRange, OtherRules};
+use verify::machine::{Axes, AxisRange, OtherRules};
 use verify::place::describe;
 use wheel::contract::clock;
 
-/// Units of X, Y, Z and the rotary axes.
-const AXIS_UNITS: [&str; 5] = ["mm", "mm", "mm", "deg", "deg"];
+/// An axis with its positions in its unit.
+struct AxisRow<'a> {
+    axis: &'a str,
+    unit: &'static str,
+    used: [f64; 2],
+    travel: Option<[f64; 2]>,
+    speed: Share,
+    acceleration: Share,
+    jerk: Share,
+}
+
+impl<'a> AxisRow<'a> {
+    fn new<Q: Copy + Into<f64>>(range: &'a AxisRange<Q>, unit: &'static str) -> Self {
+        Self {
+            axis: &range.axis,
+            unit,
+            used: range.used.map(Into::into),
+            travel: range.travel.map(|travel| travel.map(Into::into)),
+            speed: range.speed_share,
+            acceleration: range.acceleration_share,
+            jerk: range.jerk_share,
+        }
+    }
+}
 
 /// The share of travel, speed, acceleration and jerk that the motion takes of each axis.
 pub(crate) fn axes(text: Text<'_>, certificate: &Certificate) -> Table {
-    type Row<'a> = (&'a AxisRange, &'static str);
+    type Row<'a> = AxisRow<'a>;
     let machine = &certificate.machine;
-    let rows = machine.axes.iter().zip(AXIS_UNITS);
-    let name = |r: &Row| r.0.axis.clone();
+    let Axes { linear, rotary } = &machine.axes;
+    let rows = linear.iter().map(|axis| AxisRow::new(axis, "mm"));
+    let rows = rows.chain(rotary.iter().map(|axis| AxisRow::new(axis, "deg")));
+    let name = |r: &Row| r.axis.to_owned();
     let travel = |none: &'static str, span: fn([f64; 2]) -> String| {
-        move |r: &Row| r.0.travel.map_or_else(|| none.to_owned(), span)
+        move |r: &Row| r.travel.map_or_else(|| none.to_owned(), span)
     };
     match text {
         Text::Page(_) => {
             let columns = vec![
-                words("axis", 0, |r: &Row| format!("{}, {}", r.0.axis, r.1)),
-                figures("used", 0, Form::WHOLE, |r: &Row| format!("{:.3} .. {:.3}", r.0.used[0], r.0.used[1])),
+                words("axis", 0, |r: &Row| format!("{}, {}", r.axis, r.unit)),
+                figures("used", 0, Form::WHOLE, |r: &Row| format!("{:.3} .. {:.3}", r.used[0], r.used[1])),
                 figures("travel", 0, Form::WHOLE, travel("no limits", |[low, high]| format!("{low:.1} .. {high:.1}"))),
-                figures("largest speed, % of limit", 0, Form::PER_HUNDRED, |r: &Row| r.0.speed_share),
+                figures("largest speed, % of limit", 0, Form::PER_HUNDRED, |r: &Row| r.speed),
             ];
-            let pole = Form::THOUSANDTHS.of(machine.pole_distance);
+            let pole = Form::THOUSANDTHS.of(machine.pole_distance.get());
             Table::new(format!("Axes (least angle to the pole while cutting: {pole} deg)"), rows, columns)
         }
         Text::Sheet => {
@@ -42,27 +66,27 @@ pub(crate) fn axes(text: Text<'_>, certificate: &Certificate) -> Table {
             }
             let columns = vec![
                 words("axis", 0, name),
-                figures("used, mm or deg", 0, Form::WHOLE, |r: &Row| span(r.0.used)),
+                figures("used, mm or deg", 0, Form::WHOLE, |r: &Row| span(r.used)),
                 figures("travel in the machine file", 0, Form::WHOLE, travel("no limit", span)),
-                figures("largest speed, share of the limit", 0, Form::WHOLE_PERCENT, |r: &Row| r.0.speed_share),
+                figures("largest speed, share of the limit", 0, Form::WHOLE_PERCENT, |r: &Row| r.speed),
             ];
             Table::new("", rows, columns)
         }
         Text::Summary | Text::Details => {
             let columns = vec![
                 words("", 1, name),
-                figures("", 10, Form::THOUSANDTHS, |r: &Row| r.0.used[0]),
+                figures("", 10, Form::THOUSANDTHS, |r: &Row| r.used[0]),
                 words("", 2, |_: &Row| "..".to_owned()),
-                figures("", 10, Form::THOUSANDTHS, |r: &Row| r.0.used[1]),
-                words("", 3, |r: &Row| r.1.to_owned()),
+                figures("", 10, Form::THOUSANDTHS, |r: &Row| r.used[1]),
+                words("", 3, |r: &Row| r.unit.to_owned()),
                 words("", 2, |_: &Row| "of".to_owned()).apart(),
                 figures("", 20, Form::WHOLE, travel("no limits", |[low, high]| format!("{low:>8.1} .. {high:>8.1}"))),
-                figures("", 7, Form::PERCENT, |r: &Row| r.0.speed_share).apart(),
-                figures("", 7, Form::PERCENT, |r: &Row| r.0.acceleration_share).apart(),
-                figures("", 7, Form::PERCENT, |r: &Row| r.0.jerk_share).apart(),
+                figures("", 7, Form::PERCENT, |r: &Row| r.speed).apart(),
+                figures("", 7, Form::PERCENT, |r: &Row| r.acceleration).apart(),
+                figures("", 7, Form::PERCENT, |r: &Row| r.jerk).apart(),
             ];
             let title = "axes: used, travel, of the limits: largest speed reached, acceleration asked for inside of blocks, jerk reached";
-            let pole = Form::THOUSANDTHS.of(machine.pole_distance);
+            let pole = Form::THOUSANDTHS.of(machine.pole_distance.get());
             Table::new(title, rows, columns).with([format!("least distance to the pole while cutting {pole} deg")])
         }
     }
@@ -83,15 +107,15 @@ pub(super) fn surroundings(program: &Program, motion: &Motion, certificate: &Cer
         at_rapid(certificate),
         format!(
             "X, Y, {first} and {second} move without tool centre point control at Z {:.3} of the gauge line only, with every {} at least {}",
-            p.retract,
+            p.retract.get(),
             if head { "point of a tool" } else { "tip" },
-            length(p.clearance)
+            length(p.clearance.get())
         ),
         format!(
             "over Z {:.3}, which the {} does not pass under any {first} and {second}; required {}",
-            p.height,
+            p.height.get(),
             p.highest,
-            length(p.required)
+            length(p.required.get())
         ),
     ];
     if head {
@@ -99,7 +123,7 @@ pub(super) fn surroundings(program: &Program, motion: &Motion, certificate: &Cer
     }
     let clamping = &certificate.clamping;
     if let (Some(at), Some(distance)) = (clamping.at, clamping.distance) {
-        let (space, part, distance) = (clamping.space(), &clamping.part, length(distance));
+        let (space, part, distance) = (clamping.space(), &clamping.part, length(distance.get()));
         let place = describe(program, motion, Some(at));
         lines.push(format!("no tool enters the clamping ({space}): the {part} stays {distance} away: {place}"));
     }
@@ -143,7 +167,10 @@ pub(super) fn runs(program: &Program, certificate: &Certificate) -> Table {
 /// How far the control departs from the programmed motion at most, and in which operation.
 pub(super) fn departure(certificate: &Certificate, length: fn(f64) -> String, at_most: &str) -> Option<String> {
     let (most, name) = certificate.departure()?;
-    Some(format!("of the programmed motion; the control departs from it by {at_most} {}, in {name}", length(most)))
+    Some(format!(
+        "of the programmed motion; the control departs from it by {at_most} {}, in {name}",
+        length(most.get())
+    ))
 }
 
 /// Kinds of moves, in the order of times.

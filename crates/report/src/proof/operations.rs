@@ -147,7 +147,7 @@ fn splines(operations: &[OperationReport]) -> impl Iterator<Item = String> {
             o.name,
             s.blocks,
             s.chords,
-            s.flutes * 1e3
+            s.flutes.get() * 1e3
         ))
     })
 }

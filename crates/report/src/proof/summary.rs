@@ -119,13 +119,13 @@ pub fn summary(program: &Program, certificate: &Certificate, verdict: Verdict<'_
 fn remarks(certificate: &Certificate) -> Vec<String> {
     let mut lines = Vec::new();
     let kept = &certificate.kept;
-    if let Some(worst) = kept.surfaces.iter().max_by(|a, b| a.gouge_bound.total_cmp(&b.gouge_bound)) {
+    if let Some(worst) = kept.surfaces.iter().max_by(|a, b| a.gouge_bound.get().total_cmp(&b.gouge_bound.get())) {
         lines.push(format!(
             "turned surfaces: gouge <= {} (found {}) on {}, allowed {}",
-            length(worst.gouge_bound),
+            length(worst.gouge_bound.get()),
             length(worst.gouge.depth),
             worst.surface,
-            length(kept.allowed)
+            length(kept.allowed.get())
         ));
     }
     lines.push(machine::at_rapid(certificate));

@@ -124,7 +124,7 @@ pub(crate) fn surfaces(text: Text<'_>, certificate: &Certificate) -> Table {
             ];
             let title = format!(
                 "surfaces: cutters of the whole program swept against the design, um; proved over cells of {} mm and less; worst first",
-                certificate.spacing
+                certificate.spacing.get()
             );
             Table::new(title, rows, columns)
         }
@@ -211,7 +211,7 @@ pub(super) fn kept(certificate: &Certificate) -> Table {
     ];
     let title = format!(
         "kept surfaces: what milling leaves as the lathe made it, um; {} are allowed, the strictest gouge of the whole part",
-        length(kept.allowed)
+        length(kept.allowed.get())
     );
     Table::new(title, &kept.surfaces, columns)
         .with(certificate.form.iter().map(form))
@@ -226,34 +226,34 @@ fn form(r: &StatedReport) -> String {
         "form of {}: its {} stated points lie within {} of the surfaces that are cut; farthest at ({at})",
         r.name,
         r.points,
-        length(r.distance)
+        length(r.distance.get())
     )
 }
 
 /// Both ways from the imported files to the surfaces that are cut, each with the kind of its figure. `form` has the second one,
 /// which a part of angles does not have.
 pub fn imported(from: &ImportedReport, form: &[StatedReport]) -> String {
-    let measured = form.iter().map(|r| r.distance).reduce(f64::max);
+    let measured = form.iter().map(|r| r.distance.get()).reduce(f64::max);
     let measured = measured.map_or_else(
         || "from the job to the surfaces that are cut nothing is measured: it states no points".to_owned(),
         |distance| {
             format!(
                 "from the points of the job to the surfaces that are cut {}, measured; together at most {}",
                 length(distance),
-                length(from.within + distance)
+                length(from.within.get() + distance)
             )
         },
     );
     format!(
         "imported from {}: from its points to the job at most {}, stated by the import and not verified; {measured}",
         from.files,
-        length(from.within)
+        length(from.within.get())
     )
 }
 
 /// Roughing against the finished part.
 fn allowance(found: &AllowanceReport) -> Vec<String> {
-    let tolerance = length(found.tolerance);
+    let tolerance = length(found.tolerance.get());
     let first = match &found.nearest {
         None => format!("roughing stays over {tolerance} outside of the finished part, which its control may add"),
         Some(n) => format!(
@@ -263,7 +263,7 @@ fn allowance(found: &AllowanceReport) -> Vec<String> {
         ),
     };
     let vanes = found.vanes.iter().map(|r| {
-        let (found, bound) = (length(r.worst.as_ref().map_or(0.0, |w| -w.place.value)), length(r.bound));
+        let (found, bound) = (length(r.worst.as_ref().map_or(0.0, |w| -w.place.value)), length(r.bound.get()));
         format!("{} leaves {} on the vanes; missing at most {found}, proved {bound}", r.name, r.leaves())
     });
     std::iter::once(first).chain(vanes).collect()

@@ -101,7 +101,7 @@ pub fn deviations(program: &Program, certificate: &Certificate) -> (Vec<Sample>,
             }
         }
     }
-    let turned = sample::sample(part, certificate.spacing);
+    let turned = sample::sample(part, certificate.spacing.get());
     samples.extend(turned.into_iter().filter(|s| s.surface.sector == 0 && !s.surface.milled()));
     let mut deviations = Vec::with_capacity(samples.len() * part.vane_count as usize);
     for sector in 0..part.vane_count {
@@ -208,8 +208,14 @@ pub fn report(input: &Input<'_>) -> String {
     let program = input.program;
     let machine = &program.machine;
     let scale = scale(input);
-    let part =
-        part::part(&program.part, input.samples, input.deviations, scale, input.certificate.spacing, turned(program));
+    let part = part::part(
+        &program.part,
+        input.samples,
+        input.deviations,
+        scale,
+        input.certificate.spacing.get(),
+        turned(program),
+    );
     let certificate = input.certificate;
     let paths =
         paths::paths(program, input.motion, (certificate.stock.as_ref(), &certificate.machine.runs), input.lines);

@@ -24,7 +24,7 @@ pub(super) fn header(input: &Input<'_>) -> String {
         ("NC program", input.nc_text.map_or_else(|| "none: a fault stopped it".to_owned(), lines)),
         ("machining time", format!("{} h:mm:ss", clock(certificate.time()))),
         ("vanes", vanes.to_string()),
-        ("deviations proved over", format!("cells of {} mm and less", certificate.spacing)),
+        ("deviations proved over", format!("cells of {} mm and less", certificate.spacing.get())),
     ];
     let item = |(name, value): &(&str, String)| format!("<div><dt>{name}</dt><dd>{}</dd></div>\n", escaped(value));
     facts.iter().chain(&imported).map(item).collect()

@@ -2,6 +2,7 @@
 
 use super::active::{ActiveTimes, MotionLimit, NO_CORNER, Pace, active};
 use super::{At, BlockError, MotionCell, Peak, Run, RunLimits, jerk, number};
+use base::units::Share;
 use five_axis::linuxcnc::{self, Ran};
 use ir::{JointMove, MoveKind};
 use std::ops::Range;
@@ -20,8 +21,8 @@ pub(super) fn replace(
     let lines = linuxcnc::lines(settings.machine, moves.iter().map(|m| (m.joints, m.time, m.stop)));
     let ran = linuxcnc::run(&lines, settings);
     report.time = [0.0; 3];
-    report.corners = Peak::NONE;
-    report.slowest = Peak { value: 1.0, at: None };
+    report.corners = Peak::none();
+    report.slowest = Peak { value: Share(1.0), at: None };
     let rapid = |index: usize| moves.get(index).is_none_or(|m| m.kind == MoveKind::Rapid);
     // The corner at the end of a move. Between two rapids the deviation does not matter, since nothing is near.
     let corner = |index: usize| -> [f64; 2] {
@@ -38,8 +39,8 @@ pub(super) fn replace(
         let first = cells.partition_point(|c| c.block < index);
         let count = cells[first..].partition_point(|c| c.block == index);
         add(limits, (cells, first..first + count), (index, number(m.kind), ran), &mut times);
-        if m.kind == MoveKind::Cut && m.time < report.slowest.value * ran.time {
-            report.slowest = Peak { value: m.time / ran.time, at: Some(at) };
+        if m.kind == MoveKind::Cut && m.time < report.slowest.value.get() * ran.time {
+            report.slowest = Peak { value: Share(m.time / ran.time), at: Some(at) };
         }
         report.corners.raise(corner(index as usize)[0], at);
         for (most, share) in report.speed.iter_mut().zip(ran.speed) {
