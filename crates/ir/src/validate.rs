@@ -170,19 +170,20 @@ pub fn cc(program: &Program, plan: &CcPlan) -> Result<(), Malformed> {
         for pass in &planned.passes {
             let at = || format!("pass `{}` of `{}`", pass.label, operation.name);
             check(pass.points.len() > 1, || format!("{} has {} points", at(), pass.points.len()))?;
-            let driven = match (&operation.kind, pass.drive) {
-                (
-                    OperationKind::Groove { .. }
-                    | OperationKind::Expand { .. }
-                    | OperationKind::Rough { .. }
-                    | OperationKind::Plunge { .. },
-                    Drive::Channel,
-                )
-                | (OperationKind::Channel { .. }, Drive::Hub(_) | Drive::HubWithLead(..))
-                | (OperationKind::Point { .. }, Drive::Round(_)) => true,
-                (OperationKind::Flank { faces, .. }, Drive::Face { side, .. }) => faces.contains(&side),
-                (OperationKind::Point { surfaces, .. }, Drive::Contact(kind)) => surfaces.contains(&kind),
-                _ => false,
+            let driven = match &operation.kind {
+                OperationKind::Groove { .. }
+                | OperationKind::Expand { .. }
+                | OperationKind::Rough { .. }
+                | OperationKind::Plunge { .. } => pass.drive == Drive::Channel,
+                OperationKind::Channel { .. } => matches!(pass.drive, Drive::Hub(_) | Drive::HubWithLead(..)),
+                OperationKind::Flank { faces, .. } => {
+                    matches!(pass.drive, Drive::Face { side, .. } if faces.contains(&side))
+                }
+                OperationKind::Point { surfaces, .. } => match pass.drive {
+                    Drive::Round(_) => true,
+                    Drive::Contact(kind) => surfaces.contains(&kind),
+                    Drive::Channel | Drive::Face { .. } | Drive::Hub(_) | Drive::HubWithLead(..) => false,
+                },
             };
             let passage = |id: PassageId| id.index() < program.part.blades.len();
             let there = match pass.drive {

@@ -96,7 +96,12 @@ fn before_roughing(stated: &Stated<'_>, sink: &mut Sink) {
 fn slot_depth(kind: &OperationKind) -> Option<Mm> {
     match *kind {
         OperationKind::Groove { depth, .. } | OperationKind::Rough { depth, slots: Slots::Full, .. } => Some(depth),
-        _ => None,
+        OperationKind::Rough { .. }
+        | OperationKind::Expand { .. }
+        | OperationKind::Plunge { .. }
+        | OperationKind::Flank { .. }
+        | OperationKind::Channel { .. }
+        | OperationKind::Point { .. } => None,
     }
 }
 
