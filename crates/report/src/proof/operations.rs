@@ -52,15 +52,26 @@ fn total(operations: &[OperationReport]) -> OperationReport {
     total
 }
 
-/// The operations. `restarts`: first line of each in the NC text, for the setup sheet.
-pub(crate) fn operations(text: Text<'_>, program: &Program, certificate: &Certificate, restarts: &[usize]) -> Table {
-    let total = total(&certificate.operations);
+/// The rows of a text: Details and page have one of all operations.
+fn rows<'a>(
+    text: Text<'_>,
+    program: &'a Program,
+    certificate: &'a Certificate,
+    total: &'a OperationReport,
+) -> Vec<OperationRow<'a>> {
     let all = certificate.operations.iter().zip(program.operations.iter()).enumerate();
     let mut rows: Vec<OperationRow<'_>> =
         all.map(|(at, (report, (_, declared)))| OperationRow { at, report, declared: Some(declared) }).collect();
     if matches!(text, Text::Details | Text::Page(_)) {
-        rows.push(OperationRow { at: rows.len(), report: &total, declared: None });
+        rows.push(OperationRow { at: rows.len(), report: total, declared: None });
     }
+    rows
+}
+
+/// The operations. `restarts`: first line of each in the NC text, for the setup sheet.
+pub(crate) fn operations(text: Text<'_>, program: &Program, certificate: &Certificate, restarts: &[usize]) -> Table {
+    let total = total(&certificate.operations);
+    let rows = rows(text, program, certificate, &total);
     type Row<'a> = OperationRow<'a>;
     let name = |r: &Row| r.report.name.clone();
     let tool = |r: &Row| r.report.tool.clone();

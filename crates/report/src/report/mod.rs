@@ -207,16 +207,10 @@ struct Data<'a> {
 pub fn report(input: &Input<'_>) -> String {
     let program = input.program;
     let machine = &program.machine;
-    let scale = scale(input);
-    let part = part::part(
-        &program.part,
-        input.samples,
-        input.deviations,
-        scale,
-        input.certificate.spacing.get(),
-        turned(program),
-    );
     let certificate = input.certificate;
+    let scale = scale(input);
+    let part =
+        part::part(&program.part, input.samples, input.deviations, scale, certificate.spacing.get(), turned(program));
     let paths =
         paths::paths(program, input.motion, (certificate.stock.as_ref(), &certificate.machine.runs), input.lines);
     let nc = nc_text(input);
