@@ -45,7 +45,7 @@ impl LibraryReader<'_> {
 
     /// A quantity in base units.
     pub(super) fn quantity(&mut self, text: &SpannedText, due: Dimension, range: Range) -> f64 {
-        let [min, max] = range.bounds();
+        let [_, max] = range.bounds();
         let units = library_units(due).join(", ");
         let help = format!("write the number and its unit in quotes; units are {units}");
         match Quantity::read(text.get_ref()) {
@@ -53,7 +53,7 @@ impl LibraryReader<'_> {
             Some(q) if q.dimension == due => self.fault(
                 self.span(text),
                 format!("`{}` is out of range", text.get_ref()),
-                format!("a value from {} to {} {} is expected", due.bound(min), due.bound(max), base(due)),
+                format!("a value {} is expected", range.text(due)),
                 "correct the value",
             ),
             Some(q) => self.fault(
@@ -345,17 +345,6 @@ impl LibraryReader<'_> {
             own_words,
             assumed,
         })
-    }
-}
-
-fn base(due: Dimension) -> &'static str {
-    match due {
-        Dimension::TURNING => "rad/min",
-        Dimension::ACCELERATION => "mm/min2",
-        Dimension::TURNING_ACCELERATION => "rad/min2",
-        Dimension::JERK => "mm/min3",
-        Dimension::TURNING_JERK => "rad/min3",
-        other => other.usual_unit(),
     }
 }
 

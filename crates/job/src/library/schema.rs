@@ -62,6 +62,9 @@ const fn quantity_of(due: Dimension, least: f64, most: f64) -> Form {
     Form::Quantity(due, Range::Between(least, most))
 }
 
+/// In rad/min.
+const DEGREE_PER_SECOND: f64 = 60.0 * std::f64::consts::PI / 180.0;
+
 /// A place along an axis.
 const PLACE: Form = Form::Quantity(Dimension::LENGTH, Range::Within(LONGEST));
 const POINT: Form = Form::Quantities(Dimension::LENGTH, Range::Within(LONGEST), 3);
@@ -96,8 +99,12 @@ const ROTARY: &[Property] = &[
         "The way that the control takes, with `modulo = true`.",
     ),
     may("clamp", Form::TextsOf(2), "M words that clamp and unclamp the axis."),
-    must("speed", quantity_of(Dimension::TURNING, 1e-3, 1e6), "Largest speed."),
-    must("acceleration", quantity_of(Dimension::TURNING_ACCELERATION, 1e-3, 1e9), "Largest acceleration."),
+    must("speed", quantity_of(Dimension::TURNING, 1e-3 * DEGREE_PER_SECOND, 1e6 * DEGREE_PER_SECOND), "Largest speed."),
+    must(
+        "acceleration",
+        quantity_of(Dimension::TURNING_ACCELERATION, 1e-6 * 3600.0, 1e6 * 3600.0),
+        "Largest acceleration.",
+    ),
     may("jerk", TEXT, "Largest jerk such as \"200 rad/s3\", or \"unlimited\"; without it unlimited."),
     must(
         "sense",

@@ -66,15 +66,13 @@ impl Dimension {
         powers.map(|(n, p)| if p == 1 { (*n).to_owned() } else { format!("{n}^{p}") }).collect::<Vec<_>>().join(" ")
     }
 
-    /// How messages write a bound that is given in base units: where they name a usual unit that is no base unit, in this unit.
+    /// How messages write a bound that is given in base units: in the usual unit.
     pub fn bound(self, value: f64) -> String {
-        match self {
-            // Bounds of angles are round in degrees, not in radians.
-            Self::ANGLE => trim(value.to_degrees(), 2),
-            Self::TIME => trim(value * 60.0, 6),
-            Self::POWER => trim(value / KILOWATT, 2),
-            _ => value.to_string(),
-        }
+        let one = Quantity::new(1.0, self.usual_unit()).map_or(1.0, |one| one.value);
+        let number = value / one;
+        // Bounds of angles are round in degrees, not in radians; some of them come from divisions of the circle.
+        let digits = if self == Self::ANGLE && number.abs() >= 0.01 { 2 } else { 6 };
+        if one == 1.0 { value.to_string() } else { trim(number, digits) }
     }
 
     /// The unit that a message suggests where the unit is missing.
