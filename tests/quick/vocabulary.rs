@@ -6,7 +6,6 @@ use impellerc::job::language::understand;
 use impellerc::job::vocabulary::{self, Topic, TopicKind, Without};
 use impellerc::job::{self, InMemory, print};
 use impellerc::syntax;
-use impellerc::syntax::KnownItems;
 use std::collections::BTreeSet;
 
 /// A word that is near to no word of the language.
@@ -44,7 +43,7 @@ fn whole() -> impl Iterator<Item = &'static Topic> {
 }
 
 fn errors(text: &str) -> Vec<String> {
-    let found = understand("job.imp", text, &mut InMemory::default(), &mut KnownItems::default());
+    let found = understand("job.imp", text, &mut InMemory::default());
     let errors = found.diags.iter().filter(|d| d.severity == Severity::Error);
     errors.map(|d| format!("{}: {}", d.code.id(), d.message)).collect()
 }
@@ -99,7 +98,7 @@ fn values_are_those_that_the_front_end_knows() {
             let example =
                 if lines { with_property(topic.example, "lines", "one-way") } else { topic.example.to_owned() };
             let text = with_example(topic, &with_property(&example, property.name, PROBE));
-            let found = understand("job.imp", &text, &mut InMemory::default(), &mut KnownItems::default());
+            let found = understand("job.imp", &text, &mut InMemory::default());
             let known: Vec<BTreeSet<String>> =
                 found.diags.iter().filter(|d| !d.known.is_empty()).map(|d| d.known.iter().cloned().collect()).collect();
             assert_eq!(known, [words], "`{}` of {}\n{:#?}\n{text}", property.name, topic.name, found.diags);

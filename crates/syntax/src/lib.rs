@@ -8,12 +8,10 @@
 
 pub mod ast;
 mod format;
-mod known;
 mod parse;
 pub mod print;
 mod repair;
 mod scan;
 
 pub use format::{Unformatted, format};
-pub use known::KnownItems;
-pub use parse::{parse, parse_again};
+pub use parse::parse;

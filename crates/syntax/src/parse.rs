@@ -4,7 +4,6 @@ use super::ast::{
     Block, Entry, Expr, ExprKind, File, Item, ItemKind, Name, Operator, Path, Point, Revolved, ScopeTarget, Spline,
     SplinePoints, Text, ToolSource, Value,
 };
-use super::known::KnownItems;
 use super::repair;
 use super::scan::{self, ITEMS, ItemText, MAX_FAULTS};
 use base::source::{SourceId, Span};
@@ -23,12 +22,6 @@ const MAX_BYTES: usize = 16 << 20;
 
 /// Reads a job. Every fault of the text goes to the sink; the readable items are returned.
 pub fn parse(text: &str, source: SourceId, sink: &mut Sink) -> File {
-    parse_again(text, source, &mut KnownItems::default(), sink)
-}
-
-/// Reads a job of which some items may be known from the text before a change. The result is that of [`parse`].
-pub fn parse_again(text: &str, source: SourceId, known: &mut KnownItems, sink: &mut Sink) -> File {
-    known.begin();
     let broken = File { damaged: true, faulty: true, ..File::default() };
     if text.len() > MAX_BYTES {
         sink.push(
@@ -73,22 +66,8 @@ pub fn parse_again(text: &str, source: SourceId, known: &mut KnownItems, sink: &
         if piece.unreadable {
             continue;
         }
-        // What was added at the end of an item is not in its text.
-        let whole = (!piece.damaged && piece.closers.is_empty()).then(|| &text[piece.range.clone()]);
-        let start = piece.range.start;
-        if let Some(item) = whole.and_then(|whole| known.get(whole, start)) {
-            file.items.push(item);
-            continue;
-        }
-        let faults = sink.count();
         match read_piece(text, source, piece, sink) {
-            Some(item) => {
-                // From the largest number of faults on the parser is silent: no item counts as one without faults.
-                if let Some(whole) = whole.filter(|_| sink.count() == faults && faults < MAX_FAULTS) {
-                    known.keep(whole, start, &item);
-                }
-                file.items.push(item);
-            }
+            Some(item) => file.items.push(item),
             None => file.damaged = true,
         }
     }

@@ -77,7 +77,7 @@ impl JobText<'_> {
 
     fn completion(&self, at: usize) -> Value {
         let Some(mut files) = self.files() else { return Value::Null };
-        let (word, words) = language::words_at(self.text(), at, &mut files, &mut self.document.known.borrow_mut());
+        let (word, words) = language::words_at(self.text(), at, &mut files);
         let place = self.range(word);
         let item = |word: String| json!({ "label": word, "textEdit": { "range": place, "newText": word } });
         words.into_iter().map(item).collect()

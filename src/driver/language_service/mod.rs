@@ -24,7 +24,6 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::sync::{Arc, Mutex};
-use syntax::KnownItems;
 
 /// What a text is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,8 +61,6 @@ struct Document {
     understood: Understood,
     /// True when the text changed since the front end read it.
     changed: bool,
-    /// Items of the text as it was read for the last time.
-    known: RefCell<KnownItems>,
     judgement: Arc<Mutex<Judgement>>,
     /// What is known of NC text, when it was asked for.
     nc: RefCell<Option<Rc<TextBeside>>>,
@@ -215,9 +212,9 @@ impl Service {
     fn open(&mut self, uri: &str, text: String, version: i64, language: &str) {
         let path = path(uri);
         let kind = TextKind::of(&path, language);
-        let understood = language::understand("", "", &mut InMemory::default(), &mut KnownItems::default());
-        let (judgement, known, nc) = (Arc::default(), RefCell::default(), RefCell::default());
-        let document = Document { kind, text, version, path, understood, changed: true, known, judgement, nc };
+        let understood = language::understand("", "", &mut InMemory::default());
+        let (judgement, nc) = (Arc::default(), RefCell::default());
+        let document = Document { kind, text, version, path, understood, changed: true, judgement, nc };
         self.documents.insert(uri.to_owned(), document);
     }
 
@@ -307,10 +304,9 @@ fn of_nc(document: &Document, positions: &Positions<'_>, method: &str, params: &
 
 /// The text as the front end sees it; without the folder of the file nothing but the shipped library is found.
 fn understood(document: &Document, library: Option<&Path>, name: &str) -> Understood {
-    let known = &mut *document.known.borrow_mut();
     match DiskFiles::new(&document.path, library, None) {
-        Ok(mut files) => language::understand(name, &document.text, &mut files, known),
-        Err(_) => language::understand(name, &document.text, &mut InMemory::default(), known),
+        Ok(mut files) => language::understand(name, &document.text, &mut files),
+        Err(_) => language::understand(name, &document.text, &mut InMemory::default()),
     }
 }
 

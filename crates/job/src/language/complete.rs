@@ -7,7 +7,6 @@ use base::source::Span;
 use diagnostics::Sink;
 use diagnostics::codes::job as codes;
 use std::ops::Range;
-use syntax::KnownItems;
 use syntax::ast::{Block, ItemKind, ToolSource, Value};
 
 /// A word that is near to no word of the language.
@@ -15,8 +14,8 @@ const PROBE: &str = "zqzqzqzqzqzq";
 
 /// Properties that the block round a byte has already, other than those that may stand in it several times. A text is read
 /// while it is being written: only the names of entries on their way matter.
-fn given(text: &str, at: usize, known: &mut KnownItems) -> Vec<String> {
-    let tree = syntax::parse_again(text, JOB, known, &mut Sink::default());
+fn given(text: &str, at: usize) -> Vec<String> {
+    let tree = syntax::parse(text, JOB, &mut Sink::default());
     let mut blocks: Vec<&Block> = tree
         .items
         .iter()
@@ -49,7 +48,7 @@ fn given(text: &str, at: usize, known: &mut KnownItems) -> Vec<String> {
 const SEVERAL: [&str; 2] = ["splitter", "span"];
 
 /// The word that is begun at a byte, and the words that the front end knows there.
-pub fn words_at(text: &str, at: usize, files: &mut dyn Files, known: &mut KnownItems) -> (Range<usize>, Vec<String>) {
+pub fn words_at(text: &str, at: usize, files: &mut dyn Files) -> (Range<usize>, Vec<String>) {
     let word = word_round(text, at, |c| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '/'));
     // Behind a number stands a unit, glued to it or not.
     let digits = text[word.start..at.clamp(word.start, word.end)].chars().take_while(char::is_ascii_digit).count();
@@ -60,7 +59,7 @@ pub fn words_at(text: &str, at: usize, files: &mut dyn Files, known: &mut KnownI
     let behind_number = text[..word.start].trim_end_matches(' ').ends_with(|c: char| c.is_ascii_digit());
     for behind in ["", " 1", " 1 mm", " q { }", " { }", " <= 1 um", " on hub \"q\""] {
         let probed = format!("{}{PROBE}{behind}{}", &text[..word.start], &text[word.end..]);
-        let probe = understand("job.imp", &probed, files, known);
+        let probe = understand("job.imp", &probed, files);
         let place = word.start..word.start + PROBE.len();
         let touches = |span: Span| {
             let range = span.range();
@@ -75,7 +74,7 @@ pub fn words_at(text: &str, at: usize, files: &mut dyn Files, known: &mut KnownI
             Some(diag) => {
                 let mut words = diag.known.clone();
                 if diag.code == codes::UNKNOWN_PROPERTY {
-                    let given = given(text, word.start, known);
+                    let given = given(text, word.start);
                     words.retain(|word| !given.contains(word));
                 }
                 words.extend(units.into_iter().filter(|_| behind_number));

@@ -19,7 +19,6 @@ use crate::{Files, PartialJob};
 use base::source::{SourceId, SourceMap};
 use diagnostics::{Diag, Sink};
 use std::ops::Range;
-use syntax::KnownItems;
 use syntax::ast::File;
 
 /// A text as the front end sees it.
@@ -49,11 +48,11 @@ fn word_round(text: &str, at: usize, of_word: impl Fn(char) -> bool) -> Range<us
     start..at + text[at..].chars().take_while(|c| of_word(*c)).count()
 }
 
-/// Reads a text with the front end, which needs some milliseconds. `known` has the items of the text before a change.
-pub fn understand(name: &str, text: &str, files: &mut dyn Files, known: &mut KnownItems) -> Understood {
+/// Reads a text with the front end, which needs some milliseconds.
+pub fn understand(name: &str, text: &str, files: &mut dyn Files) -> Understood {
     let (mut sources, mut sink) = (SourceMap::default(), Sink::default());
     let source = sources.add(name, text);
-    let tree = syntax::parse_again(text, source, known, &mut sink);
+    let tree = syntax::parse(text, source, &mut sink);
     let job = crate::understand(&tree, files, &mut sources, &mut sink);
     Understood { sources, tree, job, diags: sink.diags().to_vec() }
 }

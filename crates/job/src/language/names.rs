@@ -6,7 +6,6 @@ use base::source::Span;
 use diagnostics::Diag;
 use std::collections::BTreeSet;
 use std::ops::Range;
-use syntax::KnownItems;
 use syntax::ast::{Block, Entry, Expr, ExprKind, File, ItemKind, Name, Path, Revolved, ScopeTarget, ToolSource, Value};
 
 /// What a name stands for.
@@ -221,7 +220,7 @@ pub fn rename(
     for place in in_order.iter().rev() {
         renamed.replace_range(place.clone(), new);
     }
-    let after = understand("job.imp", &renamed, files, &mut KnownItems::default());
+    let after = understand("job.imp", &renamed, files);
     let is_new = |diag: &&Diag| understood.diags.iter().all(|before| before.message != diag.message);
     if let Some(fault) = after.diags.iter().find(is_new).filter(|_| after.diags.len() > understood.diags.len()) {
         return Err(format!("with the name `{new}` the compiler says more of the job, such as: {}", fault.message));
