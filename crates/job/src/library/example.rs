@@ -99,6 +99,7 @@ fn made(form: Form) -> String {
         Form::Texts => "[\"...\"]".to_owned(),
         Form::TextsOf(count) => list("\"...\"", count),
         Form::Quantity(due, _) => quantity(due),
+        Form::LengthTo(..) => quantity(Dimension::LENGTH),
         Form::Quantities(due, _, count) => list(&quantity(due), count),
         Form::Numbers(count) => list("0", count),
         Form::Word(words) => format!("\"{}\"", words().first().copied().unwrap_or_default()),

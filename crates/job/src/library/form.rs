@@ -429,6 +429,7 @@ fn due(form: Form) -> String {
         Form::Texts => "a list of texts".to_owned(),
         Form::TextsOf(count) => format!("a list of {count} texts"),
         Form::Quantity(due, _) => format!("{} in quotes", due.name()),
+        Form::LengthTo(..) => format!("{} in quotes", Dimension::LENGTH),
         Form::Quantities(due, _, count) => format!("a list of {count} values, each {} in quotes", due.name()),
         Form::Numbers(count) => format!("a list of {count} numbers"),
         Form::Word(words) => {

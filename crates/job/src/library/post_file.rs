@@ -5,10 +5,9 @@ use super::machine::LibraryReader;
 use super::schema::LibraryFile;
 use super::table::{FileTable, SpannedText};
 use crate::block::eval::nearest;
-use crate::block::properties::{Properties, Range, name_of};
+use crate::block::properties::{Properties, name_of};
 use crate::property::Form;
-use crate::property::limits;
-use crate::property::quantity::Dimension;
+use crate::vocabulary::items::{BLOCK_NUMBERS, ORIENTATION_TOLERANCE, PROGRAM_NUMBER};
 use crate::vocabulary::{self, TopicKind};
 use base::source::{SourceId, SourceMap, Span};
 use diagnostics::codes::job as codes;
@@ -231,24 +230,15 @@ pub(crate) fn with_properties(
         post.control.orientation = orientation;
         refuse_without_words(&post, head, properties.sink);
     }
-    let [least, most] = limits::TURN;
-    let range = Range::Between(least, most);
-    let example = "orientation-tolerance 0.02 deg";
-    if let Some((turn, _)) = properties.number("orientation-tolerance", Dimension::ANGLE, range, example) {
+    let mut number = |property| properties.read(property).flatten().map(|given| given.0);
+    if let Some(turn) = number(&ORIENTATION_TOLERANCE) {
         post.control.orientation_tolerance = Some(turn);
     }
-    if let Some((step, _)) =
-        properties.count("block-numbers", limits::BLOCK_NUMBERS[0], limits::BLOCK_NUMBERS[1], "block-numbers 10")
-    {
-        post.block_numbers = step;
+    if let Some(step) = number(&BLOCK_NUMBERS) {
+        post.block_numbers = step as u32;
     }
-    if let Some((number, _)) = properties.count(
-        "program-number",
-        limits::PROGRAM_NUMBERS[0],
-        limits::PROGRAM_NUMBERS[1],
-        "program-number 1001",
-    ) {
-        post.program_number = number;
+    if let Some(whole) = number(&PROGRAM_NUMBER) {
+        post.program_number = whole as u32;
     }
     if let Some((word, values)) = properties.take("work-offset") {
         match values.as_slice() {

@@ -321,6 +321,7 @@ fn form(form: Form) -> Value {
         Form::Texts => json!({ "type": "array", "items": { "type": "string" } }),
         Form::TextsOf(count) => several(&json!({ "type": "string" }), count),
         Form::Quantity(dimension, _) => quantity(dimension),
+        Form::LengthTo(..) => quantity(Dimension::LENGTH),
         Form::Quantities(dimension, _, count) => several(&quantity(dimension), count),
         Form::Numbers(count) => several(&json!({ "type": "number" }), count),
         Form::Word(words) => json!({ "type": "string", "enum": words() }),

@@ -13,7 +13,8 @@ use crate::block::properties::{LabelledValue, Properties, Range};
 use crate::model::{MachineSpec, OperationKind, OperationSpec, ToolSpec};
 use crate::property::limits;
 use crate::property::quantity::Dimension;
-use crate::vocabulary::operations::{LEAD_IN, LEAD_OUT, LINK_FEED};
+use crate::property::{Form, Property, ToolSize};
+use crate::vocabulary::operations::{DEPTH, FLOOR_SCALLOP, LEAD_IN, LEAD_OUT, LINK_FEED, RESIDUAL, SCALLOP};
 use crate::vocabulary::{self, TopicKind};
 use base::source::Span;
 use base::units::{Mm, MmPerMin, Rpm, length, trim};
@@ -31,15 +32,6 @@ use wheel::part::SurfaceKind;
 
 /// Kinds of tools that can rough.
 pub(super) const ROUGHS: [&str; 4] = ["flat", "ball", "bull", "tapered-ball"];
-
-/// Least step down, mm: thinner chips are dust.
-pub(super) const LEAST_DEPTH: f64 = 0.01;
-
-/// Least residual of roughing, mm.
-const LEAST_RESIDUAL: f64 = 0.001;
-
-/// Least scallop height, mm: a tenth of a micrometre is below the roughness of any milled surface.
-const LEAST_SCALLOP: f64 = 1e-4;
 
 /// Thicknesses of rest machining, mm. The ends of the stock are known to a micrometre and paths to their tolerances;
 /// stock above the upper limit does not count as a rest.
@@ -469,7 +461,6 @@ impl OperationReader<'_> {
         tool: Option<&ToolSpec>,
         p: &mut Properties<'_, '_>,
     ) -> Option<OperationKind> {
-        let radius = tool.map_or(250.0, |t| t.diameter.get() / 2.0);
         match kind.text.as_str() {
             "groove" => {
                 let Layers { depth, allowance_vane, allowance_hub } = self.layers(false, tool, p)?;
@@ -477,16 +468,14 @@ impl OperationReader<'_> {
             }
             "expand" => {
                 let layers = self.layers(true, tool, p);
-                let range = Range::Between(LEAST_RESIDUAL, radius);
-                let residual = p.required("residual", Dimension::LENGTH, range, "residual 0.5 mm");
+                let residual = length_of(&RESIDUAL, tool, p);
                 let Layers { depth, allowance_vane, allowance_hub } = layers?;
-                Some(OperationKind::Expand { depth, allowance_vane, allowance_hub, residual: Mm(residual?.0) })
+                Some(OperationKind::Expand { depth, allowance_vane, allowance_hub, residual: residual? })
             }
             "plunge" => self.plunge(tool, p),
             "flank" => flank(&self.workpiece.blades, p),
             "point" | "fillet" | "edge" | "tip" => {
-                let range = Range::Between(LEAST_SCALLOP, radius);
-                let scallop = p.required("scallop", Dimension::LENGTH, range, "scallop 5 um");
+                let scallop = length_of(&SCALLOP, tool, p);
                 let blades = blades(&self.workpiece.blades, p)?;
                 let given = match kind.text.as_str() {
                     "edge" => chosen(p, "edges", "edge", ["inlet", "outlet"]),
@@ -509,18 +498,17 @@ impl OperationReader<'_> {
                 }
                 let milling =
                     if matches!(kind.text.as_str(), "edge" | "tip") { Some(None) } else { milling_of(lines?, p) };
-                let (scallop, method) = (Mm(scallop?.0), point_axes(tool, p)?);
+                let (scallop, method) = (scallop?, point_axes(tool, p)?);
                 let (surfaces, lines, milling): (Vec<SurfaceKind>, _, _) = (surfaces?, lines?, milling?);
                 let levels = if kind.text == "point" { levels(lines, faces, p)? } else { None };
                 Some(OperationKind::Point { surfaces, scallop, lines, milling, levels, method })
             }
             _ => {
-                let range = Range::Between(LEAST_SCALLOP, radius);
-                let scallop = p.required("scallop", Dimension::LENGTH, range, "scallop 10 um");
+                let scallop = length_of(&FLOOR_SCALLOP, tool, p);
                 let (spacing, lines) =
                     (named(p, "spacing", &Spacing::ALL, Spacing::name), named(p, "lines", &Lines::ALL, Lines::name));
                 let method = named(p, "method", &AxisMethod::ALL, AxisMethod::name);
-                let scallop = Mm(scallop?.0);
+                let scallop = scallop?;
                 Some(OperationKind::Channel {
                     scallop,
                     spacing: spacing?,
@@ -535,13 +523,9 @@ impl OperationReader<'_> {
     /// Step down and allowances; `expand` takes missing values from the groove before it.
     fn layers(&self, inherits: bool, tool: Option<&ToolSpec>, p: &mut Properties<'_, '_>) -> Option<Layers> {
         let before = self.groove.filter(|_| inherits);
-        let deepest = tool.map_or(1000.0, |t| t.flute.get());
         let depth = match before {
             Some(before) if !p.has("depth") => Some(before.depth),
-            _ => {
-                let range = Range::Between(LEAST_DEPTH, deepest);
-                p.required("depth", Dimension::LENGTH, range, "depth 1.5 mm").map(|d| Mm(d.0))
-            }
+            _ => length_of(&DEPTH, tool, p),
         };
         let (allowance_vane, allowance_hub) = match before {
             Some(before) if !p.has("allowance") => (before.allowance_vane, before.allowance_hub),
@@ -549,6 +533,17 @@ impl OperationReader<'_> {
         };
         Some(Layers { depth: depth?, allowance_vane, allowance_hub })
     }
+}
+
+/// A length whose largest value is a size of the tool; where the tool is not readable, that of a very large one.
+fn length_of(property: &Property, tool: Option<&ToolSpec>, p: &mut Properties<'_, '_>) -> Option<Mm> {
+    let Form::LengthTo(least, size) = property.form else { return None };
+    let most = match size {
+        ToolSize::Radius => tool.map_or(250.0, |tool| tool.diameter.get() / 2.0),
+        ToolSize::Flutes => tool.map_or(1000.0, |tool| tool.flute.get()),
+    };
+    let range = Range::Between(least, most);
+    p.required(property.name, Dimension::LENGTH, range, &property.written()).map(|length| Mm(length.0))
 }
 
 /// Largest allowance, mm.

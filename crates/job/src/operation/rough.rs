@@ -1,6 +1,6 @@
 //! The operation `rough`: one item of the job, one operation for each of its tools.
 
-use super::{LEAST_DEPTH, OperationReader, ROUGHS, allowances, leads};
+use super::{OperationReader, ROUGHS, allowances, leads};
 use crate::block::context::{Context, head};
 use crate::block::properties::{Properties, Range, named};
 use crate::model::{CutterKind, OperationKind, OperationSpec, ToolSpec};
@@ -192,7 +192,7 @@ impl StepSize {
     fn of(&self, p: &mut Properties<'_, '_>, expr: Option<&Expr>, tool: Option<&ToolSpec>) -> Option<Mm> {
         let tool = tool?;
         if let Some(expr) = expr {
-            let range = Range::Between(LEAST_DEPTH, (self.most)(tool).get());
+            let range = Range::Between(limits::LEAST_DEPTH, (self.most)(tool).get());
             return p.value_of(expr, self.name, Dimension::LENGTH, range).map(Mm);
         }
         let share = if has_ball(tool) { self.ball } else { self.flat };

@@ -57,3 +57,12 @@ pub(crate) const PROGRAM_NUMBERS: [u32; 2] = [1, 99_999_999];
 
 /// Orientation tolerances, rad.
 pub(crate) const TURN: [f64; 2] = [1e-4f64.to_radians(), 0.1f64.to_radians()];
+
+/// Least step down, mm: thinner chips are dust.
+pub(crate) const LEAST_DEPTH: f64 = 0.01;
+
+/// Least residual of roughing, mm.
+pub(crate) const LEAST_RESIDUAL: f64 = 0.001;
+
+/// Least scallop height, mm: a tenth of a micrometre is below the roughness of any milled surface.
+pub(crate) const LEAST_SCALLOP: f64 = 1e-4;

@@ -47,6 +47,15 @@ impl Range {
     }
 }
 
+/// A size of the tool of an operation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ToolSize {
+    /// Its radius.
+    Radius,
+    /// The length of its flutes.
+    Flutes,
+}
+
 /// What stands behind a property or a key.
 #[derive(Clone, Copy, Debug)]
 pub enum Form {
@@ -54,6 +63,8 @@ pub enum Form {
     Words(&'static str),
     /// A number with a unit of this dimension; in files a text.
     Quantity(Dimension, Range),
+    /// A length from the least one, mm, to a size of the tool.
+    LengthTo(f64, ToolSize),
     /// A whole number with its least and its largest value.
     Whole(u32, u32),
     /// A text in quotes, and what it is.
@@ -108,6 +119,11 @@ pub struct Property {
     pub of: &'static [&'static str],
 }
 
+/// The least length of a range, with its unit.
+fn least_length(least: f64) -> String {
+    if least < SMALL { format!("{} um", trim(least * 1000.0, 3)) } else { format!("{least} mm") }
+}
+
 /// A property whose value is told in words.
 pub(crate) const fn property(
     name: &'static str,
@@ -127,6 +143,11 @@ impl Property {
     /// With a value for messages.
     pub(crate) const fn like(self, example: &'static str) -> Self {
         Self { example, ..self }
+    }
+
+    /// With something else that holds where it is not given.
+    pub(crate) const fn without(self, without: Without) -> Self {
+        Self { without, ..self }
     }
 
     /// Of these kinds of the block alone.
@@ -163,12 +184,20 @@ impl Property {
                 let name = due.name();
                 let [least, most] = range.bounds();
                 let range = if due == Dimension::LENGTH && 0.0 < least && least < SMALL {
-                    format!("from {} um to {} mm", trim(least * 1000.0, 3), due.bound(most))
+                    format!("from {} to {} mm", least_length(least), due.bound(most))
                 } else {
                     range.text(due)
                 };
                 format!("{} {range}", name.split_once(' ').map_or(name.as_str(), |(_, noun)| noun))
             }
+            Form::LengthTo(least, size) => format!(
+                "length from {} to the {}",
+                least_length(least),
+                match size {
+                    ToolSize::Radius => "radius",
+                    ToolSize::Flutes => "flutes",
+                }
+            ),
             Form::Whole(least, most) => format!("whole number from {least} to {most}"),
             Form::Word(words) => {
                 let words: Vec<String> = words().iter().map(|word| format!("`{word}`")).collect();

@@ -1,7 +1,38 @@
 //! Items of a job.
 
 use super::Without::{Is, Means, Required};
-use super::{Topic, TopicKind, property, topic_of};
+use super::{Dimension, Form, Property, Topic, TopicKind, Without, property, topic_of};
+use crate::property::{Range, limits, typed};
+
+/// What holds of the post where the job does not say it.
+const OF_FILE: Without = Means("as the post file says");
+
+/// Tolerance of smoothing of the tool axis.
+pub(crate) const ORIENTATION_TOLERANCE: Property = typed(
+    "orientation-tolerance",
+    Form::Quantity(Dimension::ANGLE, Range::Between(limits::TURN[0], limits::TURN[1])),
+    OF_FILE,
+    "Tolerance of smoothing of the tool axis.",
+)
+.like("0.02 deg");
+
+/// Step of the block numbers.
+pub(crate) const BLOCK_NUMBERS: Property = typed(
+    "block-numbers",
+    Form::Whole(limits::BLOCK_NUMBERS[0], limits::BLOCK_NUMBERS[1]),
+    OF_FILE,
+    "Step of the block numbers; 0 writes none.",
+)
+.like("10");
+
+/// Number of the program.
+pub(crate) const PROGRAM_NUMBER: Property = typed(
+    "program-number",
+    Form::Whole(limits::PROGRAM_NUMBERS[0], limits::PROGRAM_NUMBERS[1]),
+    OF_FILE,
+    "Number of the program.",
+)
+.like("1001");
 
 pub(super) const TOPICS: &[Topic] = &[
     topic_of(
@@ -123,44 +154,24 @@ pub(super) const TOPICS: &[Topic] = &[
         "The control; `impellerc posts` lists them.",
         "post siemens-840d { block-numbers 10 }",
         &[&[
-            property(
-                "orientation",
-                "`angles` or `vectors`",
-                Means("as the post file says"),
-                "Words for the tool axis.",
-            ),
-            property(
-                "orientation-tolerance",
-                "angle",
-                Means("as the post file says"),
-                "Tolerance of smoothing of the tool axis.",
-            ),
-            property(
-                "block-numbers",
-                "whole number from 0",
-                Means("as the post file says"),
-                "Step of the block numbers; 0 writes none.",
-            ),
+            property("orientation", "`angles` or `vectors`", OF_FILE, "Words for the tool axis."),
+            ORIENTATION_TOLERANCE,
+            BLOCK_NUMBERS,
             property(
                 "work-offset",
                 "quoted name",
-                Means("as the post file says"),
+                OF_FILE,
                 "Work offset that holds the part origin, such as `\"G55\"`.",
             ),
-            property("program-number", "whole number from 1", Means("as the post file says"), "Number of the program."),
-            property("line-end", "`lf` or `crlf`", Means("as the post file says"), "End of each line."),
+            PROGRAM_NUMBER,
+            property("line-end", "`lf` or `crlf`", OF_FILE, "End of each line."),
             property(
                 "path",
                 "`lines` or `splines`",
-                Means("as the post file says"),
+                OF_FILE,
                 "Straight blocks, or splines where the control has them.",
             ),
-            property(
-                "sectors",
-                "`inline` or `subprogram`",
-                Means("as the post file says"),
-                "Sectors written out, or one called for each.",
-            ),
+            property("sectors", "`inline` or `subprogram`", OF_FILE, "Sectors written out, or one called for each."),
         ]],
     ),
 ];

@@ -1,7 +1,7 @@
 //! The words of the language: items, operations, tools, their properties, and units. The compiler takes the names that it
 //! accepts from these tables; `explain`, the hover of editors and the reference page print them.
 
-mod items;
+pub(crate) mod items;
 pub(crate) mod operations;
 mod part;
 mod tools;

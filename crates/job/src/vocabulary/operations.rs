@@ -3,7 +3,7 @@
 use super::Without::{Is, Means, Required};
 use super::{Dimension, Form, Property, Topic, TopicKind, property, topic_of};
 use crate::property::limits;
-use crate::property::{Range, typed};
+use crate::property::{Range, ToolSize, typed};
 use wheel::method::{AxisMethod, Conflict, ErrorSide, FaceOrder, FlankMethod, Levels, Lines, Milling, Slots, Spacing};
 
 /// Feed of links.
@@ -90,8 +90,26 @@ const BLADES: &[Property] = &[property(
     "Blades to finish: the main blade and splitters, by their names.",
 )];
 
-const SCALLOP: &[Property] =
-    &[property("scallop", "length from 0.1 um to the radius", Required, "Height of the ridges between two lines.")];
+/// Height of the ridges that lines leave on vanes.
+pub(crate) const SCALLOP: Property = typed(
+    "scallop",
+    Form::LengthTo(limits::LEAST_SCALLOP, ToolSize::Radius),
+    Required,
+    "Height of the ridges between two lines.",
+)
+.like("5 um");
+
+/// The same on the floor.
+pub(crate) const FLOOR_SCALLOP: Property = SCALLOP.like("10 um");
+
+/// Height of the ridges that roughing leaves.
+pub(crate) const RESIDUAL: Property = typed(
+    "residual",
+    Form::LengthTo(limits::LEAST_RESIDUAL, ToolSize::Radius),
+    Required,
+    "Height of the ridges between two lines of roughing.",
+)
+.like("0.5 mm");
 
 const METHOD: &[Property] = &[typed(
     "method",
@@ -129,8 +147,14 @@ const ORDER: &[Property] = &[typed(
     "One face after the other, or both faces level by level, so that thin blades stay stiff.",
 )];
 
-const DEPTH: &[Property] =
-    &[property("depth", "length from 0.01 mm to the flutes", Required, "Largest step down from layer to layer.")];
+/// Step down of a groove.
+pub(crate) const DEPTH: Property = typed(
+    "depth",
+    Form::LengthTo(limits::LEAST_DEPTH, ToolSize::Flutes),
+    Required,
+    "Largest step down from layer to layer.",
+)
+.like("1.5 mm");
 
 pub(super) const TOPICS: &[Topic] = &[
     topic_of(
@@ -196,7 +220,7 @@ pub(super) const TOPICS: &[Topic] = &[
         "groove",
         "Cuts a slot in the middle of each channel, layer by layer (Wei 2021, section 3.1).",
         "operation groove { tool t1  speed 8000 rpm  feed 300 mm/min  depth 2 mm  allowance vane 0.3 mm, hub 0.3 mm }",
-        &[TOOL, COMMON, DEPTH, ALLOWANCE],
+        &[TOOL, COMMON, &[DEPTH], ALLOWANCE],
     ),
     topic_of(
         TopicKind::Operation,
@@ -206,24 +230,14 @@ pub(super) const TOPICS: &[Topic] = &[
         &[
             TOOL,
             COMMON,
-            &[property(
-                "depth",
-                "length from 0.01 mm to the flutes",
-                Means("that of the groove before it"),
-                "Largest step down from layer to layer.",
-            )],
+            &[DEPTH.without(Means("that of the groove before it"))],
             &[property(
                 "allowance",
                 "`vane` with a length or `TIP .. ROOT`, and `hub` with a length",
                 Means("that of the groove before it"),
                 "Stock that is left on vanes and hub.",
             )],
-            &[property(
-                "residual",
-                "length from 1 um to the radius",
-                Required,
-                "Height of the ridges between two lines of roughing.",
-            )],
+            &[RESIDUAL],
         ],
     ),
     topic_of(
@@ -276,7 +290,7 @@ pub(super) const TOPICS: &[Topic] = &[
             COMMON,
             FACES,
             BLADES,
-            SCALLOP,
+            &[SCALLOP],
             LINES_ROUND,
             MILLING,
             ORDER,
@@ -294,7 +308,7 @@ pub(super) const TOPICS: &[Topic] = &[
         "fillet",
         "Finishes the fillets between vanes and hub, along lines of constant scallop height. The cutter needs a ball that fits into the fillet.",
         "operation fillet { tool t1  speed 8000 rpm  feed 250 mm/min  scallop 20 um }",
-        &[TOOL, COMMON, FACES, BLADES, SCALLOP, LINES, MILLING, METHOD],
+        &[TOOL, COMMON, FACES, BLADES, &[SCALLOP], LINES, MILLING, METHOD],
     ),
     topic_of(
         TopicKind::Operation,
@@ -306,7 +320,7 @@ pub(super) const TOPICS: &[Topic] = &[
             COMMON,
             &[property("edges", "`inlet`, `outlet`", Is("inlet, outlet"), "Edges to finish.")],
             BLADES,
-            SCALLOP,
+            &[SCALLOP],
             LINES,
             METHOD,
         ],
@@ -316,7 +330,7 @@ pub(super) const TOPICS: &[Topic] = &[
         "tip",
         "Finishes the tips of the vanes, which the lathe otherwise leaves.",
         "operation tip { tool t1  speed 8000 rpm  feed 250 mm/min  scallop 20 um }",
-        &[TOOL, COMMON, BLADES, SCALLOP, LINES, METHOD],
+        &[TOOL, COMMON, BLADES, &[SCALLOP], LINES, METHOD],
     ),
     topic_of(
         TopicKind::Operation,
@@ -326,7 +340,7 @@ pub(super) const TOPICS: &[Topic] = &[
         &[
             TOOL,
             COMMON,
-            SCALLOP,
+            &[FLOOR_SCALLOP],
             &[typed(
                 "spacing",
                 Form::Word(|| Spacing::ALL.map(Spacing::name).to_vec()),
