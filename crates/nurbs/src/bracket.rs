@@ -228,7 +228,7 @@ mod tests {
     fn whole_numbers_are_the_last_ones() {
         for last in 0..9 {
             assert_eq!(last_whole(0, 9, |k| k <= last), last);
-            assert_eq!(last_whole(9, 0, |k| k >= last + 1), last + 1);
+            assert_eq!(last_whole(9, 0, |k| k > last), last + 1);
         }
         assert_eq!(last_whole(4, 4, |_| unreachable!()), 4);
     }
