@@ -82,8 +82,7 @@ fn passes(blocks: usize) -> Vec<RotaryPose> {
 }
 
 fn growth(c: &mut Criterion) {
-    let solid =
-        ToolSolid { cutter: Cutter::Ball { radius: 2.0 }, flute_length: 20.0, shank: Vec::new(), holder: Vec::new() };
+    let solid = ToolSolid { cutter: Cutter::ball(2.0), flute_length: 20.0, shank: Vec::new(), holder: Vec::new() };
     let mut group = c.benchmark_group("certificate of a plane, blocks");
     group.sampling_mode(SamplingMode::Flat).sample_size(10);
     for blocks in [10_000, 100_000, 1_000_000] {

@@ -74,7 +74,7 @@ fn main() {
         }
     }
     if chosen("blocks") {
-        let cutter = Cutter::Ball { radius: 3.0 };
+        let cutter = Cutter::ball(3.0);
         let solid = ToolSolid { cutter, flute_length: 20.0, shank: Vec::new(), holder: Vec::new() };
         for blocks in [10_000, 100_000, 1_000_000] {
             timed(&format!("{blocks} blocks, cells 0.25 mm"), || {

@@ -176,7 +176,7 @@ fn the_wheel_is_closed() {
 fn no_cylinder_fits_the_faces() {
     let around = strip::Surroundings::new(&WHEEL);
     for face in BladeId::MAIN.faces() {
-        let found = strip::least_error(&around, face, 3, Cutter::Ball { radius: 1.5 }, 1).expect("an error");
+        let found = strip::least_error(&around, face, 3, Cutter::ball(1.5), 1).expect("an error");
         println!("{}: {:.4} mm", face.name(), found.error);
         assert!(found.error > 0.02, "{}", found.error);
     }

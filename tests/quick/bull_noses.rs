@@ -15,17 +15,19 @@ use std::sync::LazyLock;
 
 const SCALLOP: f64 = 0.012;
 const ALLOWANCE: f64 = 0.2;
-const BULL: Cutter = Cutter::Bull { radius: 4.0, corner: 1.5 };
+fn bull() -> Cutter {
+    Cutter::bull(4.0, 1.5)
+}
 
 /// The paper's part with nothing but the finishing of one channel: a larger tool, then the ball of the fillets.
 fn program(larger: Cutter, scallop: f64) -> Program {
-    let ball = Cutter::Ball { radius: 3.0 };
+    let ball = Cutter::ball(3.0);
     with_tools(&[(larger, AxisMethod::Lead), (ball, AxisMethod::Corridor)], scallop, ALLOWANCE)
 }
 
 /// The program with the bull nose and a contract on what it leaves, and its plan.
 static PLANNED: LazyLock<(Program, Plan)> = LazyLock::new(|| {
-    let mut program = program(BULL, SCALLOP);
+    let mut program = program(bull(), SCALLOP);
     program.contracts.push(Contract::whole(ContractKind::Excess, SCALLOP));
     let plan = pipeline::run(&program, &mut Sink::default()).expect("a plan");
     (program, plan)
@@ -73,7 +75,7 @@ fn no_ridge_of_a_bull_nose_is_higher_than_the_scallop() {
             let near = (x - 1..=x + 1).flat_map(|x| (y - 1..=y + 1).map(move |y| [x, y]));
             let left = near.filter_map(|c| cells.get(&c)).flatten().map(|p| {
                 let (rho, s) = tool_coordinates(&at, &p.tip, &p.axis);
-                BULL.distance(rho, s)
+                bull().distance(rho, s)
             });
             let by_bull = left.fold(f64::INFINITY, f64::min);
             deepest = deepest.min(by_bull);
@@ -139,7 +141,7 @@ fn the_verifier_proves_scallop_and_gouge_of_a_bull_nose() {
 fn a_bull_nose_whose_heel_no_lead_angle_lifts_is_a_remark() {
     // 50 mm wide on a floor whose meridian is hollow with about 25 mm; few lines, since the scallop has no part in it.
     let mut sink = Sink::default();
-    let wide = program(Cutter::Bull { radius: 25.0, corner: 1.0 }, 0.5);
+    let wide = program(Cutter::bull(25.0, 1.0), 0.5);
     let planned = pipeline::run(&wide, &mut sink).expect("a plan");
     assert!(sink.diags().iter().any(|d| d.code.id() == "IMP0411"));
     assert!(planned.cc.operations[0].passes.is_empty());

@@ -22,7 +22,7 @@ fn floor_only(scallop: f64, spacing: Spacing) -> Program {
 fn with_ball(radius: f64, scallop: f64, spacing: Spacing) -> Program {
     let mut program = support::wei_program(&[0]);
     (program.tools, program.operations) = (PrimaryMap::new(), PrimaryMap::new());
-    let tool = program.tools.push(support::tool("t1", 1, Cutter::Ball { radius }, 30.0, 42.0));
+    let tool = program.tools.push(support::tool("t1", 1, Cutter::ball(radius), 30.0, 42.0));
     let kind = OperationKind::Channel {
         scallop: Mm(scallop),
         spacing,

@@ -213,12 +213,8 @@ const PASSES: [(f64, f64); 3] = [(-0.8, 2.0), (-0.55, 0.25), (0.25, 0.8)];
 /// Machine, tool and blank of the closed forms, with a contract on the engagement.
 fn plate(radius: f64) -> Program {
     let mut program = support::channel_only(0.01);
-    let solid = ToolSolid {
-        cutter: Cutter::Flat { radius },
-        flute_length: 4.0 * radius,
-        shank: Vec::new(),
-        holder: Vec::new(),
-    };
+    let solid =
+        ToolSolid { cutter: Cutter::flat(radius), flute_length: 4.0 * radius, shank: Vec::new(), holder: Vec::new() };
     let mut tools = PrimaryMap::new();
     for (_, tool) in program.tools.iter() {
         tools.push(Tool { solid: solid.clone(), ..tool.clone() });
@@ -398,7 +394,7 @@ fn passes_of_roughing_have_the_arcs_of_the_points() {
     let (program, motion) = rough_passes();
     let operation = &motion.operations[0];
     let solid = &program.tools[program.operations[operation.operation].tool].solid;
-    let Cutter::Flat { radius } = solid.cutter else { panic!("a flat cutter") };
+    let radius = solid.cutter.nominal_radius();
     let mut grid = around(&program, &operation.moves, radius, 0.04);
     let pieces = sides_on(&mut grid, &program, &operation.moves, (radius, solid.flute_length), 0.03);
     let found = by_verifier(&program, &motion, Some(0.05 * radius));

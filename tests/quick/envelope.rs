@@ -44,7 +44,7 @@ fn start(surface: &Surface, radius: f64, sign: f64) -> DualCurve {
 
 /// A cylinder without ends.
 fn cylinder(radius: f64) -> Mounted<'static> {
-    Mounted { cutter: Cutter::Ball { radius }, height: 1000.0, body: &[] }
+    Mounted { cutter: Cutter::ball(radius), height: 1000.0, body: &[] }
 }
 
 /// Largest gouge and excess in um after minimax, on a finer grid than that of the optimisation.
@@ -110,11 +110,11 @@ fn minimax_reaches_the_reference_on_exact_surfaces() {
 
 fn cutters() -> [Mounted<'static>; 5] {
     [
-        Mounted { cutter: Cutter::Ball { radius: 3.0 }, height: 0.0, body: &[] },
-        Mounted { cutter: Cutter::Flat { radius: 3.0 }, height: 0.0, body: &[] },
-        Mounted { cutter: Cutter::Bull { radius: 3.0, corner: 1.0 }, height: 0.5, body: &[] },
-        Mounted { cutter: Cutter::TaperedBall { ball: 2.0, half_angle: 0.08 }, height: 0.0, body: &[] },
-        Mounted { cutter: Cutter::Barrel { radius: 4.0, barrel: 60.0, tip: 2.0 }, height: 1.0, body: &[] },
+        Mounted { cutter: Cutter::ball(3.0), height: 0.0, body: &[] },
+        Mounted { cutter: Cutter::flat(3.0), height: 0.0, body: &[] },
+        Mounted { cutter: Cutter::bull(3.0, 1.0), height: 0.5, body: &[] },
+        Mounted { cutter: Cutter::tapered_ball(2.0, 0.08), height: 0.0, body: &[] },
+        Mounted { cutter: Cutter::barrel(4.0, 60.0, 2.0), height: 1.0, body: &[] },
     ]
 }
 
@@ -128,7 +128,7 @@ const BODY: [(Section, f64); 2] = [
 fn cases() -> (DualCurve, Vec<(Mounted<'static>, Vec<Target>)>) {
     let (curve, targets) = path();
     let mut cases: Vec<_> = cutters().into_iter().map(|tool| (tool, targets.clone())).collect();
-    let body = Mounted { cutter: Cutter::Ball { radius: 3.0 }, height: 0.5, body: &BODY };
+    let body = Mounted { cutter: Cutter::ball(3.0), height: 0.5, body: &BODY };
     cases.push((body, targets.iter().map(|t| Target { of: Of::Body, ..*t }).collect()));
     let tilt = |t: f64| Target { of: Of::Tilt { t, most: 1.2 }, ..Target::clear(Point3::origin(), 0.0) };
     cases.push((body, (0..=40).map(|i| tilt(f64::from(i) / 40.0)).collect()));
@@ -211,7 +211,7 @@ fn a_barrel_finishes_a_hollow_that_a_cylinder_leaves() {
         minimax(&least_squares(start, tool, &asked), tool, &asked, 5e-4).measured.worst(&asked)
     };
     let cylinder = least(&start(&surface, 4.0, normal(&surface, 0.5, 0.5).y.signum()), &cylinder(4.0));
-    let cutter = Cutter::Barrel { radius: 4.0, barrel: hollow, tip: 2.0 };
+    let cutter = Cutter::barrel(4.0, hollow, 2.0);
     // The middle of its arc touches the middle of the face, from where the axis leans off it.
     let middle = cutter.profile_at(0.5 * cutter.barrel_angle().unwrap()).unwrap();
     let angle = 0.5 * cutter.barrel_angle().unwrap();

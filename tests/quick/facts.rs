@@ -59,7 +59,7 @@ fn program(fillet: Option<f64>, roughers: &[Cutter]) -> Program {
             i,
         );
     }
-    add(Cutter::Ball { radius: 3.0 }, support::channel(0.012), 50);
+    add(Cutter::ball(3.0), support::channel(0.012), 50);
     program
 }
 
@@ -102,7 +102,7 @@ fn faces_twist_as_known() {
         assert!((twist.mean.to_degrees() - mean).abs() < 1e-9);
     }
     assert!((p.ruling[0] - 8.0288).abs() < 1e-3 && (s.ruling[1] - 26.5294).abs() < 1e-3);
-    let diags = check(&program(None, &[Cutter::Flat { radius: 4.0 }]));
+    let diags = check(&program(None, &[Cutter::flat(4.0)]));
     assert!(errors(&diags).is_empty(), "{diags:?}");
 }
 
@@ -139,7 +139,7 @@ fn a_misprint_anywhere_in_a_smooth_table_is_found_where_it_is() {
 
 #[test]
 fn the_warning_stands_under_the_point() {
-    let mut program = program(None, &[Cutter::Flat { radius: 4.0 }]);
+    let mut program = program(None, &[Cutter::flat(4.0)]);
     let span = Span::new(SourceId(0), 7..9);
     program.data.iter_mut().find(|c| c.side == FaceId::PRESSURE && c.end == RulingEnd::Tip).unwrap().points[3].span =
         Some(span);
@@ -152,7 +152,7 @@ fn the_warning_stands_under_the_point() {
 
 #[test]
 fn the_rougher_of_the_paper_does_not_fit() {
-    let job = program(None, &[Cutter::Flat { radius: 5.0 }]);
+    let job = program(None, &[Cutter::flat(5.0)]);
     let (found, diags) = (reaches(&job), check(&job));
     let errors = errors(&diags);
     assert_eq!(errors.len(), 1, "{errors:?}");
@@ -176,9 +176,9 @@ fn the_rougher_of_the_paper_does_not_fit() {
 fn the_largest_tool_is_the_border() {
     for fillet in [None, Some(3.0)] {
         for make in [
-            (|radius| Cutter::Flat { radius }) as fn(f64) -> Cutter,
-            |radius| Cutter::Ball { radius },
-            |radius| Cutter::Bull { radius, corner: 1.5 },
+            (|radius| Cutter::flat(radius)) as fn(f64) -> Cutter,
+            |radius| Cutter::ball(radius),
+            |radius| Cutter::bull(radius, 1.5),
         ] {
             let largest = reaches(&program(fillet, &[make(5.0)]))[0].largest;
             let fits = |diameter: f64| reaches(&program(fillet, &[make(diameter / 2.0)]))[0].fits;
@@ -212,8 +212,8 @@ fn room_in_a_straight_channel_is_exact() {
         let reach = reaches(&program)[0];
         (reach.free_width.unwrap().width, reach.largest)
     };
-    let flat = Cutter::Flat { radius: 5.0 };
-    let bull = Cutter::Bull { radius: 5.0, corner: 1.0 };
+    let flat = Cutter::flat(5.0);
+    let bull = Cutter::bull(5.0, 1.0);
     // Sharp corners: the walls less 0.2 mm and the corner radius on both sides.
     for (cutter, expected, largest) in [(flat, 19.6, 19.6), (bull, 17.6, 19.6)] {
         let (width, most) = room(None, cutter);
@@ -229,20 +229,20 @@ fn room_in_a_straight_channel_is_exact() {
         assert!((most - expected - 2.0 * corner).abs() < 0.02, "{most}");
     }
     // A corner rounder than the hollow less the allowance touches walls, not fillets.
-    let (width, _) = room(Some(3.0), Cutter::Bull { radius: 5.0, corner: 2.9 });
+    let (width, _) = room(Some(3.0), Cutter::bull(5.0, 2.9));
     assert!((width - 2.0 * (10.0 - 0.2 - 2.9)).abs() < 2e-3, "{width}");
 }
 
 #[test]
 fn a_fillet_narrows_the_floor_for_a_flat_tool() {
-    let flat = Cutter::Flat { radius: 4.0 };
+    let flat = Cutter::flat(4.0);
     assert!(errors(&check(&program(None, &[flat]))).is_empty());
     let job = program(Some(3.0), &[flat]);
     let (found, diags) = (reaches(&job), check(&job));
     assert!(!found[0].fits && found[0].fits_top);
     assert_eq!(errors(&diags).len(), 1);
     // A ball that goes deeper afterwards makes it a job.
-    let job = program(Some(3.0), &[flat, Cutter::Ball { radius: 3.0 }]);
+    let job = program(Some(3.0), &[flat, Cutter::ball(3.0)]);
     let (found, diags) = (reaches(&job), check(&job));
     assert!(!found[0].fits && found[1].fits);
     assert!(errors(&diags).is_empty(), "{diags:?}");
@@ -250,7 +250,7 @@ fn a_fillet_narrows_the_floor_for_a_flat_tool() {
 
 #[test]
 fn what_the_finishers_may_meet_counts() {
-    let flat = Cutter::Flat { radius: 4.0 };
+    let flat = Cutter::flat(4.0);
     let mut program = program(Some(3.0), &[flat]);
     let rest = |bound| Contract::whole(ContractKind::Rest, bound);
     program.contracts = vec![rest(0.6)];
@@ -261,7 +261,7 @@ fn what_the_finishers_may_meet_counts() {
 
 #[test]
 fn a_tool_thicker_than_the_mouth_is_refused_though_another_reaches_the_floor() {
-    let job = program(None, &[Cutter::Flat { radius: 11.0 }, Cutter::Flat { radius: 4.0 }]);
+    let job = program(None, &[Cutter::flat(11.0), Cutter::flat(4.0)]);
     let (found, diags) = (reaches(&job), check(&job));
     assert!(!found[0].fits_top && found[1].fits);
     assert_eq!(errors(&diags).len(), 1);
@@ -270,8 +270,8 @@ fn a_tool_thicker_than_the_mouth_is_refused_though_another_reaches_the_floor() {
 
 #[test]
 fn a_finisher_that_does_not_fit_is_an_error() {
-    let mut program = program(None, &[Cutter::Flat { radius: 4.0 }]);
-    let big = program.tools.push(tool("big", 9, Cutter::Ball { radius: 7.0 }, 30.0, 45.0));
+    let mut program = program(None, &[Cutter::flat(4.0)]);
+    let big = program.tools.push(tool("big", 9, Cutter::ball(7.0), 30.0, 45.0));
     program.operations.push(operation("channel2", support::channel(0.01), big, vec![0], 8.0));
     let diags = check(&program);
     assert_eq!(errors(&diags).len(), 1, "{diags:?}");
@@ -310,14 +310,14 @@ fn point_milling_asks_for_no_floor() {
         "{told:?}"
     );
     for surfaces in [FACES, FILLETS] {
-        let (beside, diags) = pointed(&part, Cutter::Ball { radius: 3.0 }, &surfaces);
+        let (beside, diags) = pointed(&part, Cutter::ball(3.0), &surfaces);
         assert!(beside[0].fits && errors(&diags).is_empty(), "{diags:?}");
     }
     // Nor does a corner of a wide bull nose care, or anything that stands before an edge.
-    let bull = Cutter::Bull { radius: 5.0, corner: 1.0 };
+    let bull = Cutter::bull(5.0, 1.0);
     assert!(errors(&pointed(&wei_part(Some(3.0)), bull, &FACES).1).is_empty());
     let edges = [SurfaceKind::InletEdge(BladeId::MAIN), SurfaceKind::OutletEdge(BladeId::MAIN)];
-    let (beside, diags) = pointed(&part, Cutter::Ball { radius: 20.0 }, &edges);
+    let (beside, diags) = pointed(&part, Cutter::ball(20.0), &edges);
     assert!(beside.is_empty() && errors(&diags).is_empty(), "{diags:?}");
 }
 
@@ -325,12 +325,12 @@ fn point_milling_asks_for_no_floor() {
 fn a_ball_that_meets_the_next_vane_is_told() {
     // Between parallel walls 20 mm apart a ball of 10 mm touches both; none is bigger than the fillet that it goes down to.
     for (fillet, surfaces, expected) in [(None, FACES, 10.0), (Some(3.0), FACES, 3.0), (Some(3.0), FILLETS, 3.0)] {
-        let largest = pointed(&straight_part(fillet), Cutter::Ball { radius: 2.0 }, &surfaces).0[0].largest;
+        let largest = pointed(&straight_part(fillet), Cutter::ball(2.0), &surfaces).0[0].largest;
         assert!((largest - expected).abs() < 0.011, "{fillet:?} {largest}");
     }
     // On the paper's part the largest is the border, by another search: over all points of the next face.
     let part = wei_part(None);
-    let ball = |radius: f64| pointed(&part, Cutter::Ball { radius }, &FACES);
+    let ball = |radius: f64| pointed(&part, Cutter::ball(radius), &FACES);
     let (beside, diags) = ball(9.0);
     let told = errors(&diags);
     assert!(told.len() == 1 && !beside[0].fits, "{diags:?}");

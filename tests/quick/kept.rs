@@ -217,7 +217,7 @@ fn what_planning_takes_for_clear_of_the_clamping_is_clear() {
     let section = |from: f64, to: f64, radius_from: f64, radius_to: f64| Section { from, to, radius_from, radius_to };
     // The cutter is the lower face of the shank: planning asks for shank and holder, the verifier for the whole tool.
     let solid = ToolSolid {
-        cutter: Cutter::Flat { radius: 3.0 },
+        cutter: Cutter::flat(3.0),
         flute_length: 0.0,
         shank: vec![section(0.0, 12.0, 3.0, 3.0)],
         holder: vec![section(12.0, 30.0, 5.0, 9.0), section(30.0, 50.0, 16.0, 16.0)],

@@ -23,7 +23,7 @@ fn balls(radii: &[f64], scallop: f64, allowance: f64) -> Program {
 
 /// The same with a method for the tool axes.
 fn with_axes(radii: &[f64], scallop: f64, allowance: f64, method: AxisMethod) -> Program {
-    let balls = radii.iter().map(|radius| (Cutter::Ball { radius: *radius }, method));
+    let balls = radii.iter().map(|radius| (Cutter::ball(*radius), method));
     with_tools(&balls.collect::<Vec<_>>(), scallop, allowance)
 }
 

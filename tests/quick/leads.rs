@@ -18,7 +18,7 @@ fn leads_of_a_ball_with_the_radius_of_the_fillet_stay_off_a_hollow_hub() {
     let mut program = jobs::program("splitter", None);
     (program.tools, program.operations) = (PrimaryMap::new(), PrimaryMap::new());
     program.contracts.clear();
-    let tool = program.tools.push(support::tool("t1", 1, Cutter::Ball { radius: 1.5 }, 20.0, 30.0));
+    let tool = program.tools.push(support::tool("t1", 1, Cutter::ball(1.5), 20.0, 30.0));
     let splitter = program.part.blade_ids().last().unwrap();
     let kind = OperationKind::Point {
         surfaces: vec![SurfaceKind::Face(splitter.faces()[0])],

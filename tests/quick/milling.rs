@@ -25,7 +25,7 @@ const TOUCHES: f64 = 0.1;
 fn program(kind: OperationKind) -> Program {
     let mut program = support::wei_program(&[0]);
     (program.tools, program.operations) = (PrimaryMap::new(), PrimaryMap::new());
-    let tool = program.tools.push(support::tool("t1", 1, Cutter::Ball { radius: 2.0 }, 30.0, 45.0));
+    let tool = program.tools.push(support::tool("t1", 1, Cutter::ball(2.0), 30.0, 45.0));
     program.operations.push(support::operation(kind.keyword(), kind, tool, vec![0, 3], 6.0));
     program
 }

@@ -261,7 +261,7 @@ fn the_largest_ellipse_in_a_known_set_is_found() {
 fn a_cone_is_inscribed_between_two_walls() {
     // A ball-ended tool with shank and holder in a slot between two walls that lean towards each other by 6 deg, on a
     // floor: 14 mm wide at the bottom, 25 mm deep.
-    let tool = support::tool("t", 1, Cutter::Ball { radius: 3.0 }, 20.0, 40.0);
+    let tool = support::tool("t", 1, Cutter::ball(3.0), 20.0, 40.0);
     let solid = &tool.solid;
     let mut points = Vec::new();
     for i in 0..=120 {

@@ -60,9 +60,9 @@ fn channel(cutter: Cutter, flute: f64, neck: f64) -> [f64; 2] {
 #[test]
 fn a_lollipop_finishes_channels_like_the_ball_it_carries() {
     let neck = 2.0;
-    let lollipop = Cutter::Lollipop { radius: 3.0 };
+    let lollipop = Cutter::lollipop(3.0);
     let [gouge, excess] = channel(lollipop, lollipop.neck_height(neck).unwrap(), neck);
-    let [of_ball, excess_of_ball] = channel(Cutter::Ball { radius: 3.0 }, 30.0, 3.0);
+    let [of_ball, excess_of_ball] = channel(Cutter::ball(3.0), 30.0, 3.0);
     println!("lollipop {gouge} {excess}, ball {of_ball} {excess_of_ball}");
     // Both keep the tolerance of the plan, and leave the same scallops.
     assert!(gouge < 0.003 && of_ball < 0.003, "{gouge} {of_ball}");

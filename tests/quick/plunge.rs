@@ -121,8 +121,7 @@ fn strokes_have_an_arc_about_the_axis_and_a_radial_width() {
 /// A cylinder of material about Z, 12 mm across and 8 mm high, and a flat tool.
 pub(crate) fn block(radius: f64, plunge_width: f64) -> Program {
     let mut program = support::channel_only(0.01);
-    let solid =
-        ToolSolid { cutter: Cutter::Flat { radius }, flute_length: 30.0, shank: Vec::new(), holder: Vec::new() };
+    let solid = ToolSolid { cutter: Cutter::flat(radius), flute_length: 30.0, shank: Vec::new(), holder: Vec::new() };
     let mut tools = PrimaryMap::new();
     for (_, tool) in program.tools.iter() {
         tools.push(Tool {

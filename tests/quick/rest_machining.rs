@@ -47,7 +47,7 @@ fn with_rest(mut program: Program, name: &str, rest: Option<f64>) -> Program {
 }
 
 fn ball() -> impellerc::ir::Tool {
-    support::tool("t1", 1, Cutter::Ball { radius: 3.0 }, 30.0, 42.0)
+    support::tool("t1", 1, Cutter::ball(3.0), 30.0, 42.0)
 }
 
 fn planned(program: &Program) -> Plan {
@@ -187,7 +187,7 @@ fn links_of_what_is_left_meet_no_stock() {
 
 #[test]
 fn a_tool_thinner_above_its_cutter_keeps_whole_passes() {
-    let lollipop = Cutter::Lollipop { radius: 3.0 };
+    let lollipop = Cutter::lollipop(3.0);
     let flute = lollipop.neck_height(2.0).unwrap();
     let mut tool = support::tool("t1", 1, lollipop, flute, 42.0);
     tool.solid.shank = vec![Section { from: flute, to: 42.0, radius_from: 2.0, radius_to: 2.0 }];

@@ -3,7 +3,7 @@
 
 use impellerc::five_axis::{AxisLine, Carries, Chain, RotaryPose};
 use impellerc::nurbs::range::{CellThickness, Interval, Jet};
-use impellerc::tool_stock::collide::{Cutter, Section, ToolSolid};
+use impellerc::tool_stock::collide::{Cutter, Kind, Section, ToolSolid};
 use impellerc::verify::proof::sweep::Sweep;
 use impellerc::verify::surface::{BROKEN, SLACK, SurfaceReport, certify_shape};
 use impellerc::wheel::part::{
@@ -90,16 +90,16 @@ fn ball_over_plane() {
     for (a, c) in [(0.0, 0.0), (0.5, 0.3), (-0.9, 2.0)] {
         for level in [0.0, -0.0025, 0.004] {
             for cutter in [
-                Cutter::Ball { radius },
-                Cutter::TaperedBall { ball: radius, half_angle: 0.1 },
-                Cutter::Lollipop { radius },
-                Cutter::Barrel { radius: 5.0, barrel: 60.0, tip: radius },
+                Cutter::ball(radius),
+                Cutter::tapered_ball(radius, 0.1),
+                Cutter::lollipop(radius),
+                Cutter::barrel(5.0, 60.0, radius),
             ] {
                 // A barrel stands wider than its tip: upright only.
-                if matches!(cutter, Cutter::Barrel { .. }) && a != 0.0 {
+                if cutter.barrel_arc().is_some() && a != 0.0 {
                     continue;
                 }
-                let flutes = if matches!(cutter, Cutter::Lollipop { .. }) { 1.9 * radius } else { 40.0 };
+                let flutes = if cutter.kind() == Kind::Lollipop { 1.9 * radius } else { 40.0 };
                 let report = certify(&plane(side), &tool(cutter, flutes), &lines(radius, side, step, level, [a, c]));
                 agrees(&report, -level, ridge + level);
             }
@@ -110,7 +110,7 @@ fn ball_over_plane() {
 #[test]
 fn bull_nose_over_plane_leaves_the_ridge_of_its_corner() {
     // Upright and wide passes: flat floors that overlap, and nothing is left.
-    let solid = tool(Cutter::Bull { radius: 4.0, corner: 1.0 }, 20.0);
+    let solid = tool(Cutter::bull(4.0, 1.0), 20.0);
     let mut poses = Vec::new();
     for k in -1..4 {
         let y = f64::from(k) * 5.0;
@@ -126,7 +126,7 @@ fn cylinder_beside_plane() {
     // A wall x = 0 with material behind it; the mill leans by a small angle towards it, so that the cut deepens upward.
     let (radius, lean, low, high) = (5.0_f64, 1e-3_f64, 2.0, 12.0);
     let wall = By(move |x: f64, y: f64| (Point3::new(0.0, x * 10.0, low + y * (high - low)), Vector3::x()), [0.0; 2]);
-    for cutter in [Cutter::Flat { radius }, Cutter::Bull { radius, corner: 1.0 }] {
+    for cutter in [Cutter::flat(radius), Cutter::bull(radius, 1.0)] {
         let solid = tool(cutter, 30.0);
         // Axis in the plane of y = 0 leaning to -x: A about x after C = pi/2 about z.
         let c = -std::f64::consts::FRAC_PI_2;
@@ -144,7 +144,7 @@ fn cylinder_beside_plane() {
 fn cone_on_cone() {
     // The tip stands still on the axis of C while C turns: the side of the cutter sweeps a cone about that axis.
     let (ball, half, tilt) = (2.0_f64, 0.08_f64, 0.5_f64);
-    let solid = tool(Cutter::TaperedBall { ball, half_angle: half }, 40.0);
+    let solid = tool(Cutter::tapered_ball(ball, half), 40.0);
     let poses: Vec<RotaryPose> =
         (0..=8).map(|k| RotaryPose { tip: Point3::origin(), rotary: [tilt, f64::from(k) * 0.3] }).collect();
     // Outer side of the section through the axis: a line at tilt + half, `ball` beyond the centre of the ball.
@@ -171,9 +171,7 @@ fn cone_on_cone() {
 #[test]
 fn plunge_of_an_exact_depth() {
     const RADIUS: f64 = 3.0;
-    for cutter in
-        [Cutter::Ball { radius: RADIUS }, Cutter::Bull { radius: RADIUS, corner: 0.5 }, Cutter::Flat { radius: RADIUS }]
-    {
+    for cutter in [Cutter::ball(RADIUS), Cutter::bull(RADIUS, 0.5), Cutter::flat(RADIUS)] {
         for depth in [0.9 * BROKEN, 1.0] {
             let solid = tool(cutter, 20.0);
             let pose = |z: f64| RotaryPose { tip: Point3::new(5.3, 4.1, z), rotary: [0.0; 2] };
@@ -190,7 +188,7 @@ fn plunge_of_an_exact_depth() {
 fn swept_helix() {
     // A ball on a helix, its axis turning along: the design is the tube about the helix, `depth` narrower.
     let (ball, r, pitch, depth) = (2.0_f64, 15.0_f64, 6.0_f64, 0.0017);
-    let solid = tool(Cutter::TaperedBall { ball, half_angle: 0.05 }, 25.0);
+    let solid = tool(Cutter::tapered_ball(ball, 0.05), 25.0);
     let centre = move |t: f64| Point3::new(r * t.cos(), r * t.sin(), pitch * t / std::f64::consts::TAU);
     let at = move |x: f64, y: f64| {
         let t = 0.8 * x;

@@ -41,7 +41,7 @@ fn minimax(strips: Option<u32>) -> Flank {
     Flank { strips, ..Flank::by_ruling(FlankMethod::Minimax, 1) }
 }
 
-const BALL: Cutter = Cutter::Ball { radius: 3.0 };
+const BALL: Cutter = Cutter::ball(3.0);
 
 /// Whether a motion keeps all contracts; of the contract on excess, which no vane keeps that nothing mills, only the part on
 /// the milled vanes. The stock has the largest cells: no contract is about it.
@@ -153,7 +153,7 @@ fn the_error_names_the_place_and_a_cutter_that_would_do() {
     assert!(diameter > 0.5 && diameter < 6.0, "{diameter}");
     // That cutter keeps them.
     let mut sink = Sink::default();
-    let program = suction_only(Cutter::Ball { radius: 0.5 * diameter }, Some(1), 1.5);
+    let program = suction_only(Cutter::ball(0.5 * diameter), Some(1), 1.5);
     assert!(pipeline::run(&program, &mut sink).is_ok());
     let again = sink.diags().iter().find(|d| d.code.to_string() == "IMP0409");
     assert!(again.is_none(), "{again:?}");
@@ -161,11 +161,7 @@ fn the_error_names_the_place_and_a_cutter_that_would_do() {
 
 #[test]
 fn cutters_of_other_shapes_keep_contracts_as_well() {
-    for cutter in [
-        Cutter::Bull { radius: 3.0, corner: 1.5 },
-        Cutter::TaperedBall { ball: 2.0, half_angle: 0.05 },
-        Cutter::Barrel { radius: 3.2, barrel: 1000.0, tip: 2.5 },
-    ] {
+    for cutter in [Cutter::bull(3.0, 1.5), Cutter::tapered_ball(2.0, 0.05), Cutter::barrel(3.2, 1000.0, 2.5)] {
         let mut program = program(cutter, minimax(None), 8.0, 8.0, 0.25);
         // Their tips are rounder than the fillet, which stays for another tool.
         for contract in &mut program.contracts {

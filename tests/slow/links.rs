@@ -188,7 +188,7 @@ fn rapids_stay_outside_of_the_blank_with_any_holder() {
     for (id, tool) in program.tools.iter() {
         let mut tool = tool.clone();
         if id == used {
-            tool.solid.cutter = Cutter::Ball { radius: 3.0 };
+            tool.solid.cutter = Cutter::ball(3.0);
             for section in &mut tool.solid.holder {
                 (section.radius_from, section.radius_to) = (30.0, 30.0);
                 (section.from, section.to) = (section.from + 20.0, section.to + 20.0);

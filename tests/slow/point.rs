@@ -116,7 +116,7 @@ const FILLETS: [SurfaceKind; 2] = [SurfaceKind::Fillet(FaceId::PRESSURE), Surfac
 
 #[test]
 fn ball_leaves_the_scallop_on_faces() {
-    let program = program(Cutter::Ball { radius: 2.0 }, FACES.to_vec(), 0.02, AxisMethod::Blend);
+    let program = program(Cutter::ball(2.0), FACES.to_vec(), 0.02, AxisMethod::Blend);
     let Left { gouge, excess, lengths: [told, least], .. } = run(&program, &["pressure face", "suction face"]);
     assert!(excess.iter().all(|e| *e <= 0.02), "{excess:?}");
     assert!(gouge <= 0.001, "{gouge}");
@@ -127,7 +127,7 @@ fn ball_leaves_the_scallop_on_faces() {
 /// the motion.
 #[test]
 fn ball_leaves_the_scallop_on_curved_faces() {
-    let mut program = program(Cutter::Ball { radius: 2.0 }, FACES.to_vec(), 0.02, AxisMethod::Blend);
+    let mut program = program(Cutter::ball(2.0), FACES.to_vec(), 0.02, AxisMethod::Blend);
     program.part = support::curved_part(Some(3.0));
     let mut sink = Sink::default();
     let plan = pipeline::run(&program, &mut sink).expect("a plan");
@@ -201,7 +201,7 @@ fn blades_that_begin_inside_of_the_part_are_finished() {
 
 #[test]
 fn ball_leaves_the_scallop_in_fillets() {
-    let program = program(Cutter::Ball { radius: 2.0 }, FILLETS.to_vec(), 0.005, AxisMethod::Blend);
+    let program = program(Cutter::ball(2.0), FILLETS.to_vec(), 0.005, AxisMethod::Blend);
     let Left { gouge, excess, .. } = run(&program, &["pressure fillet", "suction fillet"]);
     assert!(excess.iter().all(|e| *e <= 0.005), "{excess:?}");
     assert!(gouge <= 0.001, "{gouge}");
@@ -209,7 +209,7 @@ fn ball_leaves_the_scallop_in_fillets() {
 
 #[test]
 fn a_ball_of_the_radius_of_the_fillet_rolls_along_it_once() {
-    let program = program(Cutter::Ball { radius: 3.0 }, FILLETS.to_vec(), 0.005, AxisMethod::Blend);
+    let program = program(Cutter::ball(3.0), FILLETS.to_vec(), 0.005, AxisMethod::Blend);
     let Left { gouge, excess, passes, .. } = run(&program, &["pressure fillet", "suction fillet"]);
     assert_eq!(passes, 2);
     assert!(excess.iter().all(|e| *e <= 0.0015), "{excess:?}");
@@ -219,7 +219,7 @@ fn a_ball_of_the_radius_of_the_fillet_rolls_along_it_once() {
 #[test]
 fn ball_leaves_the_scallop_on_edges() {
     let edges = vec![SurfaceKind::InletEdge(BladeId::MAIN), SurfaceKind::OutletEdge(BladeId::MAIN)];
-    let program = program(Cutter::Ball { radius: 2.0 }, edges, 0.01, AxisMethod::Blend);
+    let program = program(Cutter::ball(2.0), edges, 0.01, AxisMethod::Blend);
     let Left { gouge, excess, .. } = run(&program, &["inlet edge", "outlet edge"]);
     assert!(excess.iter().all(|e| *e <= 0.01), "{excess:?}");
     assert!(gouge <= 0.001, "{gouge}");
@@ -228,7 +228,7 @@ fn ball_leaves_the_scallop_on_edges() {
 #[test]
 fn ball_leaves_the_scallop_on_tips() {
     for method in [AxisMethod::Blend, AxisMethod::Corridor] {
-        let program = program(Cutter::Ball { radius: 2.0 }, vec![SurfaceKind::Tip(BladeId::MAIN)], 0.01, method);
+        let program = program(Cutter::ball(2.0), vec![SurfaceKind::Tip(BladeId::MAIN)], 0.01, method);
         let Left { gouge, excess, .. } = run(&program, &["tip"]);
         assert!(excess.iter().all(|e| *e <= 0.01), "{excess:?}");
         assert!(gouge <= 0.001, "{gouge}");
@@ -272,7 +272,7 @@ fn tips_between_round_edges_are_finished() {
 #[test]
 fn a_ball_bigger_than_the_fillet_cuts_edges_and_nothing_else() {
     let edges = vec![SurfaceKind::InletEdge(BladeId::MAIN), SurfaceKind::OutletEdge(BladeId::MAIN)];
-    let big = Cutter::Ball { radius: 5.0 };
+    let big = Cutter::ball(5.0);
     let Left { gouge, excess, .. } = run(&program(big, edges, 0.05, AxisMethod::Blend), &["inlet edge", "outlet edge"]);
     assert!(excess.iter().all(|e| *e <= 0.05), "{excess:?}");
     assert!(gouge <= 0.001, "{gouge}");
@@ -289,7 +289,7 @@ fn a_ball_bigger_than_the_fillet_cuts_edges_and_nothing_else() {
 
 #[test]
 fn a_spiral_leaves_the_scallop_without_leaving_the_vane() {
-    let mut program = program(Cutter::Ball { radius: 2.0 }, FACES.to_vec(), 0.05, AxisMethod::Blend);
+    let mut program = program(Cutter::ball(2.0), FACES.to_vec(), 0.05, AxisMethod::Blend);
     let (_, mut operation) = program.operations.iter().next().map(|(id, o)| (id, o.clone())).unwrap();
     // Round the vane one way and the other.
     for sense in Milling::ALL {
@@ -307,7 +307,7 @@ fn a_spiral_leaves_the_scallop_without_leaving_the_vane() {
 
 #[test]
 fn corridor_turns_the_axis_evenly_on_faces() {
-    let program = program(Cutter::Ball { radius: 2.0 }, FACES.to_vec(), 0.2, AxisMethod::Corridor);
+    let program = program(Cutter::ball(2.0), FACES.to_vec(), 0.2, AxisMethod::Corridor);
     let Left { gouge, excess, .. } = run(&program, &["pressure face", "suction face"]);
     assert!(excess.iter().all(|e| *e <= 0.2), "{excess:?}");
     assert!(gouge <= 0.001, "{gouge}");
@@ -315,10 +315,10 @@ fn corridor_turns_the_axis_evenly_on_faces() {
 
 #[test]
 fn barrel_leaves_the_scallop_with_a_fraction_of_the_lines() {
-    let barrel = Cutter::Barrel { radius: 3.0, barrel: 40.0, tip: 1.0 };
+    let barrel = Cutter::barrel(3.0, 40.0, 1.0);
     let mut program = program(barrel, FACES.to_vec(), 0.02, AxisMethod::Blend);
     // Down to where the tip would cut into fillet and hub; the rest of the root is left to a ball.
-    let ball = program.tools.push(support::tool("t2", 2, Cutter::Ball { radius: 2.0 }, 30.0, 50.0));
+    let ball = program.tools.push(support::tool("t2", 2, Cutter::ball(2.0), 30.0, 50.0));
     let kind = OperationKind::Point {
         surfaces: FACES.to_vec(),
         scallop: Mm(0.02),
@@ -338,7 +338,7 @@ fn barrel_leaves_the_scallop_with_a_fraction_of_the_lines() {
 
 #[test]
 fn bull_nose_and_lollipop_leave_the_scallop() {
-    for cutter in [Cutter::Bull { radius: 2.5, corner: 1.0 }, Cutter::Lollipop { radius: 2.0 }] {
+    for cutter in [Cutter::bull(2.5, 1.0), Cutter::lollipop(2.0)] {
         let program = program(cutter, vec![SurfaceKind::Face(FaceId::SUCTION)], 0.03, AxisMethod::Blend);
         let Left { gouge, excess, .. } = run(&program, &["suction face"]);
         assert!(excess.iter().all(|e| *e <= 0.03), "{cutter:?}: {excess:?}");

@@ -76,7 +76,7 @@ fn bad_fields_are_refused() {
 
 #[test]
 fn a_plunge_of_a_ball_removes_capsule() {
-    let solid = bare(Cutter::Ball { radius: 3.0 }, 30.0);
+    let solid = bare(Cutter::ball(3.0), 30.0);
     let expected = PI * 9.0 * 5.0 + 2.0 / 3.0 * PI * 27.0;
     for cell in [0.4, 0.1] {
         let mut field = blank(10.0, 12.0, cell);
@@ -97,7 +97,7 @@ fn a_plunge_of_a_ball_removes_capsule() {
 
 #[test]
 fn a_slot_of_a_flat_end_mill() {
-    let solid = bare(Cutter::Flat { radius: 4.0 }, 20.0);
+    let solid = bare(Cutter::flat(4.0), 20.0);
     let (length, depth) = (17.3, 5.03);
     let expected = (8.0 * length + PI * 16.0) * depth;
     for (cell, angle) in [(0.4, 0.3_f64), (0.1, 0.3), (0.2, 1.1)] {
@@ -135,7 +135,7 @@ fn a_cutter_that_turns_about_the_centre_of_its_ball() {
             .map(|a| area(radius * a.sin()) * radius * a.cos() * PI / f64::from(places))
             .sum::<f64>()
     };
-    let solid = bare(Cutter::Ball { radius }, 40.0);
+    let solid = bare(Cutter::ball(radius), 40.0);
     // Turned out of the planes of the grid.
     let first = Vector3::new(0.3, 0.2, 1.0).normalize();
     let second = first.cross(&Vector3::new(1.0, -0.4, 0.3)).normalize();
@@ -191,12 +191,12 @@ fn ends_lie_on(count: u32, pose: impl Fn(f64) -> (Point3<f64>, Vector3<f64>)) {
         })
         .collect();
     for cutter in [
-        Cutter::Flat { radius: 2.0 },
-        Cutter::Ball { radius: 2.0 },
-        Cutter::Bull { radius: 2.5, corner: 0.7 },
-        Cutter::TaperedBall { ball: 1.0, half_angle: 0.12 },
-        Cutter::Barrel { radius: 3.0, barrel: 25.0, tip: 1.0 },
-        Cutter::Lollipop { radius: 2.0 },
+        Cutter::flat(2.0),
+        Cutter::ball(2.0),
+        Cutter::bull(2.5, 0.7),
+        Cutter::tapered_ball(1.0, 0.12),
+        Cutter::barrel(3.0, 25.0, 1.0),
+        Cutter::lollipop(2.0),
     ] {
         let top = cutter.neck_height(1.2).unwrap_or(14.0);
         let solid = bare(cutter, top);
@@ -260,7 +260,7 @@ fn ends_lie_on(count: u32, pose: impl Fn(f64) -> (Point3<f64>, Vector3<f64>)) {
 fn shank_holder_and_rapids_meet_what_is_still_there() {
     let section = |from, to, radius| Section { from, to, radius_from: radius, radius_to: radius };
     let solid = ToolSolid {
-        cutter: Cutter::Flat { radius: 3.0 },
+        cutter: Cutter::flat(3.0),
         flute_length: 5.0,
         shank: vec![section(5.0, 20.0, 3.0)],
         holder: vec![section(20.0, 40.0, 10.0)],
@@ -303,7 +303,7 @@ fn shank_holder_and_rapids_meet_what_is_still_there() {
 
 #[test]
 fn one_and_two_threads_give_the_same_bits() {
-    let solid = bare(Cutter::Ball { radius: 3.0 }, 20.0);
+    let solid = bare(Cutter::ball(3.0), 20.0);
     let run = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
@@ -326,7 +326,7 @@ fn one_and_two_threads_give_the_same_bits() {
 #[test]
 fn meshes_are_closed_and_have_the_volume_of_the_stock() {
     let mut field = blank(15.0, 10.0, 0.3);
-    let solid = bare(Cutter::Ball { radius: 3.0 }, 20.0);
+    let solid = bare(Cutter::ball(3.0), 20.0);
     let steps =
         straight(0, StepKind::Cut, [-20.0, 1.0, -4.0], [20.0, 3.0, -5.0], Vector3::new(0.2, 0.3, 1.0).normalize());
     simulate(&mut field, &solid, steps);

@@ -242,8 +242,8 @@ pub fn deep_slots() -> Allowed {
 pub fn wei_program(sectors: &[u32]) -> Program {
     let part = wei_part(Some(3.0));
     let mut tools = PrimaryMap::new();
-    let t1: ToolId = tools.push(tool("t1", 1, Cutter::Flat { radius: 4.0 }, 30.0, 45.0));
-    let t2: ToolId = tools.push(tool("t2", 2, Cutter::Ball { radius: 3.0 }, 30.0, 42.0));
+    let t1: ToolId = tools.push(tool("t1", 1, Cutter::flat(4.0), 30.0, 45.0));
+    let t2: ToolId = tools.push(tool("t2", 2, Cutter::ball(3.0), 30.0, 42.0));
     let mut operations: PrimaryMap<OperationId, Operation> = PrimaryMap::new();
     let (vane, hub) = (VaneAllowance::even(Mm(0.2)), Mm(0.5));
     let groove = |depth: f64| OperationKind::Groove { depth: Mm(depth), allowance_vane: vane, allowance_hub: hub };

@@ -128,12 +128,12 @@ fn data(job: &Job) -> Vec<DataCurve> {
 fn tool(spec: &ToolSpec, material: Option<Material>) -> Tool {
     let radius = spec.diameter.get() / 2.0;
     let cutter = match spec.kind {
-        CutterKind::Flat => Cutter::Flat { radius },
-        CutterKind::Ball => Cutter::Ball { radius },
-        CutterKind::Bull(corner) => Cutter::Bull { radius, corner: corner.get() },
-        CutterKind::TaperedBall(angle) => Cutter::TaperedBall { ball: radius, half_angle: angle.get() },
-        CutterKind::Barrel { barrel, tip } => Cutter::Barrel { radius, barrel: barrel.get(), tip: tip.get() },
-        CutterKind::Lollipop { .. } => Cutter::Lollipop { radius },
+        CutterKind::Flat => Cutter::flat(radius),
+        CutterKind::Ball => Cutter::ball(radius),
+        CutterKind::Bull(corner) => Cutter::bull(radius, corner.get()),
+        CutterKind::TaperedBall(angle) => Cutter::tapered_ball(radius, angle.get()),
+        CutterKind::Barrel { barrel, tip } => Cutter::barrel(radius, barrel.get(), tip.get()),
+        CutterKind::Lollipop { .. } => Cutter::lollipop(radius),
     };
     let (flute, reach) = (spec.flute.get(), spec.reach.get());
     let mut shank = Vec::new();

@@ -9,7 +9,7 @@ use crate::table::{Form, Table, figures, words};
 use base::units::trim;
 use five_axis::{Carries, RotaryAxis};
 use ir::{Program, Tool};
-use tool_stock::collide::Cutter;
+use tool_stock::collide::Kind;
 use verify::Certificate;
 use wheel::contract::clock;
 use wheel::post_file::{Field, Frame, Template};
@@ -227,15 +227,18 @@ fn zero_section(input: SheetInput<'_>) -> SheetSection {
 /// Shape of a cutter in words.
 fn cutter(tool: &Tool) -> String {
     let cutter = &tool.solid.cutter;
-    let size = match cutter {
-        Cutter::Bull { corner, .. } => format!(", corner {} mm", trim(*corner, 3)),
-        Cutter::TaperedBall { ball, half_angle } => {
-            format!(", ball radius {} mm, {} deg to the axis", trim(*ball, 3), trim(half_angle.to_degrees(), 3))
+    let arcs = cutter.arcs();
+    let [radius, upper] = [arcs.first(), arcs.last()].map(|arc| arc.map_or(0.0, |a| a.radius));
+    let size = match cutter.kind() {
+        Kind::Bull => format!(", corner {} mm", trim(radius, 3)),
+        Kind::TaperedBall => {
+            let half_angle = cutter.first().to;
+            format!(", ball radius {} mm, {} deg to the axis", trim(radius, 3), trim(half_angle.to_degrees(), 3))
         }
-        Cutter::Barrel { barrel, tip, .. } => {
-            format!(", barrel radius {} mm, tip radius {} mm", trim(*barrel, 3), trim(*tip, 3))
+        Kind::Barrel => {
+            format!(", barrel radius {} mm, tip radius {} mm", trim(upper, 3), trim(radius, 3))
         }
-        Cutter::Flat { .. } | Cutter::Ball { .. } | Cutter::Lollipop { .. } => String::new(),
+        Kind::Flat | Kind::Ball | Kind::Lollipop | Kind::Turned => String::new(),
     };
     format!("{} {} mm{size}", cutter.keyword(), trim(2.0 * tool.solid.radius(), 3))
 }

@@ -83,12 +83,12 @@ fn line_length() {
 fn cutters() {
     let mut shown = Vec::new();
     let cutters = [
-        Cutter::Flat { radius: 4.0 },
-        Cutter::Ball { radius: 3.0 },
-        Cutter::Bull { radius: 4.0, corner: 1.5 },
-        Cutter::TaperedBall { ball: 2.0, half_angle: 5f64.to_radians() },
-        Cutter::Barrel { radius: 5.0, barrel: 40.0, tip: 1.0 },
-        Cutter::Lollipop { radius: 3.0 },
+        Cutter::flat(4.0),
+        Cutter::ball(3.0),
+        Cutter::bull(4.0, 1.5),
+        Cutter::tapered_ball(2.0, 5f64.to_radians()),
+        Cutter::barrel(5.0, 40.0, 1.0),
+        Cutter::lollipop(3.0),
     ];
     for cutter in cutters {
         let mut program = program(POST);

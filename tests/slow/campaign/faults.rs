@@ -163,10 +163,12 @@ impl Original {
                 let tool = self.any_tool(program, random);
                 let wider = random.sign(0.9) * random.scale(5e-4, 0.2);
                 let change = |solid: &mut ToolSolid| {
-                    match &mut solid.cutter {
-                        Cutter::Ball { radius } | Cutter::Flat { radius } => *radius += wider,
+                    let radius = solid.cutter.nominal_radius() + wider;
+                    solid.cutter = match solid.cutter.keyword() {
+                        "ball" => Cutter::ball(radius),
+                        "flat" => Cutter::flat(radius),
                         _ => panic!("another cutter"),
-                    }
+                    };
                     for section in &mut solid.shank {
                         section.radius_from += wider;
                         section.radius_to += wider;

@@ -3,7 +3,7 @@
 
 use super::blocks::{Station, axis};
 use impellerc::ir::Program;
-use impellerc::tool_stock::collide::{Cutter, Section};
+use impellerc::tool_stock::collide::{Cutter, Kind, Section};
 use impellerc::wheel::part::{BladeId, FaceId, Part, Sample, Surface, SurfaceId, SurfaceKind, sample};
 use nalgebra::{Point3, Vector2, Vector3};
 use rayon::prelude::*;
@@ -28,12 +28,13 @@ fn norm(x: f64, y: f64) -> f64 {
 
 /// Signed distance to a cutter that ends at its flutes: flat or ball.
 pub fn cutter(cutter: &Cutter, flute: f64, rho: f64, s: f64) -> f64 {
-    let (radius, side) = match *cutter {
-        Cutter::Ball { radius } if s < radius => (radius, norm(rho, s - radius) - radius),
-        Cutter::Ball { radius } => (radius, rho - radius),
-        Cutter::Flat { radius } => {
+    let radius = cutter.nominal_radius();
+    let side = match cutter.kind() {
+        Kind::Ball if s < radius => norm(rho, s - radius) - radius,
+        Kind::Ball => rho - radius,
+        Kind::Flat => {
             let (out, below) = (rho - radius, -s);
-            (radius, if out > 0.0 && below > 0.0 { norm(out, below) } else { out.max(below) })
+            if out > 0.0 && below > 0.0 { norm(out, below) } else { out.max(below) }
         }
         _ => panic!("the campaign has flat and ball cutters only"),
     };

@@ -120,7 +120,7 @@ fn faces_of_hecc_alone() {
         return;
     };
     let main = without(&with_fillet(&text, "4 mm"), "  splitter splitter_1", "  hub ");
-    let cutter = Cutter::Ball { radius: 4.0 };
+    let cutter = Cutter::ball(4.0);
     are_reached(&part(folder.path(), &main), cutter, [[43.5, 87.1], [12.6, 49.9], [6.6, 22.0]]);
     let splitter = main.replace("wheel.main.csv", "wheel.splitter_1.csv");
     are_reached(&part(folder.path(), &splitter), cutter, [[42.1, 47.0], [10.2, 19.1], [5.9, 8.8]]);
@@ -132,5 +132,5 @@ fn faces_of_rotor_37_alone() {
     let folder = tempfile::tempdir().unwrap();
     let Some(text) = imported("nasa_rotor37", "BladeGen.inf", (&[], "generic-ac-table"), folder.path()) else { return };
     let text = with_fillet(&text, "3 mm");
-    are_reached(&part(folder.path(), &text), Cutter::Ball { radius: 6.0 }, [[71.9, 209.6], [16.3, 39.2], [4.4, 37.0]]);
+    are_reached(&part(folder.path(), &text), Cutter::ball(6.0), [[71.9, 209.6], [16.3, 39.2], [4.4, 37.0]]);
 }

@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 use nurbs::bracket::SecantBracket;
 use nurbs::{AxisAt, DualCurve, Pieces};
 use rayon::prelude::*;
-use tool_stock::collide::cutter::Slope;
+use tool_stock::collide::meridian::Slope;
 use tool_stock::collide::{Cutter, Section};
 
 /// Share of the whole interval at which the search for the nearest time ends.

@@ -8,7 +8,6 @@ use nalgebra::Point3;
 use nurbs::bracket::Bracket;
 use nurbs::proximity::Patch;
 use rayon::prelude::*;
-use tool_stock::collide::Cutter;
 use wheel::part::{
     FaceSurface, Part, Surface, SurfaceId, SurfaceKind,
     chart::{Place, Shape, charts},
@@ -141,10 +140,10 @@ fn largest(part: &Part, spots: &[&Spot]) -> f64 {
 fn too_large(program: &Program, operation: &Operation, beside: &Beside, at: Option<&Spot>) -> Diag {
     let tool = &program.tools[operation.tool];
     let cutter = &tool.solid.cutter;
-    let end = match cutter {
-        Cutter::Bull { .. } => "corner",
-        Cutter::Barrel { .. } => "tip",
-        _ => "ball",
+    let end = match cutter.first().ring {
+        _ if cutter.barrel_arc().is_some() => "tip",
+        0.0 => "ball",
+        _ => "corner",
     };
     let radius = cutter.tip_radius();
     let mut diag = Diag::error(

@@ -53,30 +53,7 @@ struct End {
 }
 
 fn end(cutter: &Cutter) -> End {
-    match *cutter {
-        Cutter::Flat { radius } => End { radius, corner: 0.0 },
-        Cutter::Ball { radius } => End { radius, corner: radius },
-        Cutter::Bull { radius, corner } => End { radius, corner },
-        Cutter::TaperedBall { ball, .. } => End { radius: ball, corner: ball },
-        Cutter::Barrel { tip, .. } => End { radius: tip, corner: tip },
-        Cutter::Lollipop { radius } => End { radius, corner: radius },
-    }
-}
-
-/// The cutter with another radius, and with the same corner radius and taper.
-fn resized(cutter: &Cutter, radius: f64) -> Cutter {
-    match *cutter {
-        Cutter::Flat { .. } => Cutter::Flat { radius },
-        Cutter::Ball { .. } => Cutter::Ball { radius },
-        Cutter::Bull { corner, .. } => Cutter::Bull { radius, corner },
-        Cutter::TaperedBall { half_angle, .. } => Cutter::TaperedBall { ball: radius, half_angle },
-        // A smaller barrel has the same proportions.
-        Cutter::Barrel { radius: r, barrel, tip } => {
-            let scale = radius / tip;
-            Cutter::Barrel { radius: r * scale, barrel: barrel * scale, tip: radius }
-        }
-        Cutter::Lollipop { .. } => Cutter::Lollipop { radius },
-    }
+    End { radius: cutter.end_radius(), corner: cutter.tip_radius() }
 }
 
 /// Places along the channel at which the height of the vane is measured.
@@ -142,12 +119,8 @@ impl Finder<'_> {
             let ruling = (face.point(level.u, 1.0) - face.point(level.u, 0.0)).norm();
             // A tool without taper has its full radius at every height; the radius of a taper or barrel grows with the
             // height.
-            let radius = match *cutter {
-                Cutter::TaperedBall { .. } | Cutter::Barrel { .. } => {
-                    cutter.radius_at((level.v - from).max(0.0) * ruling)
-                }
-                _ => end(cutter).radius,
-            };
+            let height = (level.v - from).max(0.0) * ruling;
+            let radius = if cutter.widens() { cutter.radius_at(height) } else { cutter.end_radius() };
             2.0 * (radius + vane.at(level.v)) <= level.distance
         })
     }
@@ -165,7 +138,7 @@ impl Finder<'_> {
         let least = if corner < radius { corner } else { 0.0 };
         let widest = self.throat.levels.iter().map(|l| l.distance).fold(0.0, f64::max);
         let radii = Bracket { holds: least, fails: 0.5 * widest + least };
-        let largest = radii.narrowed(1e-3, |radius| self.fits(&resized(cutter, radius), vane, hub)).holds;
+        let largest = radii.narrowed(1e-3, |radius| self.fits(&cutter.with_end_radius(radius), vane, hub)).holds;
         if largest > least { (200.0 * largest).floor() / 100.0 } else { 0.0 }
     }
 }

@@ -3,7 +3,10 @@
 pub mod cloud;
 mod contact;
 pub mod cutter;
+pub mod meridian;
 mod revolved;
+#[cfg(test)]
+pub(crate) mod samples;
 #[cfg(all(test, feature = "serde"))]
 mod stored;
 pub mod support;
@@ -11,7 +14,8 @@ pub mod tool;
 
 pub use cloud::{Cloud, CloudPoint};
 pub use contact::CutterCurvature;
-pub use cutter::{Cutter, Slope};
+pub use cutter::{Cutter, Kind};
+pub use meridian::{Arc, Meridian, Slope};
 pub use revolved::revolved;
 pub use support::Body;
 pub use tool::{Section, ToolSolid};

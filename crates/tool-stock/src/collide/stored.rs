@@ -5,11 +5,13 @@ use serde_json::{from_value, json, to_value};
 
 #[test]
 fn tools_come_back_and_impossible_ones_do_not() {
+    let [chamfered, _] = super::samples::turned();
     for cutter in [
-        Cutter::Flat { radius: 0.1 + 0.2 },
-        Cutter::Bull { radius: 3.0, corner: 0.5 },
-        Cutter::TaperedBall { ball: 1.0, half_angle: 0.1 },
-        Cutter::Barrel { radius: 5.0, barrel: 85.0, tip: 2.0 },
+        Cutter::flat(0.1 + 0.2),
+        Cutter::bull(3.0, 0.5),
+        Cutter::tapered_ball(1.0, 0.1),
+        Cutter::barrel(5.0, 85.0, 2.0),
+        chamfered,
     ] {
         let shank = vec![Section { from: 12.0, to: 25.0, radius_from: 1.0 / 3.0, radius_to: 2.0 }];
         let tool = ToolSolid { cutter, flute_length: 12.0, shank, holder: Vec::new() };

@@ -22,31 +22,7 @@ impl Body {
         let ring = |rho: f64, s: f64| along * s - across * rho;
         match *self {
             Self::Section(s) => ring(s.radius_from, s.from).min(ring(s.radius_to, s.to)),
-            Self::Cutter(cutter, top) => {
-                // A ball on a ring about the axis, at the height of its radius.
-                let rounded = |ring: f64, ball: f64| along * ball - across * ring - ball * libm::hypot(along, across);
-                let tip = match cutter {
-                    Cutter::Flat { radius } => rounded(radius, 0.0),
-                    Cutter::Bull { radius, corner } => rounded(radius - corner, corner),
-                    Cutter::Ball { radius } => rounded(0.0, radius),
-                    // The plane at the end of the flutes may cut off the ball below the farthest point.
-                    Cutter::Lollipop { radius } => {
-                        let height = radius - radius * along / libm::hypot(along, across);
-                        if height <= top { rounded(0.0, radius) } else { f64::INFINITY }
-                    }
-                    Cutter::TaperedBall { ball, .. } => rounded(0.0, ball),
-                    Cutter::Barrel { radius, tip, .. } => {
-                        let height = cutter.barrel_height().filter(|h| *h < top);
-                        let widest = height.map_or(f64::INFINITY, |h| ring(radius, h));
-                        // The arc, if its normal points against the direction.
-                        let angle = libm::atan2(along, across);
-                        let arc = cutter.barrel_angle().filter(|end| (0.0..*end).contains(&angle));
-                        let arc = arc.and_then(|_| cutter.profile_at(angle)).filter(|p| p.s < top);
-                        rounded(0.0, tip).min(widest).min(arc.map_or(f64::INFINITY, |p| ring(p.rho, p.s)))
-                    }
-                };
-                tip.min(ring(cutter.radius_at(top), top))
-            }
+            Self::Cutter(cutter, top) => cutter.least(along, across, top),
         }
     }
 
@@ -71,22 +47,14 @@ impl ToolSolid {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::collide::samples::solids;
 
     /// Agrees with the least value over points of the outline found by the signed distance of the cutter.
     #[test]
     fn agrees_with_the_distances() {
-        let cutters = [
-            Cutter::Flat { radius: 4.0 },
-            Cutter::Ball { radius: 3.0 },
-            Cutter::Bull { radius: 4.0, corner: 1.0 },
-            Cutter::TaperedBall { ball: 1.5, half_angle: 0.1 },
-            Cutter::Barrel { radius: 5.0, barrel: 40.0, tip: 1.0 },
-            Cutter::Lollipop { radius: 3.0 },
-        ];
-        for cutter in cutters {
-            let top = if matches!(cutter, Cutter::Lollipop { .. }) { 5.0 } else { 20.0 };
-            let solid = ToolSolid { cutter, flute_length: top, shank: Vec::new(), holder: Vec::new() };
-            let body = Body::Cutter(cutter, top);
+        for solid in solids() {
+            let cutter = solid.cutter;
+            let body = Body::Cutter(cutter, solid.flute_length);
             for k in 0..=40 {
                 let angle = f64::from(k - 20) / 20.0 * std::f64::consts::FRAC_PI_2;
                 let (along, across) = (angle.sin(), angle.cos());

@@ -3,7 +3,8 @@
 //! A point is given by its distance `rho` from the axis and its height `s` over the tip. Distances are signed,
 //! negative inside.
 
-use super::cutter::{Cutter, Slope, norm};
+use super::cutter::Cutter;
+use super::meridian::{Slope, norm};
 use nalgebra::{Point3, Vector3};
 
 /// Share by which squares of distances are off by rounding, at most.

@@ -72,10 +72,12 @@ impl SolidShape {
     /// The cutter of a tool, closed at the end of the flutes.
     pub(super) fn cutter(solid: &ToolSolid) -> Self {
         let top = solid.flute_length;
-        match solid.cutter {
-            Cutter::Flat { radius } => Self::Flat { radius, top },
-            Cutter::Ball { radius } => Self::Ball { radius, top },
-            cutter => Self::Other { cutter, top },
+        let cutter = solid.cutter;
+        let radius = cutter.nominal_radius();
+        match cutter.only_corner() {
+            Some(arc) if arc.radius == 0.0 => Self::Flat { radius, top },
+            Some(arc) if arc.ring == 0.0 => Self::Ball { radius, top },
+            _ => Self::Other { cutter, top },
         }
     }
 
@@ -93,7 +95,7 @@ impl SolidShape {
     pub(super) fn extent(&self) -> (f64, f64, f64) {
         match *self {
             Self::Flat { radius, top } | Self::Ball { radius, top } => (0.0, top, radius),
-            Self::Other { cutter, top } => (0.0, top, cutter.widest_below(top)),
+            Self::Other { ref cutter, top } => (0.0, top, cutter.widest_below(top)),
             Self::Frustum { from, to, radius, side } => {
                 (from, to, radius.max(radius - (to - from) * side[1] / side[0]))
             }
@@ -113,7 +115,7 @@ impl RadiusProfile for SolidShape {
         let (value, top) = match *self {
             Self::Flat { radius, top } => return Round::<false> { radius, top }.at(rho, s),
             Self::Ball { radius, top } => return Round::<true> { radius, top }.at(rho, s),
-            Self::Other { cutter, top } => {
+            Self::Other { ref cutter, top } => {
                 let slope = cutter.slope(rho, s);
                 (RadiusValue { f: slope.value, by_rho: slope.rho, by_s: slope.s }, top)
             }
@@ -140,13 +142,14 @@ mod tests {
     fn agrees_with_the_distances_of_the_tool() {
         let section = Section { from: 20.0, to: 45.0, radius_from: 3.0, radius_to: 9.0 };
         let solid = |cutter| ToolSolid { cutter, flute_length: 20.0, shank: vec![section], holder: Vec::new() };
-        for cutter in [
-            Cutter::Flat { radius: 4.0 },
-            Cutter::Ball { radius: 3.0 },
-            Cutter::Bull { radius: 4.0, corner: 1.0 },
-            Cutter::TaperedBall { ball: 2.0, half_angle: 0.1 },
-            Cutter::Barrel { radius: 5.0, barrel: 60.0, tip: 1.0 },
-        ] {
+        let named = [
+            Cutter::flat(4.0),
+            Cutter::ball(3.0),
+            Cutter::bull(4.0, 1.0),
+            Cutter::tapered_ball(2.0, 0.1),
+            Cutter::barrel(5.0, 60.0, 1.0),
+        ];
+        for cutter in named.into_iter().chain(crate::collide::samples::turned()) {
             let solid = solid(cutter);
             for (shape, is_cutter) in
                 [(SolidShape::cutter(&solid), true), (SolidShape::section(&section).unwrap(), false)]

@@ -6,7 +6,7 @@
 
 use super::piece::Piece;
 use nalgebra::{Point3, Vector3};
-use tool_stock::collide::{Cutter, ToolSolid};
+use tool_stock::collide::ToolSolid;
 
 /// The ball at the tip of a cutter; it lies inside of the cutter.
 #[derive(Clone, Copy, Debug)]
@@ -21,13 +21,11 @@ impl Ball {
     /// The ball of a tool, if it has one.
     pub(crate) fn of(solid: &ToolSolid) -> Option<Self> {
         let radius = solid.cutter.tip_radius();
-        let upper = match solid.cutter {
-            Cutter::Flat { .. } | Cutter::Bull { .. } => return None,
-            Cutter::Ball { .. } | Cutter::Lollipop { .. } => 0.0,
-            Cutter::TaperedBall { half_angle, .. } => -libm::sin(half_angle),
-            Cutter::Barrel { barrel, .. } => -(solid.cutter.barrel_height()? - radius) / (barrel - radius),
-        };
-        (solid.flute_length >= 2.0 * radius).then_some(Self { radius, upper })
+        // The first arc of the meridian is a ball where its centre is on the axis. Above the equator shank or neck may be nearer.
+        let arc = solid.cutter.arcs().first()?;
+        let upper = (-arc.sine()).min(0.0);
+        let is_ball = arc.ring == 0.0 && radius > 0.0;
+        (is_ball && solid.flute_length >= 2.0 * radius).then_some(Self { radius, upper })
     }
 }
 

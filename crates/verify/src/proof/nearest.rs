@@ -163,12 +163,12 @@ mod tests {
 
     fn solids() -> Vec<ToolSolid> {
         let cutters = [
-            Cutter::Flat { radius: 4.0 },
-            Cutter::Ball { radius: 3.0 },
-            Cutter::Bull { radius: 4.0, corner: 1.0 },
-            Cutter::TaperedBall { ball: 1.5, half_angle: 0.1 },
-            Cutter::Barrel { radius: 5.0, barrel: 40.0, tip: 1.0 },
-            Cutter::Lollipop { radius: 3.0 },
+            Cutter::flat(4.0),
+            Cutter::ball(3.0),
+            Cutter::bull(4.0, 1.0),
+            Cutter::tapered_ball(1.5, 0.1),
+            Cutter::barrel(5.0, 40.0, 1.0),
+            Cutter::lollipop(3.0),
         ];
         let solid = |cutter| ToolSolid { cutter, flute_length: 20.0, shank: Vec::new(), holder: Vec::new() };
         cutters.map(solid).to_vec()

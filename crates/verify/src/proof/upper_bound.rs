@@ -9,7 +9,7 @@ use super::hull::Hull;
 use super::piece::{Drift, Piece, Touch};
 use super::sweep::Sweep;
 use nalgebra::{Point3, Vector3};
-use tool_stock::collide::{Cutter, tool::tool_coordinates};
+use tool_stock::collide::tool::tool_coordinates;
 
 /// Excess of the distance to the tip ball over that to the cutter up to which the ball serves for upper bounds, mm.
 const ON_BALL: f64 = 1e-5;
@@ -92,10 +92,11 @@ impl Sweep<'_> {
         if t.s + radius > solid.flute_length {
             return 0.0;
         }
-        let corner = solid.cutter.tip_radius();
-        match solid.cutter {
+        let arcs = solid.cutter.arcs();
+        let corner = arcs.iter().map(|arc| arc.radius).fold(f64::INFINITY, f64::min);
+        match arcs {
             // Beside the cylinder the level surfaces are cylinders about the axis.
-            Cutter::Flat { .. } | Cutter::Bull { .. } if t.s - radius >= corner => t.rho - radius,
+            [arc] if arc.ring > 0.0 && arc.to == 0.0 && t.s - radius >= arc.height => t.rho - radius,
             _ => corner + (t.value - radius).min(0.0),
         }
     }

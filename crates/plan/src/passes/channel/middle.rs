@@ -149,7 +149,7 @@ impl<'a> Middle<'a> {
     pub(crate) fn has_room(&self, obstacles: &Obstacles, u: f64) -> bool {
         let radius = self.floor.radius;
         let ball = ToolSolid {
-            cutter: Cutter::Lollipop { radius },
+            cutter: Cutter::lollipop(radius),
             flute_length: 2.0 * radius,
             shank: Vec::new(),
             holder: Vec::new(),

@@ -283,7 +283,7 @@ impl<'a> Strip<'a> {
         let top = self.span[1];
         let mut aims = vec![(AIMED, top)];
         // The start of a barrel aims at no height.
-        if !matches!(self.cutter, Cutter::Barrel { .. }) {
+        if self.cutter.barrel_arc().is_none() {
             aims.extend(AIMED_AS_WELL.map(|share| (share, top)));
             aims.extend((top < 1.0).then_some((AIMED, 1.0)));
         }
@@ -310,7 +310,7 @@ impl<'a> Strip<'a> {
                 let u = from + (to - from) * i as f64 / POINTS as f64;
                 let root = foot(part, self.side, &self.cutter, u)?;
                 let at = |height: f64| root + (1.0 - root) * height;
-                let (tip, axis) = if let Cutter::Barrel { .. } = self.cutter {
+                let (tip, axis) = if self.cutter.barrel_arc().is_some() {
                     self.on_its_arc(u, at(0.5 * (low + high)), root)?
                 } else {
                     let offset = |v: f64, by: f64| face.surface.point(u, v) + face.normal(u, v) * by;
@@ -332,10 +332,9 @@ impl<'a> Strip<'a> {
         let (point, normal) = (face.surface.point(u, v), face.normal(u, v));
         let up = point - face.surface.point(u, root);
         let lowest = self.cutter.profile_at(self.cutter.barrel_angle()?)?.s;
-        let widest = self.cutter.barrel_height()?;
-        let height = (up.norm_squared().sqrt() + self.cutter.tip_radius()).clamp(lowest, widest);
-        let Cutter::Barrel { barrel, .. } = self.cutter else { return None };
-        let angle = libm::asin((widest - height) / barrel);
+        let arc = self.cutter.barrel_arc()?;
+        let height = (up.norm_squared().sqrt() + self.cutter.tip_radius()).clamp(lowest, arc.height);
+        let angle = libm::asin((arc.height - height) / arc.radius);
         let along = face.surface.ruling(u);
         let along = (along - normal * along.dot(&normal)).normalize();
         let axis = along * libm::cos(angle) + normal * libm::sin(angle);

@@ -65,7 +65,7 @@ pub(super) fn reduce(
         operation,
         direct,
         air: ThroughAir::new(program, direct, &tool.solid, field),
-        middle: (toothless > 0.0).then(|| ToolSolid { cutter: Cutter::Flat { radius: toothless }, ..cutter.clone() }),
+        middle: (toothless > 0.0).then(|| ToolSolid { cutter: Cutter::flat(toothless), ..cutter.clone() }),
         cutter,
         off: (OFF * radius).min(MOST_OFF),
         thickness: operation.rest.map_or(0.0, |t| t.get()),
