@@ -5,7 +5,7 @@ use super::{Cutter, ToolSolid};
 use std::f64::consts::FRAC_PI_4;
 
 /// A flat end with a chamfer of 45 deg, and a tapered bull nose with a flank of large radius below a cylinder.
-pub fn turned() -> [Cutter; 2] {
+pub(crate) fn turned() -> [Cutter; 2] {
     let chamfered = [Arc::new([3.0, 0.0], 0.0, FRAC_PI_4), Arc::new([4.0, 1.0], 0.0, 0.0)];
     // Each centre lies on the normal of the line that both arcs touch, after 2 mm of this line.
     let (from, to) = ((1.5, 0.8), 30.0);
@@ -17,7 +17,7 @@ pub fn turned() -> [Cutter; 2] {
 }
 
 /// Tools with all these cutters, without shank and holder.
-pub fn solids() -> Vec<ToolSolid> {
+pub(crate) fn solids() -> Vec<ToolSolid> {
     let solid = |cutter, flute_length| ToolSolid { cutter, flute_length, shank: Vec::new(), holder: Vec::new() };
     let lollipop = Cutter::lollipop(3.0);
     let mut solids = vec![
