@@ -70,7 +70,7 @@ fn a_wrong_program_takes_no_more_than_three_times_the_work_of_the_right_one() {
             assert!(s.gouge_bound >= s.gouge.depth, "{what}: {}", s.surface);
             assert!(!far || s.gouge_bound >= 1.0 - 1e-9, "{what}: {} {}", s.surface, s.gouge_bound);
         }
-        let text = certificate.text(program, &motion);
+        let text = impellerc::report::proof::details::details(program, &motion, &certificate);
         assert!(text.contains("has no closer bound than the radius of the cutter"), "{what}");
         assert!(!text.contains("no gouge over"), "{what}");
     }

@@ -41,7 +41,9 @@ fn minimax(strips: Option<u32>) -> Flank {
     Flank { strips, ..Flank::by_ruling(FlankMethod::Minimax, 1) }
 }
 
-const BALL: Cutter = Cutter::ball(3.0);
+fn ball() -> Cutter {
+    Cutter::ball(3.0)
+}
 
 /// Whether a motion keeps all contracts; of the contract on excess, which no vane keeps that nothing mills, only the part on
 /// the milled vanes. The stock has the largest cells: no contract is about it.
@@ -86,14 +88,14 @@ fn run(program: &Program) -> (usize, bool) {
 
 #[test]
 fn one_pass_a_face_keeps_a_micrometre_of_gouge_and_twelve_of_excess() {
-    let (passes, kept) = run(&program(BALL, minimax(None), 1.0, 12.0, 0.25));
+    let (passes, kept) = run(&program(ball(), minimax(None), 1.0, 12.0, 0.25));
     assert_eq!(passes, 2);
     assert!(kept, "a contract fails");
 }
 
 #[test]
 fn two_bands_keep_two_micrometres_on_both_sides() {
-    let (passes, kept) = run(&program(BALL, minimax(None), 2.0, 2.0, 0.1));
+    let (passes, kept) = run(&program(ball(), minimax(None), 2.0, 2.0, 0.1));
     assert_eq!(passes, 4);
     assert!(kept, "a contract fails");
 }
@@ -101,13 +103,13 @@ fn two_bands_keep_two_micrometres_on_both_sides() {
 #[test]
 fn all_error_on_the_side_of_excess_leaves_next_to_no_gouge() {
     let choices = Flank { side: ErrorSide::Excess, ..minimax(Some(1)) };
-    let (_, kept) = run(&program(BALL, choices, 0.8, 12.0, 0.25));
+    let (_, kept) = run(&program(ball(), choices, 0.8, 12.0, 0.25));
     assert!(kept, "a contract fails");
 }
 
 #[test]
 fn a_cutter_that_does_not_fit_in_any_number_of_bands_is_refused() {
-    let mut program = program(BALL, minimax(None), 0.1, 0.1, 0.25);
+    let mut program = program(ball(), minimax(None), 0.1, 0.1, 0.25);
     program.operations = {
         let mut operations = PrimaryMap::new();
         for (_, operation) in program.operations.iter() {
@@ -144,7 +146,7 @@ fn suction_only(cutter: Cutter, strips: Option<u32>, bound: f64) -> Program {
 fn the_error_names_the_place_and_a_cutter_that_would_do() {
     let mut sink = Sink::default();
     // One band misses these bounds: what is left of 1.5 um on each side is below the 2.5 um of this cutter.
-    assert!(pipeline::run(&suction_only(BALL, Some(1), 1.5), &mut sink).is_ok());
+    assert!(pipeline::run(&suction_only(ball(), Some(1), 1.5), &mut sink).is_ok());
     let found = sink.diags().iter().find(|d| d.code.to_string() == "IMP0409").expect("the warning");
     let help = found.help.clone().expect("a way out");
     println!("{} {help}", found.message);
@@ -176,7 +178,7 @@ fn cutters_of_other_shapes_keep_contracts_as_well() {
 
 /// One face of the vanes with a holder of a radius at a reach, and the contracts of one band on it.
 fn with_holder(side: FaceId, reach: f64, radius: f64) -> Program {
-    let mut program = program(BALL, minimax(Some(1)), 1.0, 12.0, 0.25);
+    let mut program = program(ball(), minimax(Some(1)), 1.0, 12.0, 0.25);
     program.tools = {
         let mut tools = PrimaryMap::new();
         for (_, tool) in program.tools.iter() {

@@ -116,7 +116,7 @@ fn row(program: &Program, motion: &Motion) -> Row {
             turn = [0, 1].map(|k| turn[k].max((to[k] - from[k]).abs().to_degrees() / way));
         }
     }
-    let asked = [run.asked[3].value, run.asked[4].value];
+    let asked = [run.asked[3].value.0, run.asked[4].value.0];
     let cuts = motion.operations[0].moves.iter().filter(|m| m.kind == MoveKind::Cut);
     let at_feed = cuts.map(|m| m.time).sum();
     Row { turn, length, time: run.time[0], whole: run.time.iter().sum(), at_feed, asked }

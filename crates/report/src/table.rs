@@ -107,13 +107,16 @@ struct Heading {
     cut: bool,
 }
 
+/// What a column says of a row.
+type OfRow<'a, R, T> = Box<dyn Fn(&R) -> T + 'a>;
+
 /// A column of rows `R`.
 pub(crate) struct Column<'a, R> {
     heading: Heading,
     form: Form,
-    figure: Box<dyn Fn(&R) -> Figure + 'a>,
-    mark: Option<Box<dyn Fn(&R) -> &'static str + 'a>>,
-    place: Option<Box<dyn Fn(&R) -> Option<usize> + 'a>>,
+    figure: OfRow<'a, R, Figure>,
+    mark: Option<OfRow<'a, R, &'static str>>,
+    place: Option<OfRow<'a, R, Option<usize>>>,
 }
 
 /// A column of words, on the left side.

@@ -161,7 +161,7 @@ impl Meridian {
     pub fn profile_at(&self, angle: f64) -> Option<ProfilePoint> {
         let arc = self.arcs().iter().find(|arc| angle >= arc.to).unwrap_or_else(|| self.last());
         let (sin, cos) = libm::sincos(angle);
-        (arc.radius > 0.0).then(|| ProfilePoint {
+        (arc.radius > 0.0).then_some(ProfilePoint {
             rho: arc.ring + arc.radius * cos,
             s: arc.height - arc.radius * sin,
             arc_radius: arc.radius,
