@@ -34,7 +34,7 @@ pub(super) fn check_before_planning(
     stage_file::protect(options, &mut outputs);
     let outputs = or_reported(before_work(outputs, &options.run, &own, sources, program), sink)?;
     or_reported(output_names::check_all(&named), sink)?;
-    plan::memory::check(program, sink)?;
+    plan::budget::check(program, sink)?;
     // Tools that cannot do their work are reported here, where the reason is known; planning would only report that it
     // finds no collision-free path.
     stages.watched("facts", |progress| facts(program, progress, sink));

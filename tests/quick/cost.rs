@@ -4,7 +4,7 @@ use crate::support::jobs;
 use impellerc::diagnostics::Sink;
 use impellerc::diagnostics::codes::{job as codes, planning};
 use impellerc::driver::{self, Options, Outcome, Stages};
-use impellerc::plan::memory;
+use impellerc::plan::budget;
 use std::process::Command;
 
 const JOB: &str = include_str!("../../jobs/wei2021/wei2021.imp");
@@ -25,7 +25,7 @@ fn estimated(text: &str, memory: Option<f64>) -> Outcome {
     let mut options = Options { job: path, ..Options::default() };
     options.run.memory = memory;
     if let Ok(Some(program)) = driver::front(&options, &mut Stages::default(), &mut outcome) {
-        assert_eq!(memory::check(&program, &mut outcome.sink).is_err(), outcome.sink.has_errors());
+        assert_eq!(budget::check(&program, &mut outcome.sink).is_err(), outcome.sink.has_errors());
     }
     outcome
 }
@@ -51,7 +51,7 @@ fn needed_with(text: &str, curves: &str) -> f64 {
     let mut outcome = Outcome::default();
     let options = Options { job: path, ..Options::default() };
     let program = driver::front(&options, &mut Stages::default(), &mut outcome).unwrap().unwrap();
-    memory::needed(&program)
+    budget::needed(&program)
 }
 
 /// Peak memory of the compilation, as `/usr/bin/time -v` told it; of the last three of `--emit motion`, which takes more than
@@ -170,10 +170,10 @@ fn the_command_line_takes_sizes() {
 #[test]
 fn a_part_that_takes_the_memory_is_named() {
     let mut program = jobs::program("small", None);
-    let of_part = memory::of_stations(&program, memory::Stations::default());
+    let of_part = budget::of_stations(&program, budget::Stations::default());
     program.memory = 0.9 * of_part;
     let mut sink = Sink::default();
-    assert!(memory::check(&program, &mut sink).is_err());
+    assert!(budget::check(&program, &mut sink).is_err());
     let [diag] = sink.diags() else { panic!("{:?}", sink.diags()) };
     let help = diag.help.as_ref().unwrap();
     assert!(help.contains("the part alone") && !help.contains("sectors"), "{help}");
@@ -185,5 +185,5 @@ fn a_part_that_takes_the_memory_is_named() {
     );
     // What the message asks for is enough.
     program.memory = 1e9 * jobs::number_behind(help, "`--memory");
-    assert!(memory::check(&program, &mut Sink::default()).is_ok());
+    assert!(budget::check(&program, &mut Sink::default()).is_ok());
 }

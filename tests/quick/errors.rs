@@ -35,7 +35,7 @@ fn report(job: &Path) -> Outcome {
             let _ = driver::check_frames(&program, &mut outcome.sink);
         }
         if stem(job).ends_with("-cost") {
-            let _ = plan::memory::check(&program, &mut outcome.sink);
+            let _ = plan::budget::check(&program, &mut outcome.sink);
         }
     }
     outcome

@@ -2,13 +2,12 @@
 
 use super::axis::{avoid_collision, clear_floor, orient_tool, smooth_axis};
 use super::channel::middle::Middles;
-use super::context::limits::{check_memory, check_points, check_size};
 use super::context::{Obstacles, PassContext};
 use super::feed::{equal_sectors, exact_stops, removal_feeds, time_feeds};
 use super::link::{fast_leads, first_travel, link_moves, rest_machining};
 use super::rough::{Roughings, channel_levels, expand, groove, plunge, roughings, short_reach};
 use super::{channel, copy_sectors, fit_splines, flank, point, round_to_words, sample_to_tolerance};
-use crate::memory::{self, Stations};
+use crate::budget::{self, Stations};
 use base::progress::Progress;
 use diagnostics::{Aborted, Sink};
 use ir::stage_file::{PlannedMotion, StageValue};
@@ -48,7 +47,7 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
 /// # Errors
 /// As [`run`].
 pub fn run_from(program: &Program, start: StageValue, progress: &Progress, sink: &mut Sink) -> Result<Plan, Aborted> {
-    check_size(program, sink)?;
+    budget::check_size(program, sink)?;
     let obstacles = Obstacles::of(program);
     let mut cx = PassContext { program, obstacles: &obstacles, progress, sink, stations: Stations::default() };
     cx.holds("lower", validate::program)?;
@@ -125,8 +124,7 @@ fn moves(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<Motion, Aborted> {
     // What follows counts with the moves that the text says.
     round_to_words::run(program, progress, &mut motion);
     cx.holds("round-to-words", |program| validate::motion(program, &motion))?;
-    let needed = memory::of_moves(program, &motion, cx.stations.planned);
-    check_memory(cx, None, needed)?;
+    budget::check_motion(program, &motion, cx.stations.planned, cx.sink)?;
     // Times follow from feeds that tool and spindle can take.
     removal_feeds::run(program, &mut motion, progress, cx.sink)?;
     cx.holds("removal-feeds", |program| validate::motion(program, &motion))?;
@@ -146,7 +144,7 @@ fn count(cx: &mut PassContext<'_>, planned: &CcOperation) -> Result<(), Aborted>
     let operation = &cx.program.operations[planned.operation];
     let points = planned.passes.iter().map(|p| p.points.len()).sum::<usize>() as f64;
     cx.stations = cx.stations.and(points, operation);
-    check_points(cx, operation, 0.0)
+    cx.check_points(operation, 0.0)
 }
 
 /// The `plan-*` passes, in the order of the operations. Roughing starts at the level that earlier roughing of the same

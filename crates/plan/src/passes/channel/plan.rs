@@ -11,7 +11,7 @@ use super::floor::{ChannelFloor, TURN_OFF, azimuth, contacts};
 use super::middle::{Middle, Middles, StretchFloor, before};
 use crate::passes::context::{
     PassContext, STATIONS, in_passage,
-    limits::{check_fillet, check_points, less_than_radius},
+    limits::{check_fillet, less_than_radius},
 };
 use crate::passes::lines::{self, DriveSurface, LaidLines, LineDirection, constant_scallop, left_to_ridges, scallop};
 use diagnostics::{Aborted, Diag, codes::planning};
@@ -261,7 +261,7 @@ fn equal_division(
         }
     }
     let count = count.ceil();
-    check_points(cx, operation, count * grid.len() as f64)?;
+    cx.check_points(operation, count * grid.len() as f64)?;
     let lines: Vec<Vec<CcPoint>> = (0..=count as usize)
         .map(|j| {
             let share = j as f64 / count;

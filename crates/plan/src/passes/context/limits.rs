@@ -1,64 +1,11 @@
-//! Limits of planning: samples, points, memory, and the size of a ball against the fillet.
+//! The size of a ball against the fillet.
 
 use super::PassContext;
-use crate::memory;
-use base::units;
-use diagnostics::{Aborted, Diag, Sink, codes::planning};
-use ir::program::DEFAULT_MEMORY;
-use ir::{Operation, Program};
-use wheel::part::sample;
+use diagnostics::{Aborted, Diag, codes::planning};
+use ir::Operation;
 
 /// Difference of radii that is rounding, mm.
 const SAME_RADIUS: f64 = 1e-9;
-
-/// Refuses parts that cannot be sampled within the memory. The limit of samples is that of the default memory.
-pub(crate) fn check_size(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
-    let samples = sample::estimate(&program.part, FINEST_SPACING);
-    let most = sample::MOST_SAMPLES * (program.memory / DEFAULT_MEMORY).max(1.0);
-    if samples <= most {
-        return Ok(());
-    }
-    let enough = units::bytes(1e9 * (samples / sample::MOST_SAMPLES * DEFAULT_MEMORY / 1e9).ceil());
-    let outlet = program.part.hub.meridian(1.0).point.x;
-    sink.push(
-        Diag::error(
-            planning::TOO_LARGE,
-            format!("a part of {outlet:.0} mm radius needs {samples:.1e} samples; the limit is {most:.1e}"),
-        )
-        .help(format!("check the units of the points; or allow {enough} of memory with `--memory`")),
-    );
-    Err(Aborted)
-}
-
-/// Spacing of the samples that verification will need, mm.
-const FINEST_SPACING: f64 = 0.25;
-
-/// Refuses an operation whose points in a sector, together with those of earlier operations, exceed the memory. The
-/// estimate before planning knows only the sizes of the part; this check knows the lines.
-pub(crate) fn check_points(cx: &mut PassContext<'_>, operation: &Operation, points: f64) -> Result<(), Aborted> {
-    let needed = memory::of_stations(cx.program, cx.stations.and(points, operation));
-    check_memory(cx, Some(operation), needed)
-}
-
-/// Refuses a plan that needs more than the allowed memory; `needed` is in bytes, `operation` is the planned operation.
-pub(crate) fn check_memory(
-    cx: &mut PassContext<'_>,
-    operation: Option<&Operation>,
-    needed: f64,
-) -> Result<(), Aborted> {
-    if needed <= cx.program.memory {
-        return Ok(());
-    }
-    let (needed, most) = (units::bytes(needed), units::bytes(cx.program.memory));
-    let mut diag =
-        Diag::error(planning::OVER_MEMORY, format!("the plan needs about {needed} of memory; the limit is {most}"));
-    if let Some(operation) = operation {
-        diag = diag.label(operation.span, "planned up to this operation");
-    }
-    let help = "use a larger `depth`, `residual` or `scallop`, fewer `sectors` or operations in one job, or more memory: `--memory`";
-    cx.sink.push(diag.help(help));
-    Err(Aborted)
-}
 
 /// Refuses a ball that is bigger than the fillet in which it rolls or beside which it stands. `why` gives the reasons
 /// at the operation and at its tool.

@@ -1,4 +1,4 @@
-//! What every pass reads: the program, the obstacles, the coordinates of the channel, limits of size, and changes of a
+//! What every pass reads: the program, the obstacles, the coordinates of the channel, the size of a ball, and changes of a
 //! tool for messages.
 
 mod channel_chart;
@@ -17,7 +17,7 @@ pub(crate) use obstacles::{Ends, Keep};
 pub(crate) use remedy::remedy;
 pub(crate) use tilt::AxisTilt;
 
-use crate::memory::Stations;
+use crate::budget::{self, Stations};
 use base::progress::Progress;
 use diagnostics::{Aborted, Diag, Sink, codes::files};
 use ir::validate::Malformed;
@@ -56,6 +56,12 @@ impl PassContext<'_> {
     pub(crate) fn in_first_sector(&self, operation: &Operation, label: &str, at: Point3<f64>) -> (String, Point3<f64>) {
         let sector = operation.sectors.first().copied().unwrap_or(0);
         (format!("sector {} {label}", sector + 1), self.program.part.sector_rotation(sector) * at)
+    }
+
+    /// Refuses an operation with this number of points in a sector where they exceed the memory, together with the stations
+    /// planned so far.
+    pub(crate) fn check_points(&mut self, operation: &Operation, points: f64) -> Result<(), Aborted> {
+        budget::check_points(self.program, self.stations.and(points, operation), operation, self.sink)
     }
 
     /// Ends a run that was cancelled. Nobody waits for a reason: nothing goes to the sink.

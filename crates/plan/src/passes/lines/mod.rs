@@ -9,7 +9,7 @@ mod ridges;
 pub mod scallop;
 mod stations;
 
-use crate::passes::context::{PassContext, STATIONS, limits::check_points};
+use crate::passes::context::{PassContext, STATIONS};
 use crate::tolerance_budget::interpolation;
 use constant_scallop::{Track, tracks};
 use diagnostics::{Aborted, Diag, codes::planning};
@@ -304,7 +304,7 @@ fn lay(
     };
     let steps = grid.iter().map(|x| width(*x)).fold(0.0, f64::max);
     let widest = steps.max(1.0).ceil();
-    check_points(cx, operation, widest * grid.len() as f64)?;
+    cx.check_points(operation, widest * grid.len() as f64)?;
     // A line that begins inside of the surface comes down on a quarter of a circle. The circle lifts the ball over
     // stock that roughing left.
     let arcs = [0, 1].map(|back: usize| directions.each[back].leads.map(|lead| arc_radius(lead, radius)));

@@ -10,7 +10,7 @@ use super::spiral::Around;
 use super::vane_surface::{CutBeside, VaneSurface, nominal_tilt};
 use crate::passes::context::{
     AxisTilt, PassContext, from_outlet,
-    limits::{check_fillet, check_points, less_than_radius},
+    limits::{check_fillet, less_than_radius},
 };
 use crate::passes::lines::{self, DriveSurface, constant_scallop};
 use base::units::length;
@@ -161,7 +161,7 @@ fn spiral(
     let (laid, _) = lines::refined(target, |planned| {
         let density = |side: usize, x: f64, y: f64| pair[side].density(x, y, planned);
         let spiral = around.lay(&density, leads);
-        check_points(cx, operation, spiral.points.len() as f64)?;
+        cx.check_points(operation, spiral.points.len() as f64)?;
         let ridges = [0, 1].map(|side| pair[side].highest_ridge(&spiral.turns[side]));
         Ok((spiral, ridges.into_iter().flatten().reduce(f64::max)))
     })?;

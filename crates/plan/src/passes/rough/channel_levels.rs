@@ -14,7 +14,7 @@ use super::groove::passes;
 use super::layers::{LayerStation, Roughing};
 use super::levels::{LevelRun, RoughLevel};
 use super::trochoid::{OpenedSlot, Trochoid};
-use crate::passes::context::{PassContext, limits::check_points, maximal_ranges};
+use crate::passes::context::{PassContext, maximal_ranges};
 use crate::spacing;
 use base::progress::Work;
 use diagnostics::Aborted;
@@ -54,7 +54,7 @@ fn plan_passage(
     let free = |run: &LevelRun| run.stations.iter().map(|s| free(roughing, run, s)).fold(0.0, f64::max);
     let widest = levels.iter().flat_map(|l| &l.runs).map(free).fold(0.0, f64::max);
     let loops = spacing::loop_stations(cx.program, operation, roughing.spacing * stations as f64);
-    check_points(cx, operation, (widest / stepover.get() + 3.0) * stations as f64 + loops)?;
+    cx.check_points(operation, (widest / stepover.get() + 3.0) * stations as f64 + loops)?;
     let work = cx.progress.begin(format!("{}, lines", operation.name), levels.len());
     let lines = lines(roughing, &levels, operation, &work);
     cx.go_on()?;

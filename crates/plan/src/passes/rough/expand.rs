@@ -7,7 +7,7 @@
 use super::Roughings;
 use super::groove::{check_room, describe, passes};
 use super::layers::{Layer, Level, Roughing};
-use crate::passes::context::{PassContext, limits::check_points};
+use crate::passes::context::PassContext;
 use crate::passes::lines::scallop;
 use diagnostics::Aborted;
 use ir::{CcOperation, CcPass, CcPoint, Operation, OperationId, OperationKind};
@@ -47,7 +47,7 @@ fn plan_passage(
     let widest =
         layers.iter().flat_map(|l| l.stations.iter().map(|s| roughing.chart.width(s.u, l.level))).fold(0.0, f64::max);
     let stations: usize = layers.iter().map(|l| l.stations.len()).sum();
-    check_points(cx, operation, widest / step * stations as f64)?;
+    cx.check_points(operation, widest / step * stations as f64)?;
     let work = cx.progress.begin(format!("{}, lines", operation.name), layers.len());
     for layer in &layers {
         cx.go_on()?;

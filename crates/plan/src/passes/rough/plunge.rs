@@ -24,7 +24,7 @@
 
 use super::groove::passes;
 use super::layers::{LayerStation, Level, Roughing, length_of, limit_leads};
-use crate::passes::context::{PassContext, limits::check_points, maximal_ranges};
+use crate::passes::context::{PassContext, maximal_ranges};
 use base::units::length;
 use diagnostics::Aborted;
 use ir::{CcOperation, CcPoint, Operation, OperationId, OperationKind, Program};
@@ -140,7 +140,7 @@ impl ChannelStrokes<'_> {
         let grid = self.grid();
         // Each place of the grid takes about as long as a point of a line; a row has a stroke for each step across.
         let widest = grid.iter().map(|u| self.roughing.chart.width(*u, 1.0)).fold(0.0, f64::max);
-        check_points(cx, operation, grid.len() as f64 * (widest / self.step + 1.0))?;
+        cx.check_points(operation, grid.len() as f64 * (widest / self.step + 1.0))?;
         let work = cx.progress.begin(format!("{}, places", operation.name), grid.len());
         let stands: Vec<Option<Stand>> = grid.par_iter().map(|u| work.do_step(|| self.stand(*u)).flatten()).collect();
         drop(work);
