@@ -1,7 +1,7 @@
 //! No value that is not finite reaches a certificate: each kind of figure is replaced by such a value, and an error
 //! names it.
 
-use crate::support::jobs::{self, Compiled};
+use crate::support::pinned;
 use ciborium::Value;
 use impellerc::base::source::Span;
 use impellerc::base::units::{Deg, Mm, Share};
@@ -16,7 +16,8 @@ use std::sync::LazyLock;
 
 /// A finished face with its motion and certificate.
 static FLANK: LazyLock<(Program, Motion, Certificate)> = LazyLock::new(|| {
-    let Compiled { program, plan, mut certificate, .. } = jobs::planned_flank().clone();
+    let flank = pinned::flank();
+    let mut certificate = flank.certificate().clone();
     // The program has no contract.
     certificate.contracts.push(ContractReport {
         kind: ContractKind::Gouge,
@@ -33,7 +34,7 @@ static FLANK: LazyLock<(Program, Motion, Certificate)> = LazyLock::new(|| {
         computed: None,
         span: Span::default(),
     });
-    (program, plan.motion, certificate)
+    (flank.program.clone(), flank.motion.clone(), certificate)
 });
 
 /// What is reported of a certificate.

@@ -1,6 +1,6 @@
 //! Stage files: every value comes back by bytes, a run goes on from each of them with the same result, and damaged ones are errors.
 
-use crate::support::jobs::{self, Compiled, errors};
+use crate::support::jobs::{self, Planned, errors};
 use crate::support::pinned;
 use impellerc::base::source::{SourceMap, Span};
 use impellerc::diagnostics::{Code, codes};
@@ -14,7 +14,7 @@ use std::process::{Command, Output};
 use std::sync::LazyLock;
 
 /// The four values of a plan.
-fn values(compiled: &Compiled) -> [StageValue; 4] {
+fn values(compiled: &Planned) -> [StageValue; 4] {
     let plan = &compiled.plan;
     let motion = PlannedMotion::new(&plan.cl, plan.motion.clone());
     [StageValue::Ir, StageValue::Cc(plan.cc.clone()), StageValue::Cl(plan.cl.clone()), StageValue::Motion(motion)]
@@ -34,7 +34,7 @@ fn all_values_come_back_by_bytes() {
     let jobs = [("small", "siemens-840d"), ("small", "linuxcnc"), ("reduced", "siemens-840d")];
     for (job, dialect) in jobs {
         let compiled = jobs::planned(job, dialect);
-        let (sources, _) = pinned::front(&jobs::options(job, jobs::machine_of(dialect)));
+        let (sources, _) = jobs::front(&jobs::options(job, jobs::machine_of(dialect)));
         for value in values(compiled) {
             let text = stage_file::write(&sources, &compiled.program, &value).unwrap();
             assert!(text == again(&text), "{job} {dialect} {}", value.name());
@@ -61,7 +61,7 @@ fn programs_of_all_jobs_come_back_by_bytes() {
     let jobs = jobs::shipped();
     assert!(jobs.len() > 15, "{}", jobs.len());
     for job in jobs {
-        let (sources, program) = pinned::front(&Options { job: job.clone(), ..Options::default() });
+        let (sources, program) = jobs::front(&Options { job: job.clone(), ..Options::default() });
         let text = stage_file::write(&sources, &program, &StageValue::Ir).unwrap();
         assert!(text == again(&text), "{}", job.display());
         // A program without its places is the same for two texts that mean the same; no place is lost on the way.
@@ -102,7 +102,7 @@ static SMALL: LazyLock<Small> = LazyLock::new(|| {
     let options = Options { job: PathBuf::from("jobs/small/small.imp"), ..small.options("job") };
     let outcome = driver::compile(&options, &mut Stages::default());
     assert!(errors(&outcome).is_empty(), "{:#?}", errors(&outcome));
-    let (sources, program) = pinned::front(&options);
+    let (sources, program) = jobs::front(&options);
     let compiled = jobs::planned("small", "siemens-840d");
     for (value, stage) in values(compiled).iter().zip(STAGES) {
         let text = stage_file::write(&sources, &program, value).unwrap();

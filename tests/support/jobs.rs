@@ -1,6 +1,7 @@
 //! Jobs that are planned and verified once for all tests of a test program.
 
 use impellerc::base::progress::Progress;
+use impellerc::base::source::SourceMap;
 use impellerc::diagnostics::{Diag, Severity, Sink};
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::ir::{Motion, Program};
@@ -29,8 +30,14 @@ fn comes_back<T: Serialize + DeserializeOwned>(stage: &str, value: &T) {
     assert!(serde_json::to_string(&again).unwrap() == text, "{stage} is another value when it is read");
 }
 
-impl Compiled {
-    /// Plans and verifies.
+/// A program with its plan, which nothing has proved.
+pub struct Planned {
+    pub program: Program,
+    pub plan: Plan,
+}
+
+impl Planned {
+    /// Plans.
     pub fn new(program: Program) -> Self {
         let mut sink = Sink::default();
         let plan = pipeline::run(&program, &mut sink).unwrap_or_else(|_| panic!("no plan: {:#?}", sink.diags()));
@@ -38,8 +45,21 @@ impl Compiled {
         comes_back("cc", &plan.cc);
         comes_back("cl", &plan.cl);
         comes_back("motion", &plan.motion);
-        let (motion, certificate) = verify(&program, plan.motion.clone(), &mut sink)
-            .unwrap_or_else(|_| panic!("no certificate: {:#?}", sink.diags()));
+        Self { program, plan }
+    }
+}
+
+/// The motion of a program with its certificate.
+pub fn proved(program: &Program, motion: &Motion) -> (Verified<Motion>, Certificate) {
+    let mut sink = Sink::default();
+    verify(program, motion.clone(), &mut sink).unwrap_or_else(|_| panic!("no certificate: {:#?}", sink.diags()))
+}
+
+impl Compiled {
+    /// Plans and verifies.
+    pub fn new(program: Program) -> Self {
+        let Planned { program, plan } = Planned::new(program);
+        let (motion, certificate) = proved(&program, &plan.motion);
         Self { program, plan, motion, certificate }
     }
 
@@ -50,8 +70,12 @@ impl Compiled {
 
     /// Plans and verifies on a number of threads.
     pub fn on_threads(threads: usize, program: Program) -> Self {
-        rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(|| Self::new(program))
+        on_threads(threads, || Self::new(program))
     }
+}
+
+fn on_threads<T: Send>(threads: usize, made: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(made)
 }
 
 /// Options for a job that ships with the compiler; for another machine of the library where `machine` names one.
@@ -82,28 +106,35 @@ pub const SHORTER: [(&str, &str); 4] = [
 
 /// The program of a shipped job, see [`options`].
 pub fn program(job: &str, machine: Option<&str>) -> Program {
-    front(&options(job, machine))
+    front(&options(job, machine)).1
 }
 
 /// The program of a job of any folder.
 pub fn program_at(job: &str) -> Program {
-    front(&Options { job: PathBuf::from(job), ..Options::default() })
+    front(&Options { job: PathBuf::from(job), ..Options::default() }).1
 }
 
-/// The program of a job with texts replaced, each in all of its places. The job needs no other file.
-pub fn program_with(job: &str, changes: &[(&str, &str)]) -> Program {
-    let text = changes.iter().fold(std::fs::read_to_string(job).unwrap(), |text, (from, to)| {
+/// The text of a job with texts replaced, each in all of its places.
+fn replaced(job: &str, changes: &[(&str, &str)]) -> String {
+    changes.iter().fold(std::fs::read_to_string(job).unwrap(), |text, (from, to)| {
         assert!(text.contains(from), "{from} is not in the job");
         text.replace(from, to)
-    });
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("changed.imp");
-    std::fs::write(&path, text).unwrap();
-    front(&Options { job: path, ..Options::default() })
+    })
 }
 
-fn front(options: &Options) -> Program {
-    driver::front(options, &mut Stages::default(), &mut Outcome::default()).unwrap().unwrap()
+/// The program of a job with texts replaced. The job needs no other file.
+pub fn program_with(job: &str, changes: &[(&str, &str)]) -> Program {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("changed.imp");
+    std::fs::write(&path, replaced(job, changes)).unwrap();
+    front(&Options { job: path, ..Options::default() }).1
+}
+
+/// The sources and the program of a job.
+pub fn front(options: &Options) -> (SourceMap, Program) {
+    let mut outcome = Outcome::default();
+    let program = driver::front(options, &mut Stages::default(), &mut outcome).unwrap().unwrap();
+    (outcome.sources, program)
 }
 
 /// The machine with the control of a dialect, where the machine of the jobs has another control.
@@ -111,13 +142,9 @@ pub fn machine_of(dialect: &str) -> Option<&'static str> {
     (dialect == "linuxcnc").then_some("5mc850-c-linuxcnc")
 }
 
-/// A folder with a job of `jobs/small` with texts replaced, each in all of its places, and its curves.
+/// A folder with a job of `jobs/small` with texts replaced, and its curves.
 fn changed(job: &str, changes: &[(&str, &str)]) -> tempfile::TempDir {
-    let text =
-        changes.iter().fold(std::fs::read_to_string(format!("jobs/small/{job}")).unwrap(), |text, (from, to)| {
-            assert!(text.contains(from), "{from} is not in the job");
-            text.replace(from, to)
-        });
+    let text = replaced(&format!("jobs/small/{job}"), changes);
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join(job), text).unwrap();
     std::fs::copy("jobs/small/vane_curves.csv", folder.path().join("vane_curves.csv")).unwrap();
@@ -149,25 +176,25 @@ pub fn number_behind(text: &str, words: &str) -> f64 {
     rest[..end].parse().unwrap_or_else(|_| panic!("no number behind {words} in {text}"))
 }
 
-/// A job on the machines of both dialects, each compiled on first use.
-struct Dialects([LazyLock<Compiled>; 2]);
+/// What is made of a job on the machines of both dialects, each on first use.
+pub struct Dialects<T: 'static>(pub [LazyLock<T>; 2]);
 
-impl Dialects {
-    fn on(&self, dialect: &str) -> &Compiled {
+impl<T> Dialects<T> {
+    pub fn on(&self, dialect: &str) -> &T {
         &self.0[usize::from(machine_of(dialect).is_some())]
     }
 }
 
-/// The small or the reduced job, planned today, on the machine with the control of a dialect. Tests of what stands behind the
-/// planner take [`super::pinned`].
-pub fn planned(job: &str, dialect: &str) -> &'static Compiled {
-    static SMALL: Dialects = Dialects([
-        LazyLock::new(|| Compiled::new(program("small", None))),
-        LazyLock::new(|| Compiled::new(program("small", machine_of("linuxcnc")))),
+/// The small or the reduced job, planned today, on the machine with the control of a dialect; the reduced one on two threads.
+/// Tests of what stands behind the planner take [`super::pinned`].
+pub fn planned(job: &str, dialect: &str) -> &'static Planned {
+    static SMALL: Dialects<Planned> = Dialects([
+        LazyLock::new(|| Planned::new(program("small", None))),
+        LazyLock::new(|| Planned::new(program("small", machine_of("linuxcnc")))),
     ]);
-    static REDUCED: Dialects = Dialects([
-        LazyLock::new(|| Compiled::on_threads(2, program("reduced", None))),
-        LazyLock::new(|| Compiled::on_threads(2, program("reduced", machine_of("linuxcnc")))),
+    static REDUCED: Dialects<Planned> = Dialects([
+        LazyLock::new(|| on_threads(2, || Planned::new(program("reduced", None)))),
+        LazyLock::new(|| on_threads(2, || Planned::new(program("reduced", machine_of("linuxcnc"))))),
     ]);
     match job {
         "small" => SMALL.on(dialect),
@@ -177,8 +204,8 @@ pub fn planned(job: &str, dialect: &str) -> &'static Compiled {
 }
 
 /// Both faces of one vane of the paper's part, and nothing else, planned today.
-pub fn planned_flank() -> &'static Compiled {
-    static FLANK: LazyLock<Compiled> = LazyLock::new(|| Compiled::new(super::flank_only(&[0])));
+pub fn planned_flank() -> &'static Planned {
+    static FLANK: LazyLock<Planned> = LazyLock::new(|| Planned::new(super::flank_only(&[0])));
     &FLANK
 }
 

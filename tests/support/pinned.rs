@@ -2,16 +2,16 @@
 //! begin at the stage that they test, and a change of the planner is not theirs. `pinned_values_are_those_of_today` plans each
 //! of them anew and compares it by bytes, so that none becomes old.
 
-use super::jobs::{self, Compiled};
+use super::jobs::{self, Dialects, Planned};
 use impellerc::base::progress::Progress;
 use impellerc::base::source::{SourceFile, SourceMap};
 use impellerc::diagnostics::Sink;
-use impellerc::driver::{self, Options, Outcome, Stages};
+use impellerc::driver::Options;
 use impellerc::ir::stage_file::{self, PlannedMotion, StageFile, StageValue};
 use impellerc::ir::{Motion, Program};
 use impellerc::plan::passes::pipeline::{self, Plan};
 use impellerc::verify::stock::Settings;
-use impellerc::verify::{Certificate, Verified, examine, verify};
+use impellerc::verify::{Certificate, Verified, examine};
 use std::path::PathBuf;
 use std::sync::{LazyLock, OnceLock};
 
@@ -34,11 +34,7 @@ impl Pinned {
     }
 
     fn proof(&self) -> &(Verified<Motion>, Certificate) {
-        self.proof.get_or_init(|| {
-            let mut sink = Sink::default();
-            verify(&self.program, self.motion.clone(), &mut sink)
-                .unwrap_or_else(|_| panic!("no certificate: {:#?}", sink.diags()))
-        })
+        self.proof.get_or_init(|| jobs::proved(&self.program, &self.motion))
     }
 
     /// The motion as the verifier hands it out.
@@ -57,33 +53,24 @@ impl Pinned {
     }
 }
 
-/// Pinned values of jobs that have one for each control: of the machine with the control of the dialect.
-struct Controls([LazyLock<Pinned>; 2]);
-
-impl Controls {
-    fn on(&self, dialect: &str) -> &Pinned {
-        &self.0[usize::from(jobs::machine_of(dialect).is_some())]
-    }
-}
-
 /// The small job.
 pub fn small(dialect: &str) -> &'static Pinned {
-    static SMALL: Controls =
-        Controls([LazyLock::new(|| Pinned::read("small")), LazyLock::new(|| Pinned::read("small-linuxcnc"))]);
+    static SMALL: Dialects<Pinned> =
+        Dialects([LazyLock::new(|| Pinned::read("small")), LazyLock::new(|| Pinned::read("small-linuxcnc"))]);
     SMALL.on(dialect)
 }
 
 /// The small job made short, see [`jobs::SHORTER`].
 pub fn short(dialect: &str) -> &'static Pinned {
-    static SHORT: Controls =
-        Controls([LazyLock::new(|| Pinned::read("short")), LazyLock::new(|| Pinned::read("short-linuxcnc"))]);
+    static SHORT: Dialects<Pinned> =
+        Dialects([LazyLock::new(|| Pinned::read("short")), LazyLock::new(|| Pinned::read("short-linuxcnc"))]);
     SHORT.on(dialect)
 }
 
 /// The reduced job.
 pub fn reduced(dialect: &str) -> &'static Pinned {
-    static REDUCED: Controls =
-        Controls([LazyLock::new(|| Pinned::read("reduced")), LazyLock::new(|| Pinned::read("reduced-linuxcnc"))]);
+    static REDUCED: Dialects<Pinned> =
+        Dialects([LazyLock::new(|| Pinned::read("reduced")), LazyLock::new(|| Pinned::read("reduced-linuxcnc"))]);
     REDUCED.on(dialect)
 }
 
@@ -112,14 +99,14 @@ pub fn planned_today(name: &str) -> String {
             // Of its places only those of the post file are somewhere.
             let post = "jobs/_lib/posts/siemens-840d.toml";
             _ = sources.add_file(SourceFile::text(post, std::fs::read_to_string(post).unwrap()));
-            let Compiled { program, plan, .. } = jobs::planned_flank();
+            let Planned { program, plan } = jobs::planned_flank();
             stage_text(&sources, program, plan)
         }
         "short" => {
             let folder = jobs::small_with(&jobs::SHORTER);
             let mut options = Options { job: folder.path().join("small.imp"), ..Options::default() };
             options.run.machine = machine.map(str::to_owned);
-            let (sources, program) = front(&options);
+            let (sources, program) = jobs::front(&options);
             let plan = pipeline::run(&program, &mut Sink::default()).unwrap_or_else(|_| panic!("no plan of {name}"));
             // In coarse cells of the stock, as the tests judge it that change its text.
             let (mut settings, mut sink) = (Settings { cell: Some(4.0), after: None }, Sink::default());
@@ -128,8 +115,8 @@ pub fn planned_today(name: &str) -> String {
             stage_text(&sources, &program, &plan)
         }
         _ => {
-            let Compiled { program, plan, .. } = jobs::planned(job, dialect);
-            stage_text(&front(&jobs::options(job, machine)).0, program, plan)
+            let Planned { program, plan } = jobs::planned(job, dialect);
+            stage_text(&jobs::front(&jobs::options(job, machine)).0, program, plan)
         }
     }
 }
@@ -137,11 +124,4 @@ pub fn planned_today(name: &str) -> String {
 fn stage_text(sources: &SourceMap, program: &Program, plan: &Plan) -> String {
     let motion = PlannedMotion::new(&plan.cl, plan.motion.clone());
     stage_file::write(sources, program, &StageValue::Motion(motion)).unwrap()
-}
-
-/// The sources and the program of a job.
-pub fn front(options: &Options) -> (SourceMap, Program) {
-    let mut outcome = Outcome::default();
-    let program = driver::front(options, &mut Stages::default(), &mut outcome).unwrap().unwrap();
-    (outcome.sources, program)
 }
