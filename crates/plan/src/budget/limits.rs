@@ -13,14 +13,14 @@ use wheel::part::sample;
 const MOST_STRIPS: u32 = 200;
 
 /// Strips of a face that `strips auto` may try.
-const AUTO_BANDS: u32 = 8;
+const AUTO_STRIPS: u32 = 8;
 
 /// Refuses a plan that would take too much memory or optimise too many strips, before it starts.
 ///
 /// # Errors
 /// The plan is refused; the reason is in the sink, with a value that would fit.
 pub fn check(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
-    check_bands(program, sink)?;
+    check_strips(program, sink)?;
     let costs = estimate(program);
     let needed = sum(program, &costs);
     if needed <= program.memory {
@@ -78,10 +78,10 @@ fn fitting(program: &Program, operation: &Operation) -> Option<String> {
 }
 
 /// Refuses more strips than can be optimised in minutes.
-fn check_bands(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
+fn check_strips(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
     let strips_of = |o: &Operation| match &o.kind {
         OperationKind::Flank { faces, flank } if flank.method == FlankMethod::Minimax => {
-            flank.strips.unwrap_or(AUTO_BANDS).saturating_mul(u32::try_from(faces.len()).unwrap_or(u32::MAX))
+            flank.strips.unwrap_or(AUTO_STRIPS).saturating_mul(u32::try_from(faces.len()).unwrap_or(u32::MAX))
         }
         OperationKind::Flank { .. } => 0,
         OperationKind::Groove { .. }
@@ -104,7 +104,7 @@ fn check_bands(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
         )
         .label(operation.span, format!("{} of them", strips_of(operation)))
         .help(format!(
-            "use fewer `strips` (`strips auto` counts as {AUTO_BANDS} per face), or fewer operations with `method minimax` in one job"
+            "use fewer `strips` (`strips auto` counts as {AUTO_STRIPS} per face), or fewer operations with `method minimax` in one job"
         )),
     );
     Err(Aborted)

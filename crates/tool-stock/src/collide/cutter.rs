@@ -49,24 +49,24 @@ impl std::ops::Deref for Cutter {
 impl Cutter {
     /// Flat end mill of a radius, mm.
     pub fn flat(radius: f64) -> Self {
-        Self { kind: Kind::Flat, meridian: Meridian::of([Arc::new([radius, 0.0], 0.0, 0.0)]) }
+        Self { kind: Kind::Flat, meridian: Meridian::of(&[Arc::new([radius, 0.0], 0.0, 0.0)]) }
     }
 
     /// Ball end mill of a radius, mm.
     pub fn ball(radius: f64) -> Self {
-        Self { kind: Kind::Ball, meridian: Meridian::of([Arc::new([0.0, radius], radius, 0.0)]) }
+        Self { kind: Kind::Ball, meridian: Meridian::of(&[Arc::new([0.0, radius], radius, 0.0)]) }
     }
 
     /// Bull nose end mill of a radius and a smaller corner radius, mm.
     pub fn bull(radius: f64, corner: f64) -> Self {
-        let mut meridian = Meridian::of([Arc::new([radius - corner, corner], corner, 0.0)]);
+        let mut meridian = Meridian::of(&[Arc::new([radius - corner, corner], corner, 0.0)]);
         meridian.radius = radius;
         Self { kind: Kind::Bull, meridian }
     }
 
     /// Tapered ball end mill of the radius of its ball, mm, and the angle between axis and side, radians in (0, pi/4).
     pub fn tapered_ball(ball: f64, half_angle: f64) -> Self {
-        Self { kind: Kind::TaperedBall, meridian: Meridian::of([Arc::new([0.0, ball], ball, half_angle)]) }
+        Self { kind: Kind::TaperedBall, meridian: Meridian::of(&[Arc::new([0.0, ball], ball, half_angle)]) }
     }
 
     /// Barrel of its largest radius, a larger radius of its arc, and a smaller radius of its ball tip, mm. The arc touches the ball from
@@ -77,14 +77,14 @@ impl Cutter {
         // Both are tangent on the line through their centres.
         let sine = (height - tip) / between;
         let ball = Arc { normal: [inward / between, sine], ..Arc::new([0.0, tip], tip, libm::asin(sine)) };
-        let mut meridian = Meridian::of([ball, Arc::new([radius - barrel, height], barrel, 0.0)]);
+        let mut meridian = Meridian::of(&[ball, Arc::new([radius - barrel, height], barrel, 0.0)]);
         (meridian.radius, meridian.side) = (radius, radius);
         Self { kind: Kind::Barrel, meridian }
     }
 
     /// Lollipop of the radius of its ball, mm. The ball ends where the neck begins, see [`Meridian::neck_height`].
     pub fn lollipop(radius: f64) -> Self {
-        Self { kind: Kind::Lollipop, meridian: Meridian::of([Arc::new([0.0, radius], radius, -FRAC_PI_2)]) }
+        Self { kind: Kind::Lollipop, meridian: Meridian::of(&[Arc::new([0.0, radius], radius, -FRAC_PI_2)]) }
     }
 
     /// Cutter of any convex meridian.

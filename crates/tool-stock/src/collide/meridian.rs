@@ -88,11 +88,12 @@ pub struct ProfilePoint {
 const DOWN: [f64; 2] = [0.0, 1.0];
 
 impl Meridian {
-    /// The meridian of arcs that are known to form one.
-    pub(super) fn of<const N: usize>(arcs: [Arc; N]) -> Self {
-        let last = arcs[N - 1];
+    /// The meridian of one to four arcs that are known to form one.
+    pub(super) fn of(arcs: &[Arc]) -> Self {
+        let count = arcs.len();
+        let last = arcs[count - 1];
         let side = last.ring + last.radius;
-        Self { arcs: std::array::from_fn(|i| arcs[i.min(N - 1)]), count: N, radius: side, side }
+        Self { arcs: std::array::from_fn(|i| arcs[i.min(count - 1)]), count, radius: side, side }
     }
 
     /// The meridian of one to four arcs from the tip upward. `None` unless they begin at the tip with a normal along the axis, each line
@@ -111,12 +112,8 @@ impl Meridian {
         });
         let whole = first.ring >= 0.0 && (first.height - first.radius).abs() <= small && first.to < FRAC_PI_2;
         let ends = last.to >= -FRAC_PI_2 && last.ring + last.radius > 0.0;
-        if arcs.len() > MOST_ARCS || !arcs.iter().all(sound) || !joined || !whole || !ends {
-            return None;
-        }
-        let side = last.ring + last.radius;
-        let arcs_of = std::array::from_fn(|i| arcs.get(i).copied().unwrap_or(*last));
-        Some(Self { arcs: arcs_of, count: arcs.len(), radius: side, side })
+        let holds = arcs.len() <= MOST_ARCS && arcs.iter().all(sound) && joined && whole && ends;
+        holds.then(|| Self::of(arcs))
     }
 
     /// Its arcs from the tip upward, at least one.
