@@ -1,6 +1,7 @@
 //! The pipeline on one page: from a job file to verified NC, stage by stage. Only the driver reads files.
 
 mod before_planning;
+mod beside;
 mod certificate_figures;
 mod certificate_text;
 mod emitted;
@@ -28,6 +29,7 @@ mod stages;
 mod written;
 
 pub use before_planning::check_frames;
+pub use beside::{OUTPUTS, Output, OutputFile};
 pub use file_stamps::FileStamps;
 pub use front::front;
 pub use import::{Import, import};
@@ -45,6 +47,7 @@ pub use stages::{Emit, EmitForm, PartForm, RunState, Stages};
 use ::report::certificate_file::Inputs;
 use base::source::{SourceMap, Span};
 use before_planning::{before_work, check_before_planning, find_post};
+use beside::Accepted;
 use diagnostics::{Aborted, Diag, Sink, printable};
 use front::{MAX_JOB, read_job, start};
 use ir::Program;
@@ -53,7 +56,7 @@ use plan::facts;
 use plan::passes::pipeline;
 use std::path::Path;
 use verify::certificate::{Certificate, OperationReport};
-use written::{Written, meshes_written, save, save_refused, setup_sheet, source_map};
+use written::{Written, meshes_written, save, save_refused};
 
 /// Compiles a job. Faults go to the sink of the outcome.
 pub fn compile(options: &Options, stages: &mut Stages) -> Outcome {
@@ -114,14 +117,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     let library = certificate_text::library_lines(sources);
     let written =
         stages.run("write", || Written::new(&program, motion, &certificate, post, (inputs.clone(), &library)));
-    let mut written = or_reported(written, sink)?;
-    if options.source_map.is_some() {
-        written.source_map = Some(or_reported(source_map(&program, motion, sources, &written.nc), sink)?);
-    }
-    written.setup_sheet = options.setup_sheet.as_ref().map(|path| {
-        let html = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm"));
-        setup_sheet(options, &program, (&certificate, &library), post, &written, html)
-    });
+    let written = or_reported(written, sink)?;
     let read = stages.run("read back", || nc::read_back(post, &program, motion, &written.text));
     let read = or_reported(read.map_err(|fault| nc::refused(&program, &written.nc, &fault)), sink)?;
     if options.emit == Some(Emit::Nc) {
@@ -137,7 +133,10 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
         read.axis
     ));
     stages.go_on()?;
-    text.push_str(&written.save(options, shown, outputs, stages, sink)?);
+    let (certificate, library, output) = (&certificate, library.as_slice(), options.output.as_deref());
+    let accepted =
+        Accepted { program: &program, motion, certificate, post, library, sources, output, written: &written };
+    text.push_str(&written.save(options, &accepted, shown, outputs, stages, sink)?);
     *emitted = Some(text);
     Ok(())
 }

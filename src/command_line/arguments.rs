@@ -4,9 +4,11 @@ use super::import_arguments::ImportArguments;
 use super::quantities::{chord, with_unit};
 use clap::builder::PossibleValuesParser;
 use clap::error::ErrorKind;
-use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
+use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
-use impellerc::driver::{BEGINNINGS, Emit, EmitForm, Options, PartForm, PartOptions, RunOptions};
+use impellerc::driver::{
+    BEGINNINGS, Emit, EmitForm, OUTPUTS, Options, Output, OutputFile, PartForm, PartOptions, RunOptions,
+};
 use impellerc::report::step::StepProtocol;
 use std::path::PathBuf;
 
@@ -99,21 +101,8 @@ pub(super) struct Arguments {
     #[arg(long, default_value = "11", value_name = "NUMBER", value_parser = sections)]
     pub(super) sections: usize,
 
-    /// Write the certificate to this file, with the hash of the NC text
-    #[arg(long, value_name = "FILE.json")]
-    pub(super) certificate: Option<PathBuf>,
-
-    /// Write a picture of the part and the paths to this file
-    #[arg(long, value_name = "FILE.png")]
-    pub(super) picture: Option<PathBuf>,
-
-    /// Write the source map to this file: of each block the cutter location, pass, operation and line of the job
-    #[arg(long, value_name = "FILE.json")]
-    pub(super) source_map: Option<PathBuf>,
-
-    /// Write the setup sheet to this file: zero, tools, restart points, checks before the first run; HTML or Markdown
-    #[arg(long, value_name = "FILE.html")]
-    pub(super) setup_sheet: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) beside: OutputArguments,
 
     /// Write a report for a browser to this file: deviations, paths, stock, plots, contracts; also if a contract fails
     #[arg(long, value_name = "FILE.html")]
@@ -146,15 +135,40 @@ impl Arguments {
             job: self.job.unwrap_or_default(),
             from: self.from,
             output: self.output,
-            picture: self.picture,
-            source_map: self.source_map,
-            setup_sheet: self.setup_sheet,
-            certificate: self.certificate,
+            beside: self.beside.0,
             emit: self.emit.map(Emit::from),
             form: self.format.into(),
             part,
             run: self.run.options(self.post, self.report),
         }
+    }
+}
+
+/// The outputs beside the NC text: an option for each row of their table.
+pub(super) struct OutputArguments(Vec<OutputFile>);
+
+impl Args for OutputArguments {
+    fn augment_args(command: clap::Command) -> clap::Command {
+        command.args(OUTPUTS.iter().map(|output| {
+            let option = clap::Arg::new(output.flag).long(output.flag.trim_start_matches('-'));
+            option.value_name(output.value).help(output.help).value_parser(clap::value_parser!(PathBuf))
+        }))
+    }
+
+    fn augment_args_for_update(command: clap::Command) -> clap::Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for OutputArguments {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let file = |output: &Output| OutputFile::new(output.flag, matches.get_one::<PathBuf>(output.flag)?);
+        Ok(Self(OUTPUTS.iter().filter_map(file).collect()))
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
     }
 }
 

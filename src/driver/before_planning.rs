@@ -1,5 +1,6 @@
 //! What is refused before planning, which takes about a minute: machine, tools and post, outputs, memory.
 
+use super::output_names::NamedFile;
 use super::{Emit, Options, RunOptions, Stages, or_reported, output_names, rest_stock, stage_file};
 use crate::output::Outputs;
 use base::progress::Progress;
@@ -9,7 +10,6 @@ use diagnostics::{Aborted, Diag, Sink};
 use ir::Program;
 use nc::Post;
 use plan::facts;
-use std::path::PathBuf;
 
 /// Refuses before planning, which takes about a minute, whatever can be refused then, with these facts about the part. Only the
 /// dialect and the writing of the outputs are left.
@@ -29,10 +29,9 @@ pub(super) fn check_before_planning(
         find_post(program, sink)?
     };
     let named = output_names::own(options);
-    let own = named.map(|(flag, path, _)| (flag, path));
     let mut outputs = Outputs::default();
     stage_file::protect(options, &mut outputs);
-    let outputs = or_reported(before_work(outputs, &options.run, &own, sources, program), sink)?;
+    let outputs = or_reported(before_work(outputs, &options.run, &named, sources, program), sink)?;
     or_reported(output_names::check_all(&named), sink)?;
     plan::budget::check(program, sink)?;
     // Tools that cannot do their work are reported here, where the reason is known; planning would only report that it
@@ -58,7 +57,7 @@ pub fn check_frames(program: &Program, sink: &mut Sink) -> Result<&'static dyn P
 pub(super) fn before_work(
     mut outputs: Outputs,
     run: &RunOptions,
-    own: &[(&str, &Option<PathBuf>)],
+    own: &[NamedFile<'_>],
     sources: &SourceMap,
     program: &Program,
 ) -> Result<Outputs, Diag> {
@@ -73,12 +72,13 @@ pub(super) fn before_work(
             outputs.announce("--stock", &rest_stock::path(folder, o, name))?;
         }
     }
-    for (flag, path) in own.iter().chain(&[("--report", &run.report)]) {
-        if let Some(path) = path {
-            outputs.announce(flag, path)?;
-        }
+    for file in own {
+        outputs.announce(file.flag, file.path)?;
     }
-    run.report.iter().try_for_each(|path| output_names::check("--report", path, output_names::Form::Page))?;
+    if let Some(path) = &run.report {
+        outputs.announce("--report", path)?;
+        output_names::check("--report", path, output_names::Form::Page)?;
+    }
     Ok(outputs)
 }
 

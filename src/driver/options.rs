@@ -1,6 +1,6 @@
 //! Options of a run, and its outcome.
 
-use super::{Emit, EmitForm};
+use super::{Emit, EmitForm, OutputFile};
 use ::report::proof::contracts::bound_and_found;
 use ::report::step::StepProtocol;
 use base::source::{SourceMap, Span};
@@ -58,14 +58,8 @@ pub struct Options {
     pub from: Option<PathBuf>,
     /// File to write the NC text to.
     pub output: Option<PathBuf>,
-    /// File to write a picture of part and paths to.
-    pub picture: Option<PathBuf>,
-    /// File to write the source map of the NC text to.
-    pub source_map: Option<PathBuf>,
-    /// File to write the setup sheet to: HTML where its name ends so, otherwise Markdown; other endings are refused.
-    pub setup_sheet: Option<PathBuf>,
-    /// File to write the certificate to.
-    pub certificate: Option<PathBuf>,
+    /// Files to write beside the NC text, none twice.
+    pub beside: Vec<OutputFile>,
     /// Stage value to print; the compilation stops after this stage.
     pub emit: Option<Emit>,
     /// How a stage value is written.

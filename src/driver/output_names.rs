@@ -1,8 +1,8 @@
 //! Endings of the names of outputs: a file is never named like a form that is not written into it.
 
-use super::{Emit, EmitForm, Options, PartForm, shown_path};
+use super::{Emit, EmitForm, Options, OutputFile, PartForm, shown_path};
 use diagnostics::{Diag, codes::files};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// What is written into a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -72,37 +72,41 @@ impl Form {
     }
 }
 
-/// An output with its option, and what is written into it.
-type Named<'a> = (&'static str, &'a Option<PathBuf>, Form);
+/// A file that a run writes, with its option, and what is written into it.
+pub(super) struct NamedFile<'a> {
+    pub(super) flag: &'static str,
+    pub(super) path: &'a Path,
+    form: Form,
+}
 
 /// The outputs of a compilation but for the report.
-pub(super) fn own(options: &Options) -> [Named<'_>; 5] {
-    [
-        ("-o", &options.output, Form::of_output(options)),
-        ("--certificate", &options.certificate, Form::Json),
-        ("--picture", &options.picture, Form::Picture),
-        ("--source-map", &options.source_map, Form::Json),
-        ("--setup-sheet", &options.setup_sheet, Form::Sheet),
-    ]
+pub(super) fn own(options: &Options) -> Vec<NamedFile<'_>> {
+    let nc = options.output.as_ref().map(|path| NamedFile { flag: "-o", path, form: Form::of_output(options) });
+    let beside = options.beside.iter().map(|OutputFile { output, path }| NamedFile {
+        flag: output.flag,
+        path,
+        form: output.form,
+    });
+    nc.into_iter().chain(beside).collect()
 }
 
 /// What a refused program leaves unwritten, as a line of text; nothing where no file was asked for.
-pub(super) fn not_written(named: &[Named<'_>]) -> String {
-    let asked: Vec<String> = named.iter().filter_map(|(_, path, _)| Some(shown_path(path.as_ref()?))).collect();
-    if asked.is_empty() {
+pub(super) fn not_written(named: &[NamedFile<'_>]) -> String {
+    if named.is_empty() {
         return String::new();
     }
-    let older = named.iter().any(|(_, path, _)| path.as_ref().is_some_and(|path| path.is_file()));
+    let paths: Vec<String> = named.iter().map(|file| shown_path(file.path)).collect();
+    let older = named.iter().any(|file| file.path.is_file());
     let stays = if older { "; files of an earlier run stay as they were, and do not belong to this job" } else { "" };
-    format!("not written, since the program may not run: {}{stays}\n", asked.join(", "))
+    format!("not written, since the program may not run: {}{stays}\n", paths.join(", "))
 }
 
 /// Refuses outputs that are named like files of another form.
 ///
 /// # Errors
 /// The diagnostic for the first of them.
-pub(super) fn check_all(named: &[Named<'_>]) -> Result<(), Diag> {
-    named.iter().try_for_each(|(flag, path, form)| path.iter().try_for_each(|path| check(flag, path, *form)))
+pub(super) fn check_all(named: &[NamedFile<'_>]) -> Result<(), Diag> {
+    named.iter().try_for_each(|file| check(file.flag, file.path, file.form))
 }
 
 /// Refuses a name that ends like a file of another form. A name without an ending, and a device, may have any.

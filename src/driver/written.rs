@@ -1,13 +1,13 @@
-//! What a run writes: NC text and certificate, each with the hash of the other, source map, setup sheet; all files or none.
+//! What a run writes: NC text and certificate, each with the hash of the other, and what stands beside them; all files or none.
 
+use super::beside::Accepted;
 use super::{Options, RunOptions, Stages, head, inputs, or_reported, report, shown_path};
 use crate::nc_text;
 use crate::output::Outputs;
 use ::report::certificate_file::{self, CertificateFile, HEAD, Inputs, NcText, OperationLines, sha256};
-use ::report::picture;
 use ::report::setup_sheet::{self, SheetInput};
 use ::report::source_map::{SourceMapFile, WrittenLine};
-use base::source::{SourceMap, Span};
+use base::source::Span;
 use diagnostics::codes::files;
 use diagnostics::{Aborted, Diag, Sink, printable};
 use ir::{Motion, Program};
@@ -23,10 +23,6 @@ pub(super) struct Written {
     pub(super) text: String,
     /// Text of the certificate.
     pub(super) certificate: String,
-    /// Text of the source map, where the options require it.
-    pub(super) source_map: Option<String>,
-    /// Text of the setup sheet, where the options require it.
-    pub(super) setup_sheet: Option<String>,
 }
 
 impl Written {
@@ -56,40 +52,42 @@ impl Written {
                 .help("report the job file: this is a fault of the compiler")
         })?;
         fill(&mut nc, of_certificate, &sha256(certificate.as_bytes()));
-        Ok(Self { text: nc.text(), nc, certificate, source_map: None, setup_sheet: None })
+        Ok(Self { text: nc.text(), nc, certificate })
     }
 
     /// Writes every file that the options require. Returns a text that names the files.
     pub(super) fn save(
         &self,
         options: &Options,
+        accepted: &Accepted<'_>,
         shown: report::Shown<'_>,
-        outputs: Outputs,
+        mut outputs: Outputs,
         stages: &mut Stages,
         sink: &mut Sink,
     ) -> Result<String, Aborted> {
-        let Options { output, picture, certificate, run, source_map, setup_sheet, .. } = options;
-        let image = picture.as_ref().map(|_| stages.run("picture", || picture::picture(shown.program, shown.motion)));
+        let Options { output, beside, run, .. } = options;
+        if let Some(path) = output {
+            or_reported(outputs.stage("-o", path, self.text.as_bytes()), sink)?;
+        }
+        for file in beside {
+            let name = file.output.flag.trim_start_matches('-');
+            let bytes = or_reported(stages.run(name, || (file.output.make)(accepted, &file.path)), sink)?;
+            or_reported(outputs.stage(file.output.flag, &file.path, &bytes), sink)?;
+        }
         let motion = shown.motion;
-        let shown = report::Shown { nc: Some(report::NcLines::written(&self.nc, &self.text)), ..shown };
-        let html = run.report.as_ref().map(|_| report::html(&shown, stages, sink));
-        let texts = [
-            ("-o", output, Some(self.text.as_bytes())),
-            ("--certificate", certificate, Some(self.certificate.as_bytes())),
-            ("--picture", picture, image.as_deref()),
-            ("--source-map", source_map, self.source_map.as_deref().map(str::as_bytes)),
-            ("--setup-sheet", setup_sheet, self.setup_sheet.as_deref().map(str::as_bytes)),
-            ("--report", &run.report, html.as_deref().map(str::as_bytes)),
-        ];
-        let files = texts.into_iter().filter_map(|(flag, path, bytes)| Some((flag, path.as_deref()?, bytes?)));
-        or_reported(stages.run("save", || save(outputs, files)), sink)?;
+        if let Some(path) = &run.report {
+            let shown = report::Shown { nc: Some(report::NcLines::written(&self.nc, &self.text)), ..shown };
+            let html = report::html(&shown, stages, sink);
+            or_reported(outputs.stage("--report", path, html.as_bytes()), sink)?;
+        }
+        or_reported(stages.run("save", || outputs.commit()), sink)?;
 
         let mut said = match output {
             Some(path) => format!("wrote {}: {} lines\n", shown_path(path), self.text.lines().count()),
             None => "no NC text written: no `-o FILE`\n".to_owned(),
         };
         said.push_str(&meshes_written(run, motion));
-        for path in [certificate, picture, source_map, setup_sheet, &run.report].into_iter().flatten() {
+        for path in beside.iter().map(|file| &file.path).chain(&run.report) {
             said.push_str(&format!("wrote {}\n", shown_path(path)));
         }
         Ok(said)
@@ -104,20 +102,13 @@ pub(super) fn restarts(program: &Program, nc: &NcProgram) -> Vec<usize> {
     stations.map(|(at, _)| at + 1 - nc.lines[..=at].iter().rev().take_while(|line| begins(line)).count() + 1).collect()
 }
 
-/// Text of the setup sheet.
-pub(super) fn setup_sheet(
-    options: &Options,
-    program: &Program,
-    (certificate, library): (&Certificate, &[String]),
-    post: &dyn Post,
-    written: &Written,
-    html: bool,
-) -> String {
-    let file = options.output.as_ref().and_then(|path| path.file_name());
+/// Text of the setup sheet: HTML where the name of its file ends so, otherwise Markdown.
+pub(super) fn setup_sheet(accepted: &Accepted<'_>, path: &Path) -> String {
+    let &Accepted { program, certificate, post, library, written, .. } = accepted;
+    let file = accepted.output.and_then(Path::file_name);
     let file =
         file.map_or_else(|| "not written".to_owned(), |name| printable(&name.display().to_string()).into_owned());
     let body = sha256(certificate_file::body(&written.text).1.as_bytes());
-    let restarts = restarts(program, &written.nc);
     let input = SheetInput {
         program,
         certificate,
@@ -125,8 +116,9 @@ pub(super) fn setup_sheet(
         library,
         assumptions: &nc::assumptions(post, program),
         nc: (&file, written.nc.lines.len(), &body[..SHOWN_HASH]),
-        restarts: &restarts,
+        restarts: &restarts(program, &written.nc),
     };
+    let html = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm"));
     if html { setup_sheet::html(input) } else { setup_sheet::markdown(input) }
 }
 
@@ -134,14 +126,10 @@ pub(super) fn setup_sheet(
 pub(super) const SHOWN_HASH: usize = 16;
 
 /// Text of the source map.
-pub(super) fn source_map(
-    program: &Program,
-    motion: &Motion,
-    sources: &SourceMap,
-    nc: &NcProgram,
-) -> Result<String, Diag> {
+pub(super) fn source_map(accepted: &Accepted<'_>) -> Result<String, Diag> {
+    let &Accepted { program, motion, sources, written, .. } = accepted;
     let line_of = |span: Span| sources.line_column(span).0;
-    let lines = nc.lines.iter().map(|line| {
+    let lines = written.nc.lines.iter().map(|line| {
         let frame = line.frame.and_then(|span| Some((sources.get(span.source)?.name.as_str(), line_of(span))));
         WrittenLine { text: &line.text, source: line.source, again: &line.again, frame }
     });

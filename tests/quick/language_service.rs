@@ -448,8 +448,10 @@ fn a_saved_job_is_verified_and_its_text_leads_back() {
     let options = driver::Options {
         job,
         output: Some(nc.clone()),
-        source_map: Some(map),
-        certificate: Some(certificate),
+        beside: [("--source-map", map), ("--certificate", certificate)]
+            .into_iter()
+            .filter_map(|(flag, path)| driver::OutputFile::new(flag, path))
+            .collect(),
         ..driver::Options::default()
     };
     assert!(!driver::compile(&options, &mut driver::Stages::default()).sink.has_errors());

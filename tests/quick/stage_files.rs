@@ -4,7 +4,7 @@ use crate::support::jobs::{self, Planned, errors};
 use crate::support::pinned;
 use impellerc::base::source::{SourceMap, Span};
 use impellerc::diagnostics::{Code, codes};
-use impellerc::driver::{self, Emit, EmitForm, Options, Outcome, Stages};
+use impellerc::driver::{self, Emit, EmitForm, Options, Outcome, OutputFile, Stages};
 use impellerc::ir::MoveKind;
 use impellerc::ir::stage_file::{self, PlannedMotion, StageFault, StageFile, StageValue};
 use serde_json::{Value, json};
@@ -89,8 +89,10 @@ impl Small {
     fn options(&self, folder: &str) -> Options {
         let folder = self.path(folder);
         std::fs::create_dir_all(&folder).unwrap();
-        let [output, certificate, map, sheet] = OUTPUTS.map(|name| Some(folder.join(name)));
-        let mut options = Options { output, certificate, source_map: map, setup_sheet: sheet, ..Options::default() };
+        let [output, certificate, map, sheet] = OUTPUTS.map(|name| folder.join(name));
+        let beside = [("--certificate", certificate), ("--source-map", map), ("--setup-sheet", sheet)];
+        let beside = beside.into_iter().filter_map(|(flag, path)| OutputFile::new(flag, path)).collect();
+        let mut options = Options { output: Some(output), beside, ..Options::default() };
         // The stock is not what these tests look at.
         options.run.stock_cell = Some(1.0);
         options
