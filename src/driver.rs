@@ -4,7 +4,9 @@ mod before_planning;
 mod beside;
 mod certificate_figures;
 mod certificate_text;
+mod emit;
 mod emitted;
+mod file_form;
 mod file_stamps;
 mod front;
 mod head;
@@ -20,9 +22,11 @@ mod new_job;
 mod options;
 mod output_names;
 mod part_file;
+mod part_form;
 mod reading;
 mod report;
 mod rest_stock;
+mod saved;
 mod section_files;
 mod stage_file;
 mod stages;
@@ -30,6 +34,7 @@ mod written;
 
 pub use before_planning::check_frames;
 pub use beside::{OUTPUTS, Output, OutputFile};
+pub use emit::{Emit, EmitForm};
 pub use file_stamps::FileStamps;
 pub use front::front;
 pub use import::{Import, import};
@@ -41,8 +46,9 @@ pub use library_list::{LibraryKind, library_schema, list_library};
 pub use nc_check::{NcCheck, verify};
 pub use nc_diff::{NcDiff, diff};
 pub use new_job::{BEGINNINGS, Beginning, new_job};
-pub use options::{Options, Outcome, PartOptions, RunOptions};
-pub use stages::{Emit, EmitForm, PartForm, RunState, Stages};
+pub use options::{Options, Outcome, RunOptions};
+pub use part_form::{PartForm, PartOptions};
+pub use stages::{RunState, Stages};
 
 use ::report::certificate_file::Inputs;
 use base::source::{SourceMap, Span};
@@ -54,9 +60,10 @@ use ir::Program;
 use ir::stage_file::StageValue;
 use plan::facts;
 use plan::passes::pipeline;
+use saved::{meshes_written, save, save_accepted, save_refused};
 use std::path::Path;
 use verify::certificate::{Certificate, OperationReport};
-use written::{Written, meshes_written, save, save_refused};
+use written::Written;
 
 /// Compiles a job. Faults go to the sink of the outcome.
 pub fn compile(options: &Options, stages: &mut Stages) -> Outcome {
@@ -136,7 +143,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     let (certificate, library, output) = (&certificate, library.as_slice(), options.output.as_deref());
     let accepted =
         Accepted { program: &program, motion, certificate, post, library, sources, output, written: &written };
-    text.push_str(&written.save(options, &accepted, shown, outputs, stages, sink)?);
+    text.push_str(&save_accepted(options, &accepted, shown, outputs, stages, sink)?);
     *emitted = Some(text);
     Ok(())
 }

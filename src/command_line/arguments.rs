@@ -2,13 +2,11 @@
 
 use super::import_arguments::ImportArguments;
 use super::quantities::{chord, with_unit};
-use clap::builder::PossibleValuesParser;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
-use impellerc::driver::{
-    BEGINNINGS, Emit, EmitForm, OUTPUTS, Options, Output, OutputFile, PartForm, PartOptions, RunOptions,
-};
+use impellerc::driver::{BEGINNINGS, Emit, EmitForm, OUTPUTS, Options, Output, OutputFile, PartOptions, RunOptions};
 use impellerc::report::step::StepProtocol;
 use std::path::PathBuf;
 
@@ -21,7 +19,9 @@ const EXIT_CODES: &str = "Exit codes:
 If several apply, the largest is returned. A run writes all outputs or none. An output must not be an input of the run.";
 
 /// Values of `--emit` that are written to the file of `-o`.
-const PART_FORMS: [(&str, &str); 4] = [("emit", "step"), ("emit", "stl"), ("emit", "3mf"), ("emit", "sections")];
+fn part_forms() -> impl Iterator<Item = (&'static str, &'static str)> {
+    Emit::all().filter_map(|(value, name, _)| matches!(value, Emit::Part(_)).then_some(("emit", name)))
+}
 
 /// Exit codes of a check, for the help.
 const CHECK_CODES: &str = "Exit codes:
@@ -73,7 +73,7 @@ pub(super) struct Arguments {
     pub(super) from: Option<PathBuf>,
 
     /// Write the NC text to this file; without this option the job is planned and verified, but no NC text is written
-    #[arg(short, long, value_name = "FILE", required_if_eq_any = PART_FORMS)]
+    #[arg(short, long, value_name = "FILE", required_if_eq_any = part_forms())]
     pub(super) output: Option<PathBuf>,
 
     /// Write the NC text with this post file of the library instead of the post of the job, such as linuxcnc
@@ -81,8 +81,8 @@ pub(super) struct Arguments {
     pub(super) post: Option<String>,
 
     /// Print the result of this stage, and stop after it; forms of the part are written to the file of `-o`
-    #[arg(long, value_enum, value_name = "STAGE")]
-    pub(super) emit: Option<EmitArgument>,
+    #[arg(long, value_name = "STAGE", value_parser = emits())]
+    pub(super) emit: Option<Emit>,
 
     /// Write the stage value as text for people, or as a stage file that `--from` reads (of `ir`, `cc`, `cl` and `motion`),
     /// to the file of `-o` where it is given
@@ -119,10 +119,7 @@ pub(super) struct Arguments {
 impl Arguments {
     /// The fault of options that do not go together.
     pub(super) fn fault(&self) -> Option<clap::Error> {
-        let written = matches!(
-            self.emit,
-            None | Some(EmitArgument::Ir | EmitArgument::Cc | EmitArgument::Cl | EmitArgument::Motion)
-        );
+        let written = matches!(self.emit, None | Some(Emit::Ir | Emit::Cc | Emit::Cl | Emit::Motion));
         let message = "`--format json` writes the stages `ir`, `cc`, `cl` and `motion`\n";
         let fault = self.format == FormArgument::Json && !written;
         fault.then(|| Self::command().error(ErrorKind::ArgumentConflict, message))
@@ -136,7 +133,7 @@ impl Arguments {
             from: self.from,
             output: self.output,
             beside: self.beside.0,
-            emit: self.emit.map(Emit::from),
+            emit: self.emit,
             form: self.format.into(),
             part,
             run: self.run.options(self.post, self.report),
@@ -438,31 +435,11 @@ pub(super) enum ErrorFormat {
     Junit,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-pub(super) enum EmitArgument {
-    /// Syntax tree of the job
-    Ast,
-    /// Job with all defaults
-    Job,
-    /// Geometry of part, stock, tools and operations
-    Ir,
-    /// Cutter contacts
-    Cc,
-    /// Cutter locations
-    Cl,
-    /// Positions of the machine axes
-    Motion,
-    /// NC text
-    Nc,
-    /// The part as a solid in a STEP file, which `-o` names
-    Step,
-    /// The part as triangles in an STL file, which `-o` names
-    Stl,
-    /// The part as triangles in a 3MF file, which `-o` names
-    #[value(name = "3mf")]
-    ThreeMf,
-    /// Sections of the blades for TurboGrid: the `.inf` file that `-o` names, with files of hub, shroud and profiles beside it
-    Sections,
+/// Values of `--emit`.
+fn emits() -> impl TypedValueParser<Value = Emit> {
+    let values: Vec<_> =
+        Emit::all().map(|(_, name, help)| clap::builder::PossibleValue::new(name).help(help)).collect();
+    PossibleValuesParser::new(values).try_map(|name| Emit::named(&name).ok_or("no such stage"))
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -488,24 +465,6 @@ pub(super) enum ProtocolArgument {
     Ap242,
     /// ISO 10303-214
     Ap214,
-}
-
-impl From<EmitArgument> for Emit {
-    fn from(emit: EmitArgument) -> Self {
-        match emit {
-            EmitArgument::Ast => Self::Ast,
-            EmitArgument::Job => Self::Job,
-            EmitArgument::Ir => Self::Ir,
-            EmitArgument::Cc => Self::Cc,
-            EmitArgument::Cl => Self::Cl,
-            EmitArgument::Motion => Self::Motion,
-            EmitArgument::Nc => Self::Nc,
-            EmitArgument::Step => Self::Part(PartForm::Step),
-            EmitArgument::Stl => Self::Part(PartForm::Stl),
-            EmitArgument::ThreeMf => Self::Part(PartForm::ThreeMf),
-            EmitArgument::Sections => Self::Part(PartForm::Sections),
-        }
-    }
 }
 
 impl From<ProtocolArgument> for StepProtocol {

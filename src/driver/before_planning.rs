@@ -1,5 +1,6 @@
 //! What is refused before planning, which takes about a minute: machine, tools and post, outputs, memory.
 
+use super::file_form::Form;
 use super::output_names::NamedFile;
 use super::{Emit, Options, RunOptions, Stages, or_reported, output_names, rest_stock, stage_file};
 use crate::output::Outputs;
@@ -77,7 +78,7 @@ pub(super) fn before_work(
     }
     if let Some(path) = &run.report {
         outputs.announce("--report", path)?;
-        output_names::check("--report", path, output_names::Form::Page)?;
+        output_names::check("--report", path, Form::Page)?;
     }
     Ok(outputs)
 }

@@ -1,10 +1,15 @@
 //! Outputs of a compilation beside the NC text, a row each: option, help, form of the file, and what makes its bytes.
 
-use super::output_names::Form;
-use super::written::{Written, setup_sheet, source_map};
+use super::file_form::Form;
+use super::inputs;
+use super::written::{SHOWN_HASH, Written, restarts};
+use ::report::certificate_file::{self, sha256};
 use ::report::picture;
-use base::source::SourceMap;
-use diagnostics::Diag;
+use ::report::setup_sheet::{self, SheetInput};
+use ::report::source_map::{SourceMapFile, WrittenLine};
+use base::source::{SourceMap, Span};
+use diagnostics::codes::files;
+use diagnostics::{Diag, printable};
 use ir::{Motion, Program};
 use nc::Post;
 use std::path::{Path, PathBuf};
@@ -86,4 +91,40 @@ impl OutputFile {
         const ROWS: &[Output] = &OUTPUTS;
         ROWS.iter().find(|output| output.flag == flag).map(|output| Self { output, path: path.into() })
     }
+}
+
+/// Text of the setup sheet: HTML where the name of its file ends so, otherwise Markdown.
+fn setup_sheet(accepted: &Accepted<'_>, path: &Path) -> String {
+    let &Accepted { program, certificate, post, library, written, .. } = accepted;
+    let file = accepted.output.and_then(Path::file_name);
+    let file =
+        file.map_or_else(|| "not written".to_owned(), |name| printable(&name.display().to_string()).into_owned());
+    let body = sha256(certificate_file::body(&written.text).1.as_bytes());
+    let input = SheetInput {
+        program,
+        certificate,
+        post: post.name(),
+        library,
+        assumptions: &nc::assumptions(post, program),
+        nc: (&file, written.nc.lines.len(), &body[..SHOWN_HASH]),
+        restarts: &restarts(program, &written.nc),
+    };
+    let html = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm"));
+    if html { setup_sheet::html(input) } else { setup_sheet::markdown(input) }
+}
+
+/// Text of the source map.
+fn source_map(accepted: &Accepted<'_>) -> Result<String, Diag> {
+    let &Accepted { program, motion, sources, written, .. } = accepted;
+    let line_of = |span: Span| sources.line_column(span).0;
+    let lines = written.nc.lines.iter().map(|line| {
+        let frame = line.frame.and_then(|span| Some((sources.get(span.source)?.name.as_str(), line_of(span))));
+        WrittenLine { text: &line.text, source: line.source, again: &line.again, frame }
+    });
+    let inputs = inputs(sources);
+    let job = inputs.files.first().map_or("", |file| file.name.as_str());
+    SourceMapFile::new(program, motion, job, line_of, lines).json().map_err(|reason| {
+        Diag::error(files::INTERNAL, format!("the source map cannot be written: {reason}"))
+            .help("report the job file: this is a fault of the compiler")
+    })
 }

@@ -1,5 +1,6 @@
 //! `impellerc import`: blade files to a part in the language.
 
+use super::file_form::Form;
 use super::reading;
 use super::{Outcome, Stages, or_reported, output_names, shown_path};
 use crate::output::Outputs;
@@ -60,7 +61,7 @@ fn run(options: &Import, stages: &mut Stages, outcome: &mut Outcome) -> Result<(
     }
     let row = or_reported(row(&imported, options.row.as_deref()), sink)?;
     if let Some(path) = &options.output {
-        or_reported(output_names::check("-o", path, output_names::Form::Job), sink)?;
+        or_reported(output_names::check("-o", path, Form::Job), sink)?;
         or_reported(placed(row).and_then(|()| fits(&imported, row)), sink)?;
     }
     let divided = stages.run("divide", || outlines(row, imported.hub.as_deref(), &options.options));

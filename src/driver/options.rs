@@ -1,8 +1,7 @@
 //! Options of a run, and its outcome.
 
-use super::{Emit, EmitForm, OutputFile};
+use super::{Emit, EmitForm, OutputFile, PartOptions};
 use ::report::proof::contracts::bound_and_found;
-use ::report::step::StepProtocol;
 use base::source::{SourceMap, Span};
 use diagnostics::Sink;
 use diagnostics::junit::Judged;
@@ -30,23 +29,6 @@ pub struct RunOptions {
     pub memory: Option<f64>,
     /// Whether all figures of the proof are printed.
     pub details: bool,
-}
-
-/// How the part is written for other programs.
-#[derive(Clone, Copy, Debug)]
-pub struct PartOptions {
-    /// Protocol of a STEP file.
-    pub protocol: StepProtocol,
-    /// Largest chord error of triangles, mm.
-    pub chord: f64,
-    /// Number of sections of a blade.
-    pub sections: usize,
-}
-
-impl Default for PartOptions {
-    fn default() -> Self {
-        Self { protocol: StepProtocol::default(), chord: 0.01, sections: 11 }
-    }
 }
 
 /// Options of a compilation.

@@ -1,76 +1,15 @@
 //! Endings of the names of outputs: a file is never named like a form that is not written into it.
 
-use super::{Emit, EmitForm, Options, OutputFile, PartForm, shown_path};
+use super::file_form::Form;
+use super::{Emit, EmitForm, Options, OutputFile, shown_path};
 use diagnostics::{Diag, codes::files};
 use std::path::Path;
-
-/// What is written into a file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Form {
-    /// NC text of any control.
-    Nc,
-    /// JSON: certificate, source map.
-    Json,
-    /// A page for a browser.
-    Page,
-    /// A page for a browser, or Markdown.
-    Sheet,
-    /// A PNG picture.
-    Picture,
-    /// A job.
-    Job,
-    /// The part.
-    Part(PartForm),
-}
 
 /// Endings of the forms that are no NC text.
 const NOT_NC: &[&str] = &[
     "imp", "json", "html", "htm", "md", "pdf", "png", "jpg", "jpeg", "svg", "step", "stp", "stl", "3mf", "inf", "csv",
     "toml", "iges", "igs", "doc", "docx", "xls", "xlsx", "zip",
 ];
-
-impl Form {
-    /// The form of the file that `-o` names.
-    pub(super) fn of_output(options: &Options) -> Self {
-        match options.emit {
-            _ if options.form == EmitForm::Json => Self::Json,
-            Some(Emit::Part(form)) => Self::Part(form),
-            _ => Self::Nc,
-        }
-    }
-
-    /// Endings that the form has; none where many are usual.
-    fn endings(self) -> &'static [&'static str] {
-        match self {
-            Self::Nc => &[],
-            // Source maps are often named so.
-            Self::Json => &["json", "map"],
-            Self::Page => &["html", "htm"],
-            Self::Sheet => &["html", "htm", "md", "markdown", "txt"],
-            Self::Picture => &["png"],
-            Self::Job => &["imp"],
-            Self::Part(PartForm::Step) => &["step", "stp", "p21"],
-            Self::Part(PartForm::Stl) => &["stl"],
-            Self::Part(PartForm::ThreeMf) => &["3mf"],
-            Self::Part(PartForm::Sections) => &["inf"],
-        }
-    }
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Nc => "NC text",
-            Self::Json => "JSON",
-            Self::Page => "a page for a browser",
-            Self::Sheet => "a page for a browser or Markdown",
-            Self::Picture => "a PNG picture",
-            Self::Job => "a job",
-            Self::Part(PartForm::Step) => "a STEP file",
-            Self::Part(PartForm::Stl) => "an STL file",
-            Self::Part(PartForm::ThreeMf) => "a 3MF file",
-            Self::Part(PartForm::Sections) => "the `.inf` file of sections",
-        }
-    }
-}
 
 /// A file that a run writes, with its option, and what is written into it.
 pub(super) struct NamedFile<'a> {
@@ -79,9 +18,18 @@ pub(super) struct NamedFile<'a> {
     form: Form,
 }
 
+/// The form of the file that `-o` names.
+fn of_output(options: &Options) -> Form {
+    match options.emit {
+        _ if options.form == EmitForm::Json => Form::Json,
+        Some(Emit::Part(form)) => Form::Part(form),
+        _ => Form::Nc,
+    }
+}
+
 /// The outputs of a compilation but for the report.
 pub(super) fn own(options: &Options) -> Vec<NamedFile<'_>> {
-    let nc = options.output.as_ref().map(|path| NamedFile { flag: "-o", path, form: Form::of_output(options) });
+    let nc = options.output.as_ref().map(|path| NamedFile { flag: "-o", path, form: of_output(options) });
     let beside = options.beside.iter().map(|OutputFile { output, path }| NamedFile {
         flag: output.flag,
         path,

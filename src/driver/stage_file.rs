@@ -1,5 +1,6 @@
 //! Runs that begin at a stage file, and the stage files that runs write.
 
+use super::file_form::Form;
 use super::{Emit, Options, Stages, or_reported, output_names, reading, shown_path};
 use crate::output::Outputs;
 use base::source::{SourceFile, SourceMap, Span};
@@ -116,7 +117,7 @@ pub(super) fn write(
     let mut outputs = Outputs::default();
     protect(options, &mut outputs);
     outputs.protect_sources(sources);
-    or_reported(output_names::check("-o", path, output_names::Form::Json), sink)?;
+    or_reported(output_names::check("-o", path, Form::Json), sink)?;
     or_reported(outputs.stage("-o", path, text.as_bytes()), sink)?;
     or_reported(outputs.commit(), sink)?;
     Ok(format!("wrote {}: stage {}, {} bytes\n", shown_path(path), value.name(), text.len()))

@@ -9,50 +9,6 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Stage values that `--emit` prints, and forms of the part that it writes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Emit {
-    /// Syntax tree.
-    Ast,
-    /// Job with every default.
-    Job,
-    /// Lowered program.
-    Ir,
-    /// Contact points.
-    Cc,
-    /// Cutter locations.
-    Cl,
-    /// Joint motion.
-    Motion,
-    /// NC text.
-    Nc,
-    /// The part as a file for other programs.
-    Part(PartForm),
-}
-
-/// How a stage value is written.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum EmitForm {
-    /// As text for people.
-    #[default]
-    Text,
-    /// As a stage file, from which a run can go on.
-    Json,
-}
-
-/// Forms of the part.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PartForm {
-    /// A solid in a STEP file.
-    Step,
-    /// Triangles in a binary STL file.
-    Stl,
-    /// Triangles in a 3MF file.
-    ThreeMf,
-    /// Sections of the blades in files for TurboGrid.
-    Sections,
-}
-
 /// A run as other threads see it: the stage that lasts, and the request to end the run.
 #[derive(Debug, Default)]
 pub struct RunState {

@@ -4,7 +4,7 @@ use crate::support::jobs;
 use impellerc::base::source::{SourceFile, SourceMap};
 use impellerc::blade::{EdgeForm, SectionForm};
 use impellerc::blade_files::{self, Imported};
-use impellerc::driver::{self, Emit, Options, PartForm, PartOptions, Stages};
+use impellerc::driver::{self, Emit, Options, PartOptions, Stages};
 use impellerc::nurbs::proximity::Patch;
 use impellerc::wheel::part::{Part, Surface};
 use std::path::PathBuf;
@@ -15,7 +15,7 @@ fn written(job: &str, sections: usize) -> (Imported, String) {
     let options = Options {
         job: PathBuf::from(job),
         output: Some(folder.path().join("wheel.inf")),
-        emit: Some(Emit::Part(PartForm::Sections)),
+        emit: Emit::named("sections"),
         part: PartOptions { sections, ..PartOptions::default() },
         ..Options::default()
     };

@@ -5,7 +5,7 @@ use crate::support::jobs;
 use impellerc::base::units::Mm;
 use impellerc::diagnostics::Severity;
 use impellerc::diagnostics::codes::geometry::NO_SHELL;
-use impellerc::driver::{self, Emit, Options, PartForm, PartOptions, Stages};
+use impellerc::driver::{self, Emit, Options, PartOptions, Stages};
 use impellerc::report::step::StepProtocol;
 use impellerc::tool_stock::stock::stl;
 use impellerc::wheel::part::Stock;
@@ -210,13 +210,13 @@ fn meshes_within_a_chord_error() {
 #[test]
 fn files_of_the_part() {
     let folder = tempfile::tempdir().unwrap();
-    let emit = |job: &str, form: PartForm, protocol: StepProtocol, name: &str| {
+    let emit = |job: &str, form: &str, protocol: StepProtocol, name: &str| {
         let output = folder.path().join(name);
         let part = PartOptions { protocol, ..PartOptions::default() };
         let options = Options {
             job: PathBuf::from(job),
             output: Some(output.clone()),
-            emit: Some(Emit::Part(form)),
+            emit: Emit::named(form),
             part,
             ..Options::default()
         };
@@ -224,14 +224,14 @@ fn files_of_the_part() {
         (outcome, std::fs::read(output).ok())
     };
     let job = "jobs/small/small.imp";
-    let (said, first) = emit(job, PartForm::Step, StepProtocol::Ap242, "a.step");
+    let (said, first) = emit(job, "step", StepProtocol::Ap242, "a.step");
     assert!(said.emitted.unwrap().contains("54 faces"));
-    assert_eq!(first, emit(job, PartForm::Step, StepProtocol::Ap242, "b.step").1);
-    let automotive = String::from_utf8(emit(job, PartForm::Step, StepProtocol::Ap214, "c.step").1.unwrap()).unwrap();
+    assert_eq!(first, emit(job, "step", StepProtocol::Ap242, "b.step").1);
+    let automotive = String::from_utf8(emit(job, "step", StepProtocol::Ap214, "c.step").1.unwrap()).unwrap();
     assert!(automotive.contains("FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'))"));
     assert!(String::from_utf8(first.unwrap()).unwrap().contains("AP242_MANAGED_MODEL_BASED_3D_ENGINEERING_MIM_LF"));
-    assert!(emit(job, PartForm::ThreeMf, StepProtocol::Ap242, "d.3mf").1.unwrap().starts_with(b"PK"));
-    let (said, none) = emit("jobs/_errors/IMP0313-splitter.imp", PartForm::Stl, StepProtocol::Ap242, "e.stl");
+    assert!(emit(job, "3mf", StepProtocol::Ap242, "d.3mf").1.unwrap().starts_with(b"PK"));
+    let (said, none) = emit("jobs/_errors/IMP0313-splitter.imp", "stl", StepProtocol::Ap242, "e.stl");
     assert!(none.is_none());
     let codes: Vec<_> = said.sink.diags().iter().filter(|d| d.severity == Severity::Error).map(|d| d.code).collect();
     assert_eq!(codes, [NO_SHELL]);
