@@ -10,7 +10,7 @@ use nalgebra::Point3;
 use std::fmt::Write as _;
 
 /// Digits behind the point of shares in percent and of angles in degrees: on a radius of 1 m less than a nanometre.
-const DIGITS: usize = 9;
+const SHARE_DIGITS: usize = 9;
 
 /// Values in a line of a list.
 const IN_A_LINE: usize = 6;
@@ -79,7 +79,7 @@ fn blade(text: &mut String, source: &PartSource<'_>, k: usize, stated: &StatedAn
                     _ = writeln!(text, "      {}", list("theta", theta, sign.to_degrees(), "deg"))
                 }
                 StatedAngle::Beta(beta, start) => {
-                    let start = trim(sign * start.to_degrees(), DIGITS);
+                    let start = trim(sign * start.to_degrees(), SHARE_DIGITS);
                     _ = writeln!(
                         text,
                         "      {}\n      start {start} deg",
@@ -99,7 +99,7 @@ fn blade(text: &mut String, source: &PartSource<'_>, k: usize, stated: &StatedAn
     for (edge, shape) in EDGES.iter().zip(stated.shapes) {
         let form = match shape {
             EdgeShape::CutOff => "cut-off".to_owned(),
-            EdgeShape::Elliptic(ratio) => format!("elliptic {}", trim(ratio, DIGITS)),
+            EdgeShape::Elliptic(ratio) => format!("elliptic {}", trim(ratio, SHARE_DIGITS)),
         };
         _ = writeln!(text, "    {edge}-edge {form}");
     }
@@ -107,12 +107,13 @@ fn blade(text: &mut String, source: &PartSource<'_>, k: usize, stated: &StatedAn
 }
 
 fn percent(share: f64) -> String {
-    format!("{} %", trim(share * 100.0, DIGITS))
+    format!("{} %", trim(share * 100.0, SHARE_DIGITS))
 }
 
 /// A list of shares and values.
 fn list(name: &str, values: &[[f64; 2]], scale: f64, unit: &str) -> String {
-    let pair = |[share, value]: &[f64; 2]| format!("({}, {} {unit})", percent(*share), trim(value * scale, DIGITS));
+    let pair =
+        |[share, value]: &[f64; 2]| format!("({}, {} {unit})", percent(*share), trim(value * scale, SHARE_DIGITS));
     let lines: Vec<String> =
         values.chunks(IN_A_LINE).map(|chunk| chunk.iter().map(pair).collect::<Vec<_>>().join(" ")).collect();
     format!("{name} [{}]", lines.join("\n        "))

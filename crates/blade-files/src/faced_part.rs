@@ -4,7 +4,7 @@
 use super::job_frame::JobFrame;
 use super::part_source::{PartSource, blade_name};
 use super::part_text::{
-    self, DIGITS, FACES, PartFiles, curves, head, looks, loops, meridian, meridians, sections, word,
+    self, COORDINATE_DIGITS, FACES, PartFiles, curves, head, looks, loops, meridian, meridians, sections, word,
 };
 use super::short_ends::WITHOUT_A_WORD;
 use super::{BladeSurfaces, angle_part};
@@ -122,7 +122,7 @@ fn closed_sections(
     frame: JobFrame,
 ) {
     _ = writeln!(text, "    sections loops from \"{}.{}.csv\" mm", source.name, blade_name(k));
-    _ = writeln!(text, "    fit {} mm", trim(fit, DIGITS));
+    _ = writeln!(text, "    fit {} mm", trim(fit, COORDINATE_DIGITS));
     let stated = source.row.blades.get(k).map_or([None; 2], |blade| blade.edges);
     for (edge, form) in ["leading", "trailing"].iter().zip(stated) {
         form.map(|form| writeln!(text, "    {edge}-edge {}", form.name()));

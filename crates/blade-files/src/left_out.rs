@@ -91,10 +91,10 @@ fn turned(imported: &Imported, divided: &[Vec<DividedSection>]) -> Vec<LeftOut> 
 /// The spline of the language through points, as a dense line.
 fn dense(points: &[Point2<f64>]) -> Vec<Point2<f64>> {
     /// Chords between two points.
-    const CHORDS: usize = 16;
+    const CHORDS_BETWEEN_POINTS: usize = 16;
     let space: Vec<Point3<f64>> = points.iter().map(|p| Point3::new(p.x, 0.0, p.y)).collect();
     let Ok(curve) = interpolate(&space, 3.min(points.len().saturating_sub(1)).max(1)) else { return points.to_vec() };
-    let count = CHORDS * points.len();
+    let count = CHORDS_BETWEEN_POINTS * points.len();
     let places = (0..=count).map(|k| curve.point(k as f64 / count as f64));
     places.map(|p| Point2::new(p.x, p.z)).collect()
 }
@@ -198,10 +198,10 @@ impl RuledFace {
     /// Distance of a point from the face between a ruling and the next one, searched from a place of this cell.
     fn distance_from_cell(&self, p: &Point3<f64>, first: usize, [mut s, mut t]: [f64; 2]) -> f64 {
         /// Steps of Newton's method; four make it exact on cells of usual twist.
-        const STEPS: usize = 8;
+        const NEWTON_STEPS: usize = 8;
         let [[a, b], [c, d]] = self.curves.each_ref().map(|curve| [curve[first], curve[first + 1]]);
         let mut least = f64::INFINITY;
-        for _ in 0..STEPS {
+        for _ in 0..NEWTON_STEPS {
             let [root, tip] = [a + (b - a) * s, c + (d - c) * s];
             let way = p - (root + (tip - root) * t);
             if way.norm() >= least {

@@ -8,13 +8,13 @@ use diagnostics::codes::import as codes;
 use nalgebra::Point3;
 
 /// Fewest points of a loop: two for each face and each edge.
-const FEWEST: usize = 8;
+const MIN_LOOP_POINTS: usize = 8;
 
 /// The first and last point of a closed loop coincide within this share of its length. Files have six digits or more.
 const SAME_END_SHARE: f64 = 1e-6;
 
 /// The gap of an open loop is at most this multiple of its longest step. A cut file has a longer one.
-const OPEN: f64 = 2.0;
+const MAX_GAP_STEPS: f64 = 2.0;
 
 /// A loop as the file has it.
 #[derive(Debug)]
@@ -34,16 +34,19 @@ pub(super) fn close(loops: Vec<ReadLoop>, found: &mut Found) -> Result<(Vec<Sect
     let mut counts: Option<[usize; 2]> = None;
     for ReadLoop { mut points, span_fraction, begins, ends } in loops {
         let given = points.len();
-        if given < FEWEST {
-            return Err(Diag::error(codes::ENDS_EARLY, format!("a section has {given} points, fewer than {FEWEST}"))
-                .label(ends, "its last line")
-                .label(begins, "it begins here")
-                .help("a section is a loop of points round the blade; export the file again"));
+        if given < MIN_LOOP_POINTS {
+            return Err(Diag::error(
+                codes::ENDS_EARLY,
+                format!("a section has {given} points, fewer than {MIN_LOOP_POINTS}"),
+            )
+            .label(ends, "its last line")
+            .label(begins, "it begins here")
+            .help("a section is a loop of points round the blade; export the file again"));
         }
         let steps = || points.windows(2).map(|w| nalgebra::distance(&w[0], &w[1]));
         let (length, longest): (f64, f64) = (steps().sum(), steps().fold(0.0, f64::max));
         let gap = points.first().zip(points.last()).map_or(0.0, |(a, b)| nalgebra::distance(a, b));
-        if length <= 0.0 || gap > OPEN * longest {
+        if length <= 0.0 || gap > MAX_GAP_STEPS * longest {
             return Err(Diag::error(codes::ENDS_EARLY, "a section does not come back to its first point")
                 .label(ends, format!("{gap:.3} mm from its first point; its longest step has {longest:.3} mm"))
                 .label(begins, "it begins here")

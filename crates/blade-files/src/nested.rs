@@ -4,7 +4,7 @@ use super::lines::{Line, Text, ends};
 use diagnostics::Diag;
 
 /// Deepest nesting that is read. The formats have some six.
-const DEEPEST: usize = 32;
+const MAX_NESTING: usize = 32;
 
 /// The blocks that are open at a line.
 #[derive(Debug, Default)]
@@ -15,7 +15,7 @@ pub(super) struct Open<'t> {
 impl<'t> Open<'t> {
     /// Opens a block.
     pub(super) fn begin(&mut self, name: &'t str, line: Line<'t>) -> Result<(), Diag> {
-        if self.blocks.len() >= DEEPEST {
+        if self.blocks.len() >= MAX_NESTING {
             return Err(line.fault("the blocks are nested too deeply", "this block"));
         }
         self.blocks.push((name, line));

@@ -11,7 +11,7 @@ use blade::outline::DividedSection;
 use diagnostics::{Diag, codes::import as codes};
 
 /// Most files that are named one by one.
-const NAMED: usize = 4;
+const MAX_NAMED_FILES: usize = 4;
 
 /// Largest distance of a part from its files where none is stated, mm: that of a tolerance of form, and less than any allowance
 /// of finishing.
@@ -83,7 +83,7 @@ impl<'a> PartSource<'a> {
     /// Names of the files.
     pub(super) fn files(&self) -> String {
         match self.read {
-            [first, .., last] if self.read.len() > NAMED => {
+            [first, .., last] if self.read.len() > MAX_NAMED_FILES => {
                 format!("{} files, {first} to {last}", self.read.len())
             }
             read => read.join(", "),
@@ -101,9 +101,9 @@ impl<'a> PartSource<'a> {
     /// The line of the part that names its files and the largest distance from them, rounded up.
     pub(super) fn imported_from(&self) -> String {
         /// Digits of a length in mm, and of one in um.
-        const DIGITS: [(f64, i32, &str); 2] = [(1.0, 3, "mm"), (1e3, 2, "um")];
+        const LENGTH_DIGITS: [(f64, i32, &str); 2] = [(1.0, 3, "mm"), (1e3, 2, "um")];
         let within = self.within();
-        let (scale, digits, unit) = DIGITS[usize::from(within < 1.0)];
+        let (scale, digits, unit) = LENGTH_DIGITS[usize::from(within < 1.0)];
         let steps = 10.0_f64.powi(digits);
         // A hundredth of a step is what numbers round.
         let up = (within * scale * steps - 0.01).ceil() / steps;

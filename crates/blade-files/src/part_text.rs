@@ -27,12 +27,12 @@ pub struct PartFiles {
 }
 
 /// Digits behind the point of written coordinates, mm: a tenth of a nanometre, so that reading them changes nothing.
-pub(super) const DIGITS: usize = 7;
+pub(super) const COORDINATE_DIGITS: usize = 7;
 
 fn coordinates(p: &Point3<f64>, frame: JobFrame) -> String {
     let p = frame.point(p);
     // A sum with zero has no sign of its own.
-    [p.x, p.y, p.z].map(|x| trim(x + 0.0, DIGITS)).join(",")
+    [p.x, p.y, p.z].map(|x| trim(x + 0.0, COORDINATE_DIGITS)).join(",")
 }
 
 /// A word of the language: letters, digits and underscores, beginning with a letter.
@@ -233,10 +233,10 @@ pub(super) fn sections(source: &PartSource<'_>, frame: JobFrame) -> String {
     text.push_str(if with_thickness { ",thickness\n" } else { "\n" });
     for (b, blade) in source.row.blades.iter().enumerate() {
         for (k, section) in blade.sections.iter().enumerate() {
-            let span = section.span.map_or_else(String::new, |s| trim(s, DIGITS));
+            let span = section.span.map_or_else(String::new, |s| trim(s, COORDINATE_DIGITS));
             let head = format!("{},{},{span}", blade_name(b), k + 1);
             let mut line = |face: &str, p: &Point3<f64>, thickness: Option<f64>| {
-                let thickness = thickness.map_or_else(String::new, |t| format!(",{}", trim(t, DIGITS)));
+                let thickness = thickness.map_or_else(String::new, |t| format!(",{}", trim(t, COORDINATE_DIGITS)));
                 _ = writeln!(text, "{head},{face},{}{thickness}", coordinates(p, frame));
             };
             match &section.form {
@@ -264,7 +264,12 @@ pub(super) fn meridian(imported: &Imported, frame: JobFrame) -> Option<String> {
     for (name, curve) in curves {
         for [r, z] in curve.iter().flatten() {
             any = true;
-            _ = writeln!(text, "{name},{},{}", trim(*r, DIGITS), trim(frame.height(*z) + 0.0, DIGITS));
+            _ = writeln!(
+                text,
+                "{name},{},{}",
+                trim(*r, COORDINATE_DIGITS),
+                trim(frame.height(*z) + 0.0, COORDINATE_DIGITS)
+            );
         }
     }
     any.then_some(text)

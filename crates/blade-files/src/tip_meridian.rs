@@ -5,10 +5,10 @@ use nalgebra::{Point2, Point3, Vector2};
 use nurbs::{chords, interpolate};
 
 /// Steps of the meridian.
-const STEPS: usize = 64;
+const MERIDIAN_STEPS: usize = 64;
 
 /// Steps to both sides from which the gap at a place is taken: points of both faces are some steps apart.
-const BESIDE: f64 = 1.5;
+const GAP_STEPS: f64 = 1.5;
 
 /// Largest distance of the tips from the meridian, mm, with which it is one through the tips.
 const NEAR_TIPS_MM: f64 = 0.05;
@@ -27,7 +27,7 @@ impl TipMeridian {
     pub(super) fn of(shroud: &[[f64; 2]], divided: &[Vec<DividedSection>]) -> Option<Self> {
         let line: Vec<Point2<f64>> = shroud.iter().map(|p| Point2::from(*p)).collect();
         let lengths = chords::lengths(&line);
-        let step = lengths[lengths.len() - 1] / STEPS as f64;
+        let step = lengths[lengths.len() - 1] / MERIDIAN_STEPS as f64;
         let tips: Vec<Point2<f64>> = divided
             .iter()
             .filter_map(|sections| sections.last())
@@ -45,9 +45,9 @@ impl TipMeridian {
             let length = step * k as f64;
             let next = lengths.partition_point(|l| *l < length).clamp(1, line.len() - 1);
             let share = (length - lengths[next - 1]) / (lengths[next] - lengths[next - 1]).max(f64::MIN_POSITIVE);
-            Some(line[next - 1] + (line[next] - line[next - 1]) * share + moved(&gaps, length, BESIDE * step)?)
+            Some(line[next - 1] + (line[next] - line[next - 1]) * share + moved(&gaps, length, GAP_STEPS * step)?)
         };
-        let points: Vec<Point2<f64>> = (0..=STEPS).map(at).collect::<Option<_>>()?;
+        let points: Vec<Point2<f64>> = (0..=MERIDIAN_STEPS).map(at).collect::<Option<_>>()?;
         let curve = spline(&points)?;
         let within = tips.iter().map(|p| chords::from_chords(p, &curve)).fold(0.0, f64::max);
         (within <= NEAR_TIPS_MM).then(|| Self { points: points.into_iter().map(Into::into).collect(), within })
@@ -68,6 +68,6 @@ fn moved(gaps: &[(f64, Vector2<f64>)], length: f64, beside: f64) -> Option<Vecto
 fn spline(points: &[Point2<f64>]) -> Option<Vec<Point2<f64>>> {
     let space: Vec<Point3<f64>> = points.iter().map(|p| Point3::new(p.x, 0.0, p.y)).collect();
     let curve = interpolate(&space, 3).ok()?;
-    let count = 16 * STEPS;
+    let count = 16 * MERIDIAN_STEPS;
     Some((0..=count).map(|k| curve.point(k as f64 / count as f64)).map(|p| Point2::new(p.x, p.z)).collect())
 }

@@ -8,7 +8,7 @@ use nalgebra::Point2;
 use nurbs::chords;
 
 /// Share of the length from leading to trailing edge by which a meridian goes on.
-const BEYOND: f64 = 0.1;
+const EXTENSION_SHARE: f64 = 0.1;
 
 /// Points nearer to a cut end than this share of the length are left out.
 const NEAR_END_SHARE: f64 = 1e-3;
@@ -94,11 +94,11 @@ fn cut(
     let behind = if lathe[1] {
         0.0
     } else if radial {
-        rounded.min(BEYOND * length)
+        rounded.min(EXTENSION_SHARE * length)
     } else {
-        BEYOND * length
+        EXTENSION_SHARE * length
     };
-    let ahead = if lathe[0] { 0.0 } else { BEYOND * length };
+    let ahead = if lathe[0] { 0.0 } else { EXTENSION_SHARE * length };
     let (from, to) = ((first - ahead).max(0.0), (last + behind).min(whole));
     let at = |s: f64| {
         let k = segment(s);

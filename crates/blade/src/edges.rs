@@ -10,13 +10,13 @@ use super::ring::Ring;
 use nalgebra::{Point3, Vector3};
 
 /// Turn of a corner, rad: 30 deg. Points of a round edge turn less from one to the next, where it has six or more.
-const CORNER: f64 = 30.0 * std::f64::consts::PI / 180.0;
+const CORNER_TURN: f64 = 30.0 * std::f64::consts::PI / 180.0;
 
 /// Turn of the blunter corner of an edge that is cut off at a slant, rad: 15 deg.
-const OBTUSE: f64 = 0.5 * CORNER;
+const OBTUSE: f64 = 0.5 * CORNER_TURN;
 
 /// An edge that is cut off is straight within this share of its width.
-const STRAIGHT: f64 = 0.02;
+const STRAIGHT_SHARE: f64 = 0.02;
 
 /// The largest curvature at a nose counts up to this number over the thickness: a single sharp corner has no finite one.
 const SHARPEST: f64 = 50.0;
@@ -125,13 +125,13 @@ pub(super) fn ends(ring: &Ring, nose: usize, thickness: f64, of_faces: f64) -> [
 /// longer than the blade is thick. The sharper corner alone where there is no other.
 fn slanting(ring: &Ring, nose: usize, thickness: f64) -> [usize; 2] {
     /// Longest edge, in thicknesses: a slant of 75 deg.
-    const LONGEST: f64 = 4.0;
+    const MAX_EDGE_THICKNESSES: f64 = 4.0;
     let other = |way: isize| {
         let mut gone = 0.0;
         for step in 1..ring.len() as isize / 2 {
             let k = ring.on(nose, way * step);
             gone += if way > 0 { ring.chord(ring.on(k, -1)) } else { ring.chord(k) };
-            if gone > LONGEST * thickness {
+            if gone > MAX_EDGE_THICKNESSES * thickness {
                 return None;
             }
             if ring.turns[k] >= OBTUSE {
@@ -165,8 +165,8 @@ pub(super) fn describe(ring: &Ring, [from, to]: [usize; 2]) -> (Vec<Point3<f64>>
     };
     let highest = points.iter().map(|p| beside(p).norm()).fold(0.0, f64::max);
     let turns = [from, to].map(|k| ring.turns[k]);
-    let corners = turns.iter().all(|turn| *turn >= OBTUSE) && turns.iter().any(|turn| *turn >= CORNER);
-    if points.len() == 2 || (corners && highest <= STRAIGHT * width) {
+    let corners = turns.iter().all(|turn| *turn >= OBTUSE) && turns.iter().any(|turn| *turn >= CORNER_TURN);
+    if points.len() == 2 || (corners && highest <= STRAIGHT_SHARE * width) {
         let edge = FoundEdge { form: EdgeForm::CutOff, width, depth: 0.0, radius: 0.0, residual: highest, points: 2 };
         return (vec![*first, *last], edge);
     }

@@ -5,14 +5,14 @@ use super::{Outline, Section, SectionForm, stream};
 use nalgebra::Point3;
 
 /// A chord this many times as long as both its neighbours is a gap.
-const GAP: f64 = 5.0;
+const GAP_RATIO: f64 = 5.0;
 
 /// A point this many times farther from the curve through its neighbours than the others of its face is doubtful.
-const BESIDE: f64 = 12.0;
+const DOUBTFUL_RATIO: f64 = 12.0;
 
 /// Least distance from that curve that is told, as a share of the length of the face: some 10 um. Blades made of arcs have
 /// steps of the curvature on their faces, with which smaller distances are found.
-const LEAST: f64 = 2e-4;
+const MIN_REPORTED_SHARE: f64 = 2e-4;
 
 /// Fewest points of a face that show a pattern.
 const PATTERN: usize = 12;
@@ -81,7 +81,7 @@ fn gaps(line: &[Point3<f64>], closed: bool, first: usize, outline: Option<&Outli
             let ends = [line[k % n], line[(k + 1) % n]];
             o.edges.iter().any(|edge| ends.iter().all(|p| edge.contains(p)))
         });
-        if neighbours > 0.0 && chord(k) > GAP * neighbours && !is_edge {
+        if neighbours > 0.0 && chord(k) > GAP_RATIO * neighbours && !is_edge {
             found.push(SectionFact::Gap(first + k, chord(k)));
         }
     }
@@ -116,8 +116,8 @@ fn beside(face: &[Point3<f64>], all: &[Point3<f64>], found: &mut Vec<SectionFact
         let Some(median) = others.get(others.len() / 2) else { continue };
         let highest = off.iter().skip(k.saturating_sub(2)).take(5).all(|v| v <= value);
         if highest
-            && *value > BESIDE * median
-            && *value > LEAST * length
+            && *value > DOUBTFUL_RATIO * median
+            && *value > MIN_REPORTED_SHARE * length
             && let Some(at) = face.get(k + 2).and_then(|p| all.iter().position(|q| q == p))
         {
             found.push(SectionFact::Beside(at, *value));

@@ -11,13 +11,13 @@ use nalgebra::Point3;
 use nurbs::chords::from_chords;
 
 /// Points with even steps that stand for the loop in the search.
-const STEPS: usize = 128;
+const LOOP_POINTS: usize = 128;
 
 /// Places at which both halves are compared.
-const PLACES: usize = 24;
+const COMPARED_PLACES: usize = 24;
 
 /// Fewest steps of a half, as a share of the loop: blades have faces of about equal length.
-const SHORTEST: usize = STEPS / 4;
+const SHORTEST: usize = LOOP_POINTS / 4;
 
 /// The noses of a loop.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,11 +30,11 @@ pub(super) struct Fold {
 
 /// Finds the noses of a loop with length.
 pub(super) fn fold(ring: &Ring) -> Fold {
-    let step = ring.length() / STEPS as f64;
-    let even: Vec<Point3<f64>> = (0..STEPS).map(|k| ring.at(k as f64 * step)).collect();
-    let mut best = (f64::INFINITY, [0, STEPS / 2]);
-    for i in 0..STEPS {
-        for j in i + SHORTEST..=(i + STEPS - SHORTEST).min(STEPS - 1) {
+    let step = ring.length() / LOOP_POINTS as f64;
+    let even: Vec<Point3<f64>> = (0..LOOP_POINTS).map(|k| ring.at(k as f64 * step)).collect();
+    let mut best = (f64::INFINITY, [0, LOOP_POINTS / 2]);
+    for i in 0..LOOP_POINTS {
+        for j in i + SHORTEST..=(i + LOOP_POINTS - SHORTEST).min(LOOP_POINTS - 1) {
             let distance = between_halves(&even, [i, j]);
             if distance < best.0 {
                 best = (distance, [i, j]);
@@ -49,23 +49,23 @@ pub(super) fn fold(ring: &Ring) -> Fold {
 
 /// Mean distance of both halves at equal shares of their lengths.
 fn between_halves(even: &[Point3<f64>], [i, j]: [usize; 2]) -> f64 {
-    let (there, back) = ((j - i) as f64, (STEPS - (j - i)) as f64);
+    let (there, back) = ((j - i) as f64, (LOOP_POINTS - (j - i)) as f64);
     let at = |k: f64| {
-        let k = k.rem_euclid(STEPS as f64);
+        let k = k.rem_euclid(LOOP_POINTS as f64);
         let whole = libm::floor(k);
-        let (a, b) = (whole as usize % STEPS, (whole as usize + 1) % STEPS);
+        let (a, b) = (whole as usize % LOOP_POINTS, (whole as usize + 1) % LOOP_POINTS);
         even[a] + (even[b] - even[a]) * (k - whole)
     };
     let distance = |k: usize| {
-        let share = k as f64 / PLACES as f64;
+        let share = k as f64 / COMPARED_PLACES as f64;
         nalgebra::distance(&at(i as f64 + share * there), &at(i as f64 - share * back))
     };
-    (1..PLACES).map(distance).sum::<f64>() / (PLACES - 1) as f64
+    (1..COMPARED_PLACES).map(distance).sum::<f64>() / (COMPARED_PLACES - 1) as f64
 }
 
 /// Largest of the least distances from one half to the other, mm.
 fn thickness(even: &[Point3<f64>], [i, j]: [usize; 2]) -> f64 {
-    let other: Vec<Point3<f64>> = (j..=i + STEPS).map(|k| even[k % STEPS]).collect();
+    let other: Vec<Point3<f64>> = (j..=i + LOOP_POINTS).map(|k| even[k % LOOP_POINTS]).collect();
     even[i..=j].iter().map(|p| from_chords(p, &other)).fold(0.0, f64::max)
 }
 

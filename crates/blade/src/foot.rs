@@ -7,7 +7,7 @@ use super::outline::DividedSection;
 use nalgebra::{Point3, Vector3};
 
 /// Growth of the thickness towards the hub, mm for each mm of height, above which a foot is looked at: both faces lean by 8.5 deg.
-const GROWTH: f64 = 0.3;
+const FOOT_GROWTH: f64 = 0.3;
 
 /// A foot grows this many times faster than the middle of the blade.
 const FASTER: f64 = 3.0;
@@ -38,7 +38,7 @@ pub fn wide_foot(sections: &[DividedSection]) -> Option<WideFoot> {
     let growths: Vec<f64> = growths.collect();
     let mut sorted = growths[growths.len() / 2..].to_vec();
     sorted.sort_by(f64::total_cmp);
-    let limit = GROWTH.max(FASTER * sorted[sorted.len() / 2]);
+    let limit = FOOT_GROWTH.max(FASTER * sorted[sorted.len() / 2]);
     let above = growths.iter().take_while(|growth| **growth > limit).count();
     let thickness = [sections[0].thickness, sections[above].thickness];
     let found = above > 0 && 2 * above <= growths.len() && thickness[0] > (1.0 + WIDER) * thickness[1];

@@ -17,7 +17,7 @@ use nurbs::chords::from_chords;
 use std::fmt;
 
 /// Fewest points of a loop.
-const FEWEST: usize = 8;
+const MIN_LOOP_POINTS: usize = 8;
 
 /// Least turn of a mean line that shows its concave face, rad: 3 deg.
 const LEAST_TURN: f64 = 3.0 * std::f64::consts::PI / 180.0;
@@ -148,7 +148,7 @@ fn checked(points: &[Point3<f64>], fewest: usize) -> Result<Ring, OutlineFault> 
 }
 
 fn of_loop(points: &[Point3<f64>], span: Option<f64>, known: &Known<'_>) -> Result<DividedSection, OutlineFault> {
-    let ring = checked(points, FEWEST)?;
+    let ring = checked(points, MIN_LOOP_POINTS)?;
     let Fold { noses, thickness } = fold(&ring);
     let noses = from_inlet(&ring, noses, known.inlet)?;
     let of_faces = edges::of_faces(&ring);
@@ -163,7 +163,7 @@ fn of_divided_loop(
     span: Option<f64>,
     pressure: Side,
 ) -> Result<DividedSection, OutlineFault> {
-    let ring = checked(points, FEWEST)?;
+    let ring = checked(points, MIN_LOOP_POINTS)?;
     if ring.len() != points.len() || edges.iter().flatten().any(|k| *k >= points.len()) {
         return Err(OutlineFault::NoFaces);
     }

@@ -6,7 +6,7 @@
 use nalgebra::Point3;
 
 /// Stations of a mean line.
-pub(super) const STATIONS: usize = 33;
+pub(super) const MEAN_LINE_STATIONS: usize = 33;
 
 /// A face or mean line at even shares of its length: radius, angle without jumps, height.
 pub(super) fn stations(points: &[Point3<f64>]) -> Vec<[f64; 3]> {
@@ -16,7 +16,7 @@ pub(super) fn stations(points: &[Point3<f64>]) -> Vec<[f64; 3]> {
     }
     let length = along.last().copied().unwrap_or(0.0);
     let at = |k: usize| {
-        let distance = length * k as f64 / (STATIONS - 1) as f64;
+        let distance = length * k as f64 / (MEAN_LINE_STATIONS - 1) as f64;
         let i = along.partition_point(|a| *a <= distance).clamp(1, points.len().max(2) - 1) - 1;
         match (points.get(i), points.get(i + 1)) {
             (Some(a), Some(b)) if along[i + 1] > along[i] => {
@@ -27,7 +27,7 @@ pub(super) fn stations(points: &[Point3<f64>]) -> Vec<[f64; 3]> {
         }
     };
     let mut before = None;
-    (0..STATIONS)
+    (0..MEAN_LINE_STATIONS)
         .map(|k| {
             let p = at(k);
             let angle = near(libm::atan2(p.y, p.x), before);
@@ -65,7 +65,7 @@ pub(super) fn camber(faces: [&[Point3<f64>]; 2]) -> Camber {
             [0.5 * (a[0] + b[0]), 0.5 * (a[1] + angle), 0.5 * (a[2] + b[2]), angle - a[1]]
         })
         .collect();
-    let between = pairs.iter().map(|p| p[3]).sum::<f64>() / STATIONS as f64;
+    let between = pairs.iter().map(|p| p[3]).sum::<f64>() / MEAN_LINE_STATIONS as f64;
     let mut line = vec![[0.0, pairs.first().map_or(0.0, |p| p[1])]];
     for w in pairs.windows(2) {
         let [p, q] = [w[0], w[1]];
@@ -76,7 +76,7 @@ pub(super) fn camber(faces: [&[Point3<f64>]; 2]) -> Camber {
     }
     // Over a quarter of the blade at each end, without the part at the edges.
     let direction = |from: usize, to: usize| libm::atan2(line[to][1] - line[from][1], line[to][0] - line[from][0]);
-    let last = STATIONS - 1;
+    let last = MEAN_LINE_STATIONS - 1;
     let turn = direction(last - 9, last - 1) - direction(1, 9);
     Camber { between, turn, wrap: line[last][1] - line[0][1] }
 }
@@ -86,7 +86,7 @@ pub(super) fn camber(faces: [&[Point3<f64>]; 2]) -> Camber {
 pub(super) fn unrolled(faces: &[Vec<Point3<f64>>; 2], points: &[Point3<f64>]) -> Vec<[f64; 2]> {
     let [a, b] = [&faces[0], &faces[1]].map(|f| stations(f));
     let line: Vec<[f64; 2]> = a.iter().zip(&b).map(|(a, b)| [0.5 * (a[0] + b[0]), 0.5 * (a[2] + b[2])]).collect();
-    let radius = line.iter().map(|p| p[0]).sum::<f64>() / STATIONS as f64;
+    let radius = line.iter().map(|p| p[0]).sum::<f64>() / MEAN_LINE_STATIONS as f64;
     let mut before = a.first().map(|s| s[1]);
     points
         .iter()

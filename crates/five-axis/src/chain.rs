@@ -47,7 +47,7 @@ pub struct AxisLine {
 }
 
 /// Largest sine of an angle between directions that count as parallel.
-const PARALLEL: f64 = 1e-6;
+const PARALLEL_SINE: f64 = 1e-6;
 
 /// Distance of a unit vector from a direction below which the azimuth about that direction is rounding noise.
 const POLE: f64 = 1e-12;
@@ -106,19 +106,19 @@ impl TryFrom<StoredChain> for Chain {
 
     fn try_from(StoredChain { axes, part_axes }: StoredChain) -> Result<Self, String> {
         /// Largest difference of a product of unit vectors from its value that is rounding.
-        const UNIT: f64 = 1e-9;
+        const UNIT_PRODUCT_ROUNDING: f64 = 1e-9;
         for axis in &axes {
             if axis.direction.iter().chain(axis.point.iter()).any(|x| !x.is_finite()) {
                 return Err("a rotary axis has a number that is not finite".to_owned());
             }
-            if (axis.direction.norm() - 1.0).abs() >= UNIT {
+            if (axis.direction.norm() - 1.0).abs() >= UNIT_PRODUCT_ROUNDING {
                 return Err("the direction of a rotary axis has not the length 1".to_owned());
             }
         }
         let matrix = part_axes.matrix();
         let off = (matrix.transpose() * matrix - Matrix3::identity()).amax();
         let finite = matrix.iter().all(|x| x.is_finite());
-        if !finite || off >= UNIT || matrix.determinant() <= 0.0 {
+        if !finite || off >= UNIT_PRODUCT_ROUNDING || matrix.determinant() <= 0.0 {
             return Err("the axes of the part are no right-handed frame".to_owned());
         }
         let chain = Self::new(axes).map_err(|fault| {
@@ -203,10 +203,10 @@ impl Chain {
             return Err(ChainFault::Order);
         }
         let tool = Vector3::z();
-        if first.cross(&second).norm() < PARALLEL {
+        if first.cross(&second).norm() < PARALLEL_SINE {
             return Err(ChainFault::Parallel);
         }
-        if first.cross(&tool).norm() < PARALLEL {
+        if first.cross(&tool).norm() < PARALLEL_SINE {
             return Err(ChainFault::AlongTool);
         }
         Ok(Self::of(axes, Rotation3::identity()))
@@ -234,7 +234,7 @@ impl Chain {
             // Direction in which a small turn first moves the tool; where it is along axis 2, any direction across it.
             let level = |v: &Vector3<f64>| v - second * second.dot(v);
             let e = level(&aside);
-            if e.norm() < PARALLEL { level(&across).normalize() } else { e.normalize() }
+            if e.norm() < PARALLEL_SINE { level(&across).normalize() } else { e.normalize() }
         };
         let (level, slope) = (second.dot(&across), second.dot(&aside));
         Self {
@@ -364,11 +364,11 @@ impl Chain {
     /// The angles of the first branch for a tool axis, and the derivative of each by the tool axis.
     pub fn gradients(&self, tool_axis: &Vector3<f64>) -> [(f64, Vector3<f64>); 2] {
         /// Below this value the tool lies along axis 2, which is then not determined.
-        const ALONG: f64 = 1e-6;
+        const ALONG_AXIS_2_SINE: f64 = 1e-6;
         let [[first, second], _] = self.nearest(tool_axis, 0.0);
         let k2 = self.directions[1].into_inner();
         let height = k2.dot(tool_axis);
-        let radial = libm::hypot(tool_axis.dot(&self.basis[0]), tool_axis.dot(&self.basis[1])).max(ALONG);
+        let radial = libm::hypot(tool_axis.dot(&self.basis[0]), tool_axis.dot(&self.basis[1])).max(ALONG_AXIS_2_SINE);
         let outward = (tool_axis - k2 * height) / radial;
         // Only axis 1 changes the height; axis 2 turns the rest.
         let polar_angle = outward * height - k2 * radial;
@@ -379,7 +379,7 @@ impl Chain {
         // d(height) = -swing sin(first - start) d(first), and axis 2 compensates the turn of the tool by axis 1 about
         // it.
         let slope = -self.swing * libm::sin(first - self.start);
-        let slope = if slope.abs() < ALONG { ALONG.copysign(slope) } else { slope };
+        let slope = if slope.abs() < ALONG_AXIS_2_SINE { ALONG_AXIS_2_SINE.copysign(slope) } else { slope };
         let of_first = polar_angle * (-radial / slope);
         let tilted = self.tilted(first);
         let moved = self.directions[0].cross(&tilted);

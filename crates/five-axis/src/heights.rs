@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 
 /// Largest step between two angles that are looked at, radians. A point 500 mm from the axis rises by at most 0.025 mm
 /// between them; the result includes this amount.
-const STEP: f64 = 0.02;
+const MAX_ANGLE_STEP: f64 = 0.02;
 
 /// A rotary axis with the range of its angle, radians. Axes are given the innermost first.
 pub(super) struct Swing {
@@ -29,7 +29,7 @@ pub(super) fn farthest(swings: &[Swing], up: &Vector3<f64>, rings: &[Ring]) -> f
     };
     let [low, high] = outer.range;
     let (low, width) = if high - low < TAU { (low, high - low) } else { (-PI, TAU) };
-    let count = (width / STEP).ceil().max(1.0);
+    let count = (width / MAX_ANGLE_STEP).ceil().max(1.0);
     let between = reach(swings, rings) * (1.0 - libm::cos(0.5 * width / count));
     let at = |k: usize| {
         let turn = Rotation3::from_axis_angle(&outer.direction, low + width * k as f64 / count);

@@ -25,7 +25,7 @@ const TINY: f64 = 1e-7;
 const STILL: f64 = 1e-8;
 
 /// Length and time below this count as zero.
-const NOTHING: f64 = 1e-12;
+const ZERO: f64 = 1e-12;
 
 /// Share of the acceleration that a corner between two lines in nearly the same direction may take.
 const KINK: f64 = 0.1;
@@ -112,11 +112,11 @@ impl LineSegment {
         let (way, turn) = (norm(&d[..3]), norm(&d[3..]));
         let moves = d[..3].iter().any(|x| x.abs() >= TINY);
         let length = if moves { way } else { turn };
-        if length < NOTHING {
+        if length < ZERO {
             return None;
         }
         let least = |most: &JointPoint| {
-            (0..5).filter(|k| d[*k].abs() >= TINY).map(|k| d[k].abs() / most[k]).fold(NOTHING, f64::max)
+            (0..5).filter(|k| d[*k].abs() >= TINY).map(|k| d[k].abs() / most[k]).fold(ZERO, f64::max)
         };
         let slowest = |most: &JointPoint| {
             (0..5).max_by(|a, b| (d[*a].abs() / most[*a]).total_cmp(&(d[*b].abs() / most[*b]))).unwrap_or_default()
@@ -229,7 +229,7 @@ fn step(segment: &LineSegment, run: &mut Running, next: Option<&LineSegment>, fu
     let half = 0.5 * most * period;
     let inside = end * end + most * (2.0 * left - run.speed * period) + half * half;
     let wanted = if inside > half * half { inside.sqrt() - half } else { -half };
-    let change = ((wanted.min(segment.speed) - run.speed) / period.max(NOTHING)).clamp(-most, most);
+    let change = ((wanted.min(segment.speed) - run.speed) / period.max(ZERO)).clamp(-most, most);
     let speed = run.speed + change * period;
     if speed < 0.0 {
         if left < run.speed * period {
@@ -248,7 +248,7 @@ fn step(segment: &LineSegment, run: &mut Running, next: Option<&LineSegment>, fu
 fn near_end(segment: &LineSegment, run: &mut Running, end: f64, full: f64) {
     run.period = full;
     let left = segment.length - run.way;
-    if left <= NOTHING {
+    if left <= ZERO {
         run.way = segment.length;
         (run.last, run.period) = (true, 0.0);
         run.done = segment.end == LineEnd::Stop;
@@ -282,7 +282,7 @@ fn near_end(segment: &LineSegment, run: &mut Running, end: f64, full: f64) {
 const MOST_PERIODS: usize = 4_000_000;
 
 /// Periods at constant speed that are simulated one by one.
-const COUNTED: f64 = 10_000.0;
+const SIMULATED_PERIODS: f64 = 10_000.0;
 
 /// Number of periods that a line runs at constant speed before it must slow down.
 fn even(segment: &LineSegment, run: &Running, period: f64) -> f64 {
@@ -292,11 +292,11 @@ fn even(segment: &LineSegment, run: &Running, period: f64) -> f64 {
     }
     // The last periods before the line slows down are simulated one by one.
     let way = segment.length - run.way - run.speed * run.speed / (2.0 * segment.acceleration);
-    (way / (run.speed * period) - COUNTED).floor().max(0.0)
+    (way / (run.speed * period) - SIMULATED_PERIODS).floor().max(0.0)
 }
 
 /// Step along a line over which its direction is taken.
-const STEP: f64 = 1e-4;
+const DIRECTION_STEP: f64 = 1e-4;
 
 /// Distance of the tool at a place from the nearest place of a line: tip or end of the flutes, mm, and axis, radians.
 fn deviation(machine: &Machine, place: &JointPoint, line: &Line, height: f64) -> [f64; 2] {
@@ -318,7 +318,7 @@ fn deviation(machine: &Machine, place: &JointPoint, line: &Line, height: f64) ->
         }
         if size > 0.0 { (t + along / size).clamp(0.0, 1.0) } else { t }
     };
-    let near = ends(&at(nearer(nearer(0.0, 1.0), STEP)));
+    let near = ends(&at(nearer(nearer(0.0, 1.0), DIRECTION_STEP)));
     let off = |k: usize| (here[k] - near[k]).norm();
     [off(0).max(off(1)), off(2)]
 }
@@ -466,7 +466,7 @@ struct Corner {
 
 impl Corner {
     fn new(segment: &LineSegment, from: f64, settings: &Settings) -> Self {
-        let sooner = 1.0 + segment.acceleration * settings.machine.cycle / from.max(NOTHING);
+        let sooner = 1.0 + segment.acceleration * settings.machine.cycle / from.max(ZERO);
         Self { joints: None, deviation: [0.0; 2], speed: [0.0; 5], late: (sooner * sooner).min(MOST_LATE) }
     }
 

@@ -14,7 +14,7 @@ use nurbs::bezier;
 
 /// Largest distance that a point of the tool up to the upper end of its flutes may leave the curve on a chord, mm: the 0.1 um
 /// to which independent checks agree with the certificate.
-pub const CHORD: f64 = 1e-4;
+pub const MAX_CHORD_ERROR_MM: f64 = 1e-4;
 
 /// Most halvings of a curve into chords.
 const MOST_HALVINGS: u32 = 14;
@@ -87,7 +87,7 @@ impl PoseCurve {
         };
         let sound = finite && tip.iter().all(|p| p.iter().all(|x| x.is_finite()));
         let curve = Self { tip, turn };
-        let degree = (2..=bezier::MOST_DEGREE + 1).contains(&count) && count == curve.tip.len();
+        let degree = (2..=bezier::MAX_BEZIER_DEGREE + 1).contains(&count) && count == curve.tip.len();
         (sound && degree && curve.least_length() > 0.0).then_some(curve)
     }
 
@@ -179,7 +179,7 @@ impl PoseCurve {
     }
 
     /// Chords in order, from the rotary positions `before` at the start: the curve is halved until on its chord no point of the
-    /// tool axis up to a height over the tip leaves it by more than [`CHORD`]. `None` where this needs more halvings than are
+    /// tool axis up to a height over the tip leaves it by more than [`MAX_CHORD_ERROR_MM`]. `None` where this needs more halvings than are
     /// possible, or where no rotary positions give a direction.
     pub fn chords(&self, chain: &Chain, before: Angles, height: f64) -> Option<Vec<Chord>> {
         let mut chords: Vec<Chord> = Vec::new();
@@ -196,7 +196,7 @@ impl PoseCurve {
             // On a chord the rotary axes turn evenly, which bends the axis as well.
             let turn = if part.levers().is_some() { chain.turn(at, rotary) } else { 0.0 };
             let away = bend + height * (turning + chain.turning().second * turn * turn);
-            if away <= 8.0 * CHORD {
+            if away <= 8.0 * MAX_CHORD_ERROR_MM {
                 at = rotary;
                 chords.push(Chord { end: RotaryPose { tip, rotary }, ends });
             } else if halvings < MOST_HALVINGS {
@@ -276,7 +276,7 @@ mod tests {
                     let due = curve.pose(&chain, ends[0] + (ends[1] - ends[0]) * share);
                     let gap = on.tip - due.tip;
                     let turned = (chain.tool_axis(on.rotary) - due.axis) * 30.0;
-                    prop_assert!(gap.norm().max((gap + turned).norm()) <= CHORD + 1e-11);
+                    prop_assert!(gap.norm().max((gap + turned).norm()) <= MAX_CHORD_ERROR_MM + 1e-11);
                 }
                 (from, done) = (end, ends[1]);
             }

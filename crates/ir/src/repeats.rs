@@ -14,7 +14,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Differences of positions that are rounding of the arithmetic: tip, mm; axis of the tool and rotary axes, radians.
-pub const ROUNDING: (f64, f64) = (1e-7, 1e-9);
+pub const POSITION_ROUNDING: (f64, f64) = (1e-7, 1e-9);
 
 /// Largest component of the direction of rotary axis 2 across Z, and largest distance from the axis of the part, mm.
 const ON_AXIS: f64 = 1e-9;
@@ -47,7 +47,7 @@ impl Turned {
     fn is(&self, other: &Self) -> bool {
         self.pitches == other.pitches
             && self.first == other.first
-            && (self.second - other.second).abs() <= 2.0 * ROUNDING.1
+            && (self.second - other.second).abs() <= 2.0 * POSITION_ROUNDING.1
     }
 }
 
@@ -163,7 +163,7 @@ impl<'a> Symmetry<'a> {
         let count = self.turns.len() as i64;
         let steps = ((azimuth(&to.tip.coords) - azimuth(&from.tip.coords)) / self.pitch).round() as i64;
         let [a, b] = [a.joints.rotary, b.joints.rotary];
-        let first = if (b[0] - a[0]).abs() <= ROUNDING.1 { 1.0 } else { -1.0 };
+        let first = if (b[0] - a[0]).abs() <= POSITION_ROUNDING.1 { 1.0 } else { -1.0 };
         let pitches = u32::try_from(steps.rem_euclid(count)).ok()?;
         Some(Turned { pitches, first, second: b[1] - a[1] })
     }
@@ -171,10 +171,10 @@ impl<'a> Symmetry<'a> {
     fn takes(&self, turned: &Turned, [a, b]: [&JointMove; 2], [from, to]: [&Pose; 2]) -> bool {
         let turn = &self.turns[turned.pitches as usize];
         let ([a0, a1], [b0, b1]) = (a.joints.rotary, b.joints.rotary);
-        (b0 - turned.first * a0).abs() <= ROUNDING.1
-            && (b1 - a1 - turned.second).abs() <= ROUNDING.1
-            && (turn * from.tip - to.tip).amax() <= ROUNDING.0
-            && (turn * from.axis - to.axis).amax() <= ROUNDING.1
+        (b0 - turned.first * a0).abs() <= POSITION_ROUNDING.1
+            && (b1 - a1 - turned.second).abs() <= POSITION_ROUNDING.1
+            && (turn * from.tip - to.tip).amax() <= POSITION_ROUNDING.0
+            && (turn * from.axis - to.axis).amax() <= POSITION_ROUNDING.1
     }
 }
 

@@ -14,7 +14,7 @@ use wheel::operation::word;
 use wheel::part::{FaceId, PassageId, SurfaceKind};
 
 /// Largest difference of the length of a unit vector from one: rounding of a few rotations and blends.
-const UNIT: f64 = 1e-9;
+const UNIT_LENGTH_ROUNDING: f64 = 1e-9;
 
 /// Reason why a stage value is malformed: the place and the fault.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -44,7 +44,7 @@ fn finite(p: &Point3<f64>) -> bool {
 }
 
 fn is_unit(v: &Vector3<f64>) -> bool {
-    (v.norm() - 1.0).abs() < UNIT
+    (v.norm() - 1.0).abs() < UNIT_LENGTH_ROUNDING
 }
 
 /// Checks the program: every reference names an existing entity; sizes and speeds are possible.

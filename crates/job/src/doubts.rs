@@ -9,10 +9,10 @@ use wheel::method::Slots;
 use wheel::operation::OperationKind;
 
 /// Longest usual stick-out, in diameters of the cutter or of the shank, whichever is wider.
-const LONGEST: f64 = 30.0;
+const MAX_STICK_OUT: f64 = 30.0;
 
 /// Largest usual gouge, mm: a tenth of the thickness of the thinnest usual vanes.
-const DEEPEST: f64 = 0.2;
+const MAX_GOUGE_MM: f64 = 0.2;
 
 /// Largest usual excess after finishing, mm: more is left by roughing.
 const LARGEST_EXCESS: f64 = 2.0;
@@ -148,7 +148,7 @@ fn deep_limit(tool: &ToolSpec, sink: &mut Sink) {
 fn stick_out(tool: &ToolSpec, sink: &mut Sink) {
     let wide = tool.diameter.get().max(tool.shank.get());
     let ratio = tool.reach.get() / wide;
-    if ratio > LONGEST {
+    if ratio > MAX_STICK_OUT {
         sink.push(
             warning(format!("{} sticks out by {} diameters", tool.name, trim(ratio, 0)))
                 .label(tool.span, format!("`reach` of {} with a diameter of {}", tool.reach, Mm(wide)))
@@ -172,10 +172,14 @@ fn without_holder(tool: &ToolSpec, sink: &mut Sink) {
 fn bound(contract: &ContractSpec, chord: Mm, sink: &mut Sink) {
     let bound = contract.bound.value();
     match contract.kind {
-        ContractKind::Gouge if bound > DEEPEST => sink.push(
+        ContractKind::Gouge if bound > MAX_GOUGE_MM => sink.push(
             warning(format!("a gouge of {} is allowed", length(bound)))
                 .label(contract.span, "this contract hardly forbids anything")
-                .help(format!("write `gouge <= {} um`, or a bound of at most {}", trim(bound, 3), length(DEEPEST))),
+                .help(format!(
+                    "write `gouge <= {} um`, or a bound of at most {}",
+                    trim(bound, 3),
+                    length(MAX_GOUGE_MM)
+                )),
         ),
         ContractKind::Gouge if chord.get() > bound => sink.push(
             warning(format!("the tolerance `chord` of {chord} is larger than the gouge that a contract allows"))
@@ -197,7 +201,9 @@ fn loose(contract: &ContractSpec, kind: ContractKind, sink: &mut Sink) {
     let (over, than) = match kind {
         ContractKind::Excess => (value > LARGEST_EXCESS, format!("`excess <= {LARGEST_EXCESS} mm`")),
         ContractKind::Rest => (value > LARGEST_REST, format!("`rest <= {LARGEST_REST} mm`")),
-        ContractKind::ContourError => (value > DEEPEST, format!("`contour-error <= {} um`", trim(DEEPEST * 1e3, 0))),
+        ContractKind::ContourError => {
+            (value > MAX_GOUGE_MM, format!("`contour-error <= {} um`", trim(MAX_GOUGE_MM * 1e3, 0)))
+        }
         ContractKind::OrientationError => (value > WIDEST, format!("`orientation-error <= {WIDEST} deg`")),
         // A cutter has an arc of 180 deg in a slot, and never more.
         ContractKind::Engagement(_) => (value >= 180.0, "an arc below 180 deg".to_owned()),

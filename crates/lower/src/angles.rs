@@ -8,8 +8,8 @@ use base::source::Span;
 use base::units::{length, trim};
 use blade::angles::limits::{LEAST_LENGTH, OFF_ENDS};
 use blade::angles::{
-    AngleBlade, CamberAngles, CamberRow, CamberSurface, Distribution, EdgeLine, FaultKind, MadeFault, MeridianByLength,
-    MeridionalPatch, STEEPEST, SectionFault, SurfaceResidual, Thickness, made,
+    AngleBlade, CamberAngles, CamberRow, CamberSurface, Distribution, EdgeLine, FaultKind, MAX_CAMBER_ANGLE, MadeFault,
+    MeridianByLength, MeridionalPatch, SectionFault, SurfaceResidual, Thickness, made,
 };
 use blade::loft::{LoftFault, LoftedBlade};
 use blade::outline::Side;
@@ -201,7 +201,7 @@ impl AngleBladeGiven<'_> {
             FaultKind::Steep(beta) => on(
                 codes::STEEP,
                 format!("the camber line of {name} runs round the axis"),
-                format!("beta is {} there; less than {} is possible", deg(beta), deg(STEEPEST)),
+                format!("beta is {} there; less than {} is possible", deg(beta), deg(MAX_CAMBER_ANGLE)),
                 angles,
             )
             .help("let theta change less over the way, or give smaller values of beta"),

@@ -19,7 +19,7 @@ use wheel::part::{Blade, BladeId, FaceId, Part, RulingEnd, Surface};
 const TURNED: f64 = 1e-9;
 
 /// Stations along a curve that the checks look at.
-const STATIONS: usize = 64;
+const CURVE_STATIONS: usize = 64;
 
 /// Number of intervals along a ruling.
 const HEIGHTS: usize = 8;
@@ -31,7 +31,7 @@ const MIN_HEIGHT: f64 = 0.1;
 const OFF_HUB: f64 = 0.005;
 
 fn u(i: usize) -> f64 {
-    i as f64 / STATIONS as f64
+    i as f64 / CURVE_STATIONS as f64
 }
 
 fn meridian(p: &Point3<f64>) -> Vector2<f64> {
@@ -67,7 +67,8 @@ pub(super) fn ends(spec: &PartSpec, sink: &mut Sink) -> Result<(), Aborted> {
 pub(super) fn meridians(faces: &[&FaceCurves<'_>], sink: &mut Sink) -> Result<(), Aborted> {
     let before = sink.count();
     for (name, text, curve) in faces.iter().flat_map(|face| face.curves()) {
-        let nearest = (0..=STATIONS).map(|i| curve.point(u(i))).min_by(|a, b| meridian(a).x.total_cmp(&meridian(b).x));
+        let nearest =
+            (0..=CURVE_STATIONS).map(|i| curve.point(u(i))).min_by(|a, b| meridian(a).x.total_cmp(&meridian(b).x));
         if let Some(p) = nearest.filter(|p| meridian(p).x < MIN_RADIUS) {
             sink.push(
                 Diag::error(
@@ -108,7 +109,7 @@ pub(super) fn heights(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(
         let (text, name) = (face_text(spec, part, side), name_of(spec, part, side));
         let (root, tip) = (surface.root().point(0.0), surface.tip().point(0.0));
         let swapped = meridian(&tip).x <= meridian(&root).x;
-        let low = (0..=STATIONS)
+        let low = (0..=CURVE_STATIONS)
             .map(|i| surface.tip().point(u(i)))
             .map(|p| (p, part.hub.distance(&p)))
             .min_by(|a, b| a.1.total_cmp(&b.1))
@@ -162,7 +163,7 @@ pub(super) fn own_meridians(spec: &PartSpec, curves: [&NurbsCurve; 2], sink: &mu
     for ((name, given), curve) in [("hub", &spec.hub), ("shroud", &spec.shroud)].into_iter().zip(curves) {
         let RevolvedSpec::Own(own) = given else { continue };
         let radius = |p: &Point3<f64>| meridian(p).x;
-        let nearest = (0..=STATIONS).map(|i| curve.point(u(i))).min_by(|a, b| radius(a).total_cmp(&radius(b)));
+        let nearest = (0..=CURVE_STATIONS).map(|i| curve.point(u(i))).min_by(|a, b| radius(a).total_cmp(&radius(b)));
         if let Some(p) = nearest.filter(|p| radius(p) < MIN_RADIUS) {
             sink.push(
                 Diag::error(codes::AXIS, format!("the {name} comes to {} from the axis", length(radius(&p))))
@@ -235,7 +236,7 @@ fn crossing(part: &Part, id: BladeId) -> Option<(f64, f64)> {
 }
 
 fn grid() -> impl Iterator<Item = (f64, f64)> {
-    (0..=STATIONS).flat_map(|i| (0..=HEIGHTS).map(move |j| (u(i), j as f64 / HEIGHTS as f64)))
+    (0..=CURVE_STATIONS).flat_map(|i| (0..=HEIGHTS).map(move |j| (u(i), j as f64 / HEIGHTS as f64)))
 }
 
 /// A place where the normal vanishes, or differs by more than a right angle from the normal in the middle of its
@@ -331,7 +332,7 @@ pub(super) fn extensions(spec: &PartSpec, part: &Part, doubt: Option<&str>, sink
             let curve = if tip { face.tip() } else { face.root() };
             // Above the hub, or below the shroud.
             let gap = |p: &Point3<f64>| surface.distance(p) * if tip { -1.0 } else { 1.0 };
-            let points = (0..=STATIONS).map(|i| curve.point(u(i)));
+            let points = (0..=CURVE_STATIONS).map(|i| curve.point(u(i)));
             points.map(|p| (gap(&p), side, p)).max_by(|a, b| a.0.total_cmp(&b.0))
         };
         let Some((gap, side, p)) = part.faces().filter_map(short).max_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
@@ -371,7 +372,7 @@ pub(super) fn off_hub(spec: &PartSpec, part: &Part, sink: &mut Sink) {
         for side in part.faces() {
             let guides = &part.face(side).surface;
             let curve = if tip { guides.tip() } else { guides.root() };
-            let farthest = (0..=STATIONS)
+            let farthest = (0..=CURVE_STATIONS)
                 .map(|i| curve.point(u(i)))
                 .map(|p| (surface.distance(&p), p))
                 .max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
@@ -410,7 +411,7 @@ pub(super) fn tips_left(job: &Job, program: &Program, sink: &mut Sink) {
 
 /// Checks that the blank contains the part.
 pub(super) fn stock(job: &Job, part: &Part, sink: &mut Sink) {
-    let lowest = (0..=STATIONS).map(|i| part.hub.meridian(u(i)).point.y).fold(f64::INFINITY, f64::min);
+    let lowest = (0..=CURVE_STATIONS).map(|i| part.hub.meridian(u(i)).point.y).fold(f64::INFINITY, f64::min);
     if job.stock.back.get() >= lowest {
         sink.push(
             Diag::error(codes::STOCK, "the stock ends inside the part")
@@ -430,7 +431,7 @@ pub(super) fn stock(job: &Job, part: &Part, sink: &mut Sink) {
                 .help("put `below` at the back of the stock or lower; without `below` the clamping begins at the back"),
         );
     }
-    let narrowest = (0..=STATIONS).map(|i| part.hub.meridian(u(i)).point.x).fold(f64::INFINITY, f64::min);
+    let narrowest = (0..=CURVE_STATIONS).map(|i| part.hub.meridian(u(i)).point.x).fold(f64::INFINITY, f64::min);
     if job.stock.bore.get() / 2.0 >= narrowest {
         sink.push(
             Diag::error(codes::STOCK, "the bore of the stock cuts into the hub")

@@ -8,7 +8,7 @@ use nalgebra::{Point3, Vector2};
 use nurbs::{GeomError, NurbsCurve, interpolate};
 
 /// Number of chords that are searched for crossings.
-const PIECES: usize = 128;
+const CROSSING_CHORDS: usize = 128;
 
 /// The meridian through the points of the job, at azimuth 0. Only radius and height count: files have meridians whose azimuth
 /// changes.
@@ -77,11 +77,11 @@ fn point_fault(error: &GeomError, spec: &CurveSpec, name: &str) -> Diag {
 
 /// Reports a curve whose meridian crosses itself: no surface of revolution and no channel has such a wall.
 fn crossing(curve: &NurbsCurve, spec: &CurveSpec, name: &str, sink: &mut Sink) {
-    let at = |i: usize| curve.point(i as f64 / PIECES as f64);
-    let space: Vec<Point3<f64>> = (0..=PIECES).map(at).collect();
+    let at = |i: usize| curve.point(i as f64 / CROSSING_CHORDS as f64);
+    let space: Vec<Point3<f64>> = (0..=CROSSING_CHORDS).map(at).collect();
     let flat: Vec<Vector2<f64>> = space.iter().map(|p| Vector2::new(libm::hypot(p.x, p.y), p.z)).collect();
-    for i in 0..PIECES {
-        for j in i + 2..PIECES {
+    for i in 0..CROSSING_CHORDS {
+        for j in i + 2..CROSSING_CHORDS {
             if segments_cross(flat[i], flat[i + 1], flat[j], flat[j + 1]) {
                 sink.push(
                     Diag::error(codes::CURVE_CROSSES, format!("the {name} curve crosses itself in the meridian plane"))
@@ -89,8 +89,8 @@ fn crossing(curve: &NurbsCurve, spec: &CurveSpec, name: &str, sink: &mut Sink) {
                         .place(
                             format!(
                                 "{name} curve, u = {:.2} and {:.2}",
-                                i as f64 / PIECES as f64,
-                                j as f64 / PIECES as f64
+                                i as f64 / CROSSING_CHORDS as f64,
+                                j as f64 / CROSSING_CHORDS as f64
                             ),
                             space[i],
                         )

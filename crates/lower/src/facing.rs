@@ -9,7 +9,7 @@ use nurbs::NurbsCurve;
 use nurbs::revolution::Revolution;
 
 /// Stations along a meridian.
-const STATIONS: usize = 64;
+const MERIDIAN_STATIONS: usize = 64;
 
 /// Component of the normal of the hub, as a mean along the meridian, from which on it clearly faces to a side: a tenth of what a
 /// hub has that faces there everywhere.
@@ -22,9 +22,9 @@ const RATIO: f64 = 200.0;
 
 /// Mean of the unit normal (r, z) out of the material along a meridian.
 fn mean_normal(hub: &Revolution) -> Vector2<f64> {
-    let at = |i: usize| i as f64 / STATIONS as f64;
+    let at = |i: usize| i as f64 / MERIDIAN_STATIONS as f64;
     let (mut sum, mut length) = (Vector2::zeros(), 0.0);
-    for i in 0..STATIONS {
+    for i in 0..MERIDIAN_STATIONS {
         let way = (hub.meridian(at(i + 1)).point - hub.meridian(at(i)).point).norm();
         sum += hub.meridian_normal(0.5 * (at(i) + at(i + 1))) * way;
         length += way;
@@ -61,9 +61,9 @@ pub(super) fn same_way(spec: &PartSpec, [hub, shroud]: [&NurbsCurve; 2], sink: &
 
 /// Checks that the shroud lies outside of the hub: otherwise they are exchanged.
 pub(super) fn exchanged(spec: &PartSpec, [hub, shroud]: [&Revolution; 2], sink: &mut Sink) -> Result<(), Aborted> {
-    let stations = (0..=STATIONS).map(|i| shroud.meridian(i as f64 / STATIONS as f64).point);
+    let stations = (0..=MERIDIAN_STATIONS).map(|i| shroud.meridian(i as f64 / MERIDIAN_STATIONS as f64).point);
     let inside = stations.filter(|p| hub.distance(&Point3::new(p.x, 0.0, p.y)) < 0.0).count();
-    if 2 * inside <= STATIONS {
+    if 2 * inside <= MERIDIAN_STATIONS {
         return Ok(());
     }
     sink.push(
@@ -91,7 +91,9 @@ pub(super) fn upside_down(spec: &PartSpec, hub: &Revolution, sink: &mut Sink) {
 /// What is doubtful about the size of a part, against its largest tool; for people.
 pub(super) fn size(curves: [&NurbsCurve; 2], tools: &[ToolSpec]) -> Option<String> {
     let radius = |p: &Point3<f64>| libm::hypot(p.x, p.y);
-    let points = curves.into_iter().flat_map(|curve| (0..=STATIONS).map(|i| curve.point(i as f64 / STATIONS as f64)));
+    let points = curves
+        .into_iter()
+        .flat_map(|curve| (0..=MERIDIAN_STATIONS).map(|i| curve.point(i as f64 / MERIDIAN_STATIONS as f64)));
     let part = 2.0 * points.map(|p| radius(&p)).fold(0.0, f64::max);
     let largest = tools.iter().max_by(|a, b| a.diameter.get().total_cmp(&b.diameter.get()))?;
     let ratio = part / largest.diameter.get();

@@ -284,7 +284,7 @@ fn part_axes([x, z]: [[f64; 3]; 2]) -> Rotation3<f64> {
 
 /// Largest sine of the angle between the axis of a table and that of a part that is clamped on it: a measured table is
 /// less oblique.
-const ACROSS: f64 = 0.0175;
+const MAX_TILT_SINE: f64 = 0.0175;
 
 /// Refuses a part that nobody set across the axis of its table: most likely it turns about this axis.
 ///
@@ -293,7 +293,7 @@ const ACROSS: f64 = 0.0175;
 fn check_part_axis(spec: &MachineSpec, machine: &Machine, sink: &mut Sink) -> Result<(), Aborted> {
     let [_, table] = machine.chain.axes();
     let across = libm::hypot(table.direction.x, table.direction.y);
-    if spec.part_direction || table.carries == Carries::Tool || across < ACROSS {
+    if spec.part_direction || table.carries == Carries::Tool || across < MAX_TILT_SINE {
         return Ok(());
     }
     let name = &machine.rotary[1].name;
@@ -332,7 +332,7 @@ fn check_table(spec: &MachineSpec, machine: &Machine, sink: &mut Sink) -> Result
     let turning = second.carries == Carries::Part;
     let about = if turning { second.direction.into_inner() } else { Vector3::z() };
     let [_, _, part] = machine.part_directions();
-    if spec.table.is_none() || about.cross(&part).norm() < ACROSS {
+    if spec.table.is_none() || about.cross(&part).norm() < MAX_TILT_SINE {
         return Ok(());
     }
     let axis = if turning { format!("the axis {}", machine.rotary[1].name) } else { "Z".to_owned() };

@@ -27,7 +27,7 @@ pub(super) struct SectionBlade<'a> {
     pub(super) side: Option<Side>,
 }
 
-const EDGES: [&str; 2] = ["leading edge", "trailing edge"];
+const EDGE_NAMES: [&str; 2] = ["leading edge", "trailing edge"];
 
 /// The blade through its sections, and the side of its pressure face; faults and what was found go to the sink.
 pub(super) fn fitted(given: &SectionBlade<'_>, sink: &mut Sink) -> Option<(Blade, Side)> {
@@ -100,9 +100,9 @@ fn points_are_good(section: &LoopSpec, sink: &mut Sink) -> bool {
 /// The sections with their faces and edges, as if each pressure face were at the greater azimuth.
 fn divided(given: &SectionBlade<'_>, name: &str, sink: &mut Sink) -> Option<Vec<DividedSection>> {
     /// Points of the hub that tell the leading edge.
-    const PLACES: u32 = 200;
-    let hub: Vec<[f64; 2]> = (0..=PLACES)
-        .map(|i| given.hub.point(f64::from(i) / f64::from(PLACES)))
+    const HUB_POINTS: u32 = 200;
+    let hub: Vec<[f64; 2]> = (0..=HUB_POINTS)
+        .map(|i| given.hub.point(f64::from(i) / f64::from(HUB_POINTS)))
         .map(|p| [libm::hypot(p.x, p.y), p.z])
         .collect();
     let known = Known { inlet: Inlet::Meridian(&hub), pressure: Side::Greater };
@@ -132,7 +132,7 @@ fn divided(given: &SectionBlade<'_>, name: &str, sink: &mut Sink) -> Option<Vec<
 
 /// The section with edges of the stated forms. An edge that is cut off is straight between its corners.
 fn with_forms(mut found: DividedSection, spec: &SectionsSpec) -> Result<DividedSection, String> {
-    for (edge, name) in EDGES.iter().enumerate() {
+    for (edge, name) in EDGE_NAMES.iter().enumerate() {
         let points = &mut found.outline.edges[edge];
         match (found.edges[edge].form, spec.edges[edge]) {
             (EdgeForm::Sharp, _) => {
@@ -168,10 +168,10 @@ fn not_lofted(name: &str, given: &SectionBlade<'_>, fault: &LoftFault) -> Diag {
     match fault {
         LoftFault::EdgesDiffer { edge, section: k } => Diag::error(
             codes::SECTION,
-            format!("the {} of {name} is round in some sections and cut off in others", EDGES[*edge]),
+            format!("the {} of {name} is round in some sections and cut off in others", EDGE_NAMES[*edge]),
         )
         .label(span(*k), format!("section {} is the first that differs from section {}", section(*k), section(0)))
-        .help(format!("state the form: `{0} round` or `{0} cut-off`", EDGES[*edge].replace(' ', "-"))),
+        .help(format!("state the form: `{0} round` or `{0} cut-off`", EDGE_NAMES[*edge].replace(' ', "-"))),
         LoftFault::Points { section: k } => {
             Diag::error(codes::SECTION, format!("section {} of {name} gives no curve", section(*k)))
                 .label(span(*k), "these points")

@@ -22,7 +22,7 @@ const TIME_ROUNDING: f64 = 1e-12;
 /// Margin of moves whose words are those of another place, tip in mm and angles in radians. A move of a subprogram differs
 /// from its first place by at most the rounding of the arithmetic, and so does the turn of each unit of it from that of the
 /// whole, in both positions.
-const TURNED: (f64, f64) = (4.0 * repeats::ROUNDING.0, 4.0 * repeats::ROUNDING.1);
+const TURNED: (f64, f64) = (4.0 * repeats::POSITION_ROUNDING.0, 4.0 * repeats::POSITION_ROUNDING.1);
 
 /// What reading back found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -150,7 +150,7 @@ const COEFFICIENTS: f64 = 1e-6;
 /// Compares the polynomials of a block. Two curves of one degree are nowhere farther apart than their control points.
 fn same_curve(program: &Program, meant: &PoseCurve, read: &PoseCurve, result: &mut ReadBack) -> Result<(), String> {
     fn apart<const N: usize>(a: &[SVector<f64, N>], b: &[SVector<f64, N>]) -> f64 {
-        let [a, b] = [a, b].map(|control| bezier::elevated(control, bezier::MOST_DEGREE));
+        let [a, b] = [a, b].map(|control| bezier::elevated(control, bezier::MAX_BEZIER_DEGREE));
         a.iter().zip(&b).map(|(p, q)| (p - q).amax()).fold(0.0, f64::max)
     }
     let digits = &program.post.control.decimals;

@@ -12,7 +12,7 @@ pub fn nearest_turn(angle: f64, about: f64) -> f64 {
 const NARROW: f64 = 0.9;
 
 /// Sine of the angle between two directions below which the chord is the arc.
-const STRAIGHT: f64 = 1e-9;
+const PARALLEL_SINE: f64 = 1e-9;
 
 /// Direction at a share of the even turn from one unit vector to another, on their great circle. Opposite ones have no great
 /// circle of their own: of those the first.
@@ -22,7 +22,7 @@ pub fn great_arc(from: &Vector3<f64>, to: &Vector3<f64>, share: f64) -> Vector3<
     let angle = if narrow { libm::atan2(from.cross(to).norm(), cosine) } else { libm::acos(cosine) };
     let sine = libm::sin(angle);
     // Opposite directions end here too.
-    if sine < STRAIGHT {
+    if sine < PARALLEL_SINE {
         return if angle < 1.0 { (from + (to - from) * share).normalize() } else { *from };
     }
     (from * libm::sin((1.0 - share) * angle) + to * libm::sin(share * angle)) / sine

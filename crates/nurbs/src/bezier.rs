@@ -3,7 +3,7 @@
 use nalgebra::SVector;
 
 /// Largest degree.
-pub const MOST_DEGREE: usize = 5;
+pub const MAX_BEZIER_DEGREE: usize = 5;
 
 /// Value at a parameter in [0, 1] (de Casteljau).
 pub fn value<const N: usize>(control: &[SVector<f64, N>], t: f64) -> SVector<f64, N> {
@@ -13,7 +13,7 @@ pub fn value<const N: usize>(control: &[SVector<f64, N>], t: f64) -> SVector<f64
 /// Value of the symmetric multi-affine form of the curve; `at` gives the argument of each of its steps. With equal arguments
 /// it is the value of the curve.
 fn blossom<const N: usize>(control: &[SVector<f64, N>], at: impl Fn(usize) -> f64) -> SVector<f64, N> {
-    let mut row = [SVector::zeros(); MOST_DEGREE + 1];
+    let mut row = [SVector::zeros(); MAX_BEZIER_DEGREE + 1];
     let count = control.len().min(row.len());
     row[..count].copy_from_slice(&control[..count]);
     for step in 1..count {
@@ -100,7 +100,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn control() -> impl Strategy<Value = Vec<Vector2<f64>>> {
-        proptest::collection::vec([-9.0..9.0_f64, -9.0..9.0].prop_map(Vector2::from), 2..=MOST_DEGREE + 1)
+        proptest::collection::vec([-9.0..9.0_f64, -9.0..9.0].prop_map(Vector2::from), 2..=MAX_BEZIER_DEGREE + 1)
     }
 
     /// Sum of control points with Bernstein polynomials.
@@ -136,8 +136,8 @@ mod tests {
 
         #[test]
         fn an_elevated_curve_is_the_same(control in control(), t in 0.0..1.0_f64) {
-            let elevated = elevated(&control, MOST_DEGREE);
-            prop_assert_eq!(elevated.len(), MOST_DEGREE + 1);
+            let elevated = elevated(&control, MAX_BEZIER_DEGREE);
+            prop_assert_eq!(elevated.len(), MAX_BEZIER_DEGREE + 1);
             prop_assert!((value(&elevated, t) - value(&control, t)).norm() < 1e-11);
         }
 

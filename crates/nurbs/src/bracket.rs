@@ -87,7 +87,7 @@ pub fn greatest(mut f: impl FnMut(f64) -> f64, [mut low, mut high]: [f64; 2], se
 }
 
 /// Largest number of steps of [`root`]; Newton's method needs some six.
-const STEPS: usize = 60;
+const MAX_ROOT_STEPS: usize = 60;
 
 /// Length of a step of [`root`] that is rounding.
 const STEP_ROUNDING: f64 = 1e-15;
@@ -97,7 +97,7 @@ const STEP_ROUNDING: f64 = 1e-15;
 /// which is rounding of parameters in [0, 1], or after 60 steps.
 pub fn root([mut low, mut high]: [f64; 2], start: f64, mut at: impl FnMut(f64) -> [f64; 2]) -> f64 {
     let mut x = start;
-    for _ in 0..STEPS {
+    for _ in 0..MAX_ROOT_STEPS {
         let [value, slope] = at(x);
         if value == 0.0 {
             break;

@@ -1,14 +1,14 @@
 //! The path of a tool axis as dual NURBS: two curves on common knots and parameter (Wei 1 for both).
 
 use super::basis::{self, Basis};
-use super::bezier::MOST_DEGREE;
+use super::bezier::MAX_BEZIER_DEGREE;
 use super::knots::{bezier, clamped, inserted, with_knot};
 use super::least_squares::SoughtSpline;
 use super::spline_fit;
 use nalgebra::{Point3, Rotation3, SVector, Vector3};
 
 /// Places of the basis functions.
-const PLACES: usize = MOST_DEGREE + 1;
+const BASIS_PLACES: usize = MAX_BEZIER_DEGREE + 1;
 
 /// Two B-splines of degree 3 or 5 on common knots: a point of the tool axis near the tip, and a point further up.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,8 +44,8 @@ impl DualCurve {
     /// their spans end where the error of all of them is about the same. `None` for too few pairs.
     pub fn quintics(pairs: &[[Point3<f64>; 2]], spans: usize) -> Option<Self> {
         let (places, parameters): (Vec<_>, Vec<f64>) = places(pairs).zip(parameters(pairs)).unzip();
-        let inner = spline_fit::even_knots(&places, &parameters, MOST_DEGREE, spans)?;
-        Self::nearest_to(pairs, MOST_DEGREE, &inner)
+        let inner = spline_fit::even_knots(&places, &parameters, MAX_BEZIER_DEGREE, spans)?;
+        Self::nearest_to(pairs, MAX_BEZIER_DEGREE, &inner)
     }
 
     /// The curves with single inner knots.
@@ -114,7 +114,7 @@ impl DualCurve {
         6 * (self.degree + 1)
     }
 
-    fn basis(&self, t: f64, order: usize) -> Basis<PLACES> {
+    fn basis(&self, t: f64, order: usize) -> Basis<BASIS_PLACES> {
         // A degree that the compiler knows unrolls the loops.
         match self.degree {
             3 => basis::of_degree(&self.knots, 3, t, order),
@@ -123,7 +123,7 @@ impl DualCurve {
     }
 
     /// Index of the first control point with a weight at `t`, and the weights of as many as the degree and one more.
-    pub fn weights(&self, t: f64) -> (usize, [f64; PLACES]) {
+    pub fn weights(&self, t: f64) -> (usize, [f64; BASIS_PLACES]) {
         let basis = self.basis(t, 0);
         (basis.first, basis.values[0])
     }
@@ -257,7 +257,7 @@ pub struct Pieces {
 #[derive(Clone, Debug)]
 enum Polynomials {
     Cubic(Vec<DualPiece<4>>),
-    Quintic(Vec<DualPiece<PLACES>>),
+    Quintic(Vec<DualPiece<BASIS_PLACES>>),
 }
 
 impl Pieces {
@@ -311,7 +311,7 @@ fn rate<const P: usize>(c: &[Vector3<f64>; P], x: f64) -> Vector3<f64> {
 }
 
 /// Coefficients of the powers by Bezier control points; those above the degree are zero.
-fn powers(control: &[Vector3<f64>]) -> [Vector3<f64>; PLACES] {
+fn powers(control: &[Vector3<f64>]) -> [Vector3<f64>; BASIS_PLACES] {
     let powers = super::bezier::powers(control);
     std::array::from_fn(|k| powers.get(k).copied().unwrap_or_else(Vector3::zeros))
 }
@@ -335,7 +335,7 @@ impl AxisAt {
     }
 }
 
-fn mix(points: &[Point3<f64>], weights: &[f64; PLACES]) -> Vector3<f64> {
+fn mix(points: &[Point3<f64>], weights: &[f64; BASIS_PLACES]) -> Vector3<f64> {
     points.iter().zip(weights).fold(Vector3::zeros(), |sum, (p, w)| sum + p.coords * *w)
 }
 
@@ -355,7 +355,7 @@ impl TryFrom<StoredDual> for DualCurve {
     type Error = crate::GeomError;
 
     fn try_from(StoredDual { degree, knots, lower, upper }: StoredDual) -> Result<Self, crate::GeomError> {
-        if ![basis::MAX_DEGREE, MOST_DEGREE].contains(&degree) {
+        if ![basis::MAX_DEGREE, MAX_BEZIER_DEGREE].contains(&degree) {
             return Err(crate::GeomError::Degree(degree));
         }
         if lower.len() != upper.len() {

@@ -8,7 +8,7 @@ use super::NurbsSurface;
 use nalgebra::{Matrix2, Matrix3, Point3, Vector2, Vector3, Vector4};
 
 /// Sine of an angle below which two directions are one.
-const NO_DIRECTION: f64 = 1e-9;
+const PARALLEL_SINE: f64 = 1e-9;
 
 /// A cone of directions over an ellipse.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +28,7 @@ pub struct EllipticCone {
 pub fn frame_about(w: &Vector3<f64>, across: &Vector3<f64>) -> [Vector3<f64>; 3] {
     let mut least = Vector3::zeros();
     least[w.iamin()] = 1.0;
-    let y = (across - w * across.dot(w)).try_normalize(NO_DIRECTION).unwrap_or_else(|| w.cross(&least).normalize());
+    let y = (across - w * across.dot(w)).try_normalize(PARALLEL_SINE).unwrap_or_else(|| w.cross(&least).normalize());
     [y.cross(w), y, *w]
 }
 
@@ -134,5 +134,5 @@ impl EllipticCone {
 pub fn project(frame: &[Vector3<f64>; 3], d: &Vector3<f64>) -> Option<Vector2<f64>> {
     let [x, y, w] = frame;
     let height = d.dot(w);
-    (height > NO_DIRECTION * d.norm()).then(|| Vector2::new(d.dot(x), d.dot(y)) / height)
+    (height > PARALLEL_SINE * d.norm()).then(|| Vector2::new(d.dot(x), d.dot(y)) / height)
 }

@@ -27,10 +27,10 @@ pub struct BandMetric {
 }
 
 /// Places over a disk at which the maximum is searched, before its refinement.
-const LOOKS: usize = 12;
+const DISK_PLACES: usize = 12;
 
 /// Golden section steps: they give the place to 1e-6 of the disk, and the height to the square of that.
-const SECTIONS: usize = 24;
+const GOLDEN_SECTIONS: usize = 24;
 
 impl BandMetric {
     /// Tabulates a metric with the lengths per unit of x and of y (both positive) as functions of x, at `count` (at
@@ -136,10 +136,10 @@ impl BandMetric {
                     }
                     reached
                 };
-                let look = |i: usize| x + half * (2.0 * i as f64 / LOOKS as f64 - 1.0);
-                let best = (0..=LOOKS).max_by(|a, b| height(look(*a)).total_cmp(&height(look(*b)))).unwrap_or(0);
-                let (low, high) = (look(best.saturating_sub(1)), look((best + 1).min(LOOKS)));
-                sign * greatest(height, [low, high], SECTIONS).max(height(x))
+                let look = |i: usize| x + half * (2.0 * i as f64 / DISK_PLACES as f64 - 1.0);
+                let best = (0..=DISK_PLACES).max_by(|a, b| height(look(*a)).total_cmp(&height(look(*b)))).unwrap_or(0);
+                let (low, high) = (look(best.saturating_sub(1)), look((best + 1).min(DISK_PLACES)));
+                sign * greatest(height, [low, high], GOLDEN_SECTIONS).max(height(x))
             })
             .collect()
     }

@@ -2,7 +2,7 @@
 
 use super::NurbsCurve;
 use super::basis::{self, MAX_DEGREE};
-use super::bezier::MOST_DEGREE;
+use super::bezier::MAX_BEZIER_DEGREE;
 use nalgebra::{SVector, Vector4};
 
 /// The smallest knot vector that contains both, each knot with the larger of both multiplicities.
@@ -63,7 +63,7 @@ pub(super) fn inserted<T: Copy>(
 /// start (The NURBS Book, 5.6). `control` are the points with a weight there, one more than the degree, which is at most five.
 pub fn bezier<const N: usize>(knots: &[f64], control: &[SVector<f64, N>], span: usize) -> Vec<SVector<f64, N>> {
     let degree = control.len() - 1;
-    let mut own = [SVector::zeros(); MOST_DEGREE + 1];
+    let mut own = [SVector::zeros(); MAX_BEZIER_DEGREE + 1];
     own[..=degree].copy_from_slice(control);
     let point = |k: usize| {
         let end = |step: usize| knots[if step < degree - k { span } else { span + 1 }];

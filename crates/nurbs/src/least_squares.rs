@@ -5,7 +5,7 @@
 //! spline is closed.
 
 use super::basis;
-use super::bezier::MOST_DEGREE;
+use super::bezier::MAX_BEZIER_DEGREE;
 use super::envelope_cholesky;
 use nalgebra::{DMatrix, SVector};
 
@@ -78,7 +78,7 @@ impl<const N: usize> SoughtSpline<'_, N> {
     }
 
     fn add_point(&self, equations: &mut NormalEquations, point: SVector<f64, N>, u: f64) {
-        let basis = basis::of_degree::<{ MOST_DEGREE + 1 }>(self.knots, self.degree, u, 0);
+        let basis = basis::of_degree::<{ MAX_BEZIER_DEGREE + 1 }>(self.knots, self.degree, u, 0);
         let entry = |k: usize| ((basis.first + k) % self.count(), basis.values[0][k]);
         let entries = || (0..=self.degree).map(entry);
         let mut rest = point;

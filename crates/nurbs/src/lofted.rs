@@ -41,16 +41,16 @@ impl PartialEq for Seeds {
 }
 
 /// Seeds along u, as for ruled surfaces.
-const ALONG: usize = 48;
+const U_SEEDS: usize = 48;
 
 /// Seeds between two sections.
-const BETWEEN: usize = 4;
+const SECTION_SEEDS: usize = 4;
 
 /// Mean distance below which two sections count as coincident, mm.
 const SAME_SECTION: f64 = 1e-5;
 
 /// Stations along a section at which its distance to the next section is measured.
-const STATIONS: u32 = 16;
+const SECTION_STATIONS: u32 = 16;
 
 /// Places of sections from 0 to 1, by the mean distances of neighbours. A section may consist of several curves.
 ///
@@ -64,8 +64,8 @@ pub fn places(sections: &[Vec<&NurbsCurve>]) -> Result<Vec<f64>, GeomError> {
     let mut sum = 0.0;
     for (k, pair) in sections.windows(2).enumerate() {
         let apart = |(a, b): (&&NurbsCurve, &&NurbsCurve)| -> f64 {
-            let at = (0..=STATIONS).map(|i| f64::from(i) / f64::from(STATIONS));
-            at.map(|u| (b.point(u) - a.point(u)).norm()).sum::<f64>() / f64::from(STATIONS + 1)
+            let at = (0..=SECTION_STATIONS).map(|i| f64::from(i) / f64::from(SECTION_STATIONS));
+            at.map(|u| (b.point(u) - a.point(u)).norm()).sum::<f64>() / f64::from(SECTION_STATIONS + 1)
         };
         let mean = pair[0].iter().zip(&pair[1]).map(apart).sum::<f64>() / pair[0].len().max(1) as f64;
         if !(mean > SAME_SECTION && mean.is_finite()) {
@@ -280,7 +280,7 @@ impl LoftedSurface {
 
     /// Points of a patch on a grid: column after column of equal u.
     fn grid(&self, patch: Patch) -> Vec<Vector3<f64>> {
-        let across = BETWEEN * (self.sections.len() - 1);
+        let across = SECTION_SEEDS * (self.sections.len() - 1);
         // The line at each u, and the weights at each v, are computed once.
         let rows: Vec<(usize, [f64; MAX_DEGREE + 1])> = (0..=across)
             .map(|j| {
@@ -291,9 +291,9 @@ impl LoftedSurface {
                 (basis.first, std::array::from_fn(weight))
             })
             .collect();
-        let mut points = Vec::with_capacity((ALONG + 1) * (across + 1));
-        for i in 0..=ALONG {
-            let line = self.line(between(patch.u, i, ALONG));
+        let mut points = Vec::with_capacity((U_SEEDS + 1) * (across + 1));
+        for i in 0..=U_SEEDS {
+            let line = self.line(between(patch.u, i, U_SEEDS));
             let point = |(first, weights): &(usize, [f64; MAX_DEGREE + 1])| -> Vector3<f64> {
                 line[*first..].iter().zip(weights).map(|(c, weight)| c * *weight).sum()
             };
@@ -305,7 +305,7 @@ impl LoftedSurface {
     /// Closest point of a patch: distances on a grid, then Newton's method from each local minimum of the grid, inside
     /// the patch.
     pub fn closest(&self, p: &Point3<f64>, patch: Patch) -> Projection {
-        let across = BETWEEN * (self.sections.len() - 1);
+        let across = SECTION_SEEDS * (self.sections.len() - 1);
         let of_patch;
         let grid = if patch == Patch::WHOLE {
             self.seeds.0.get_or_init(|| self.grid(Patch::WHOLE))
@@ -316,14 +316,14 @@ impl LoftedSurface {
         let distances: Vec<f64> = grid.iter().map(|point| (point - p.coords).norm()).collect();
         let distance = |i: usize, j: usize| distances[i * (across + 1) + j];
         let mut best: Option<Projection> = None;
-        for i in 0..=ALONG {
+        for i in 0..=U_SEEDS {
             for j in 0..=across {
-                let around = (i.saturating_sub(1)..=(i + 1).min(ALONG))
+                let around = (i.saturating_sub(1)..=(i + 1).min(U_SEEDS))
                     .flat_map(|a| (j.saturating_sub(1)..=(j + 1).min(across)).map(move |b| (a, b)));
                 if around.into_iter().any(|(a, b)| distance(a, b) < distance(i, j)) {
                     continue;
                 }
-                let found = self.refine(p, [between(patch.u, i, ALONG), between(patch.v, j, across)], patch);
+                let found = self.refine(p, [between(patch.u, i, U_SEEDS), between(patch.v, j, across)], patch);
                 if best.is_none_or(|b| found.distance < b.distance) {
                     best = Some(found);
                 }
@@ -341,9 +341,9 @@ impl LoftedSurface {
     /// reduce the distance are halved.
     fn refine(&self, p: &Point3<f64>, start: [f64; 2], patch: Patch) -> Projection {
         /// Largest number of steps; from a seed about six are enough.
-        const STEPS: usize = 40;
+        const MAX_PROJECTION_STEPS: usize = 40;
         let mut best = self.projection(p, start);
-        for _ in 0..STEPS {
+        for _ in 0..MAX_PROJECTION_STEPS {
             let s = self.derivatives(best.u, best.v);
             let gap = s.point - p;
             let (gu, gv) = (gap.dot(&s.su), gap.dot(&s.sv));

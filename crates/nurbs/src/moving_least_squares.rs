@@ -21,7 +21,7 @@ const WIDTH: f64 = 0.85;
 const RADIUS: f64 = 3.2;
 
 /// Largest growth of width and radius at rims and corners, where fewer points are near.
-const GROWTH: f64 = 2.0;
+const MAX_WIDTH_GROWTH: f64 = 2.0;
 
 /// Terms of the quadratic patch, and of the cubic one.
 const TERMS: [usize; 2] = [6, 10];
@@ -48,7 +48,7 @@ pub fn curvature(
 ) -> Option<SurfaceCurvature> {
     let normal = normals[point].try_normalize(0.5)?;
     let mut width = WIDTH * mesh.mean_edge(point);
-    let most = GROWTH * width;
+    let most = MAX_WIDTH_GROWTH * width;
     let mut near = mesh.within(point, RADIUS * width);
     while near.len() < CUBIC_POINTS && width < most {
         width *= 1.1;

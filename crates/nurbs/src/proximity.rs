@@ -5,7 +5,7 @@ use super::bracket::root;
 use nalgebra::Point3;
 
 /// Least step of the search by halving, as a share of the curve.
-const LEAST_STEP: f64 = 1e-10;
+const MIN_SEARCH_STEP: f64 = 1e-10;
 
 /// A rectangle of the parameter plane of a surface. It may extend beyond [0, 1]: guides and rulings continue straight.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,7 +47,7 @@ pub struct ClosestPair {
 
 /// Seeds along u. A surface that turns by about a right angle turns by 1 or 2 deg between seeds. This is far
 /// less than a second minimum between two seeds would need.
-const SEEDS: usize = 48;
+const U_SEEDS: usize = 48;
 
 /// Seeds along u of each surface in the search of a closest pair.
 const PAIR_SEEDS: usize = 40;
@@ -71,15 +71,15 @@ impl RuledSurface {
     /// Closest point of a patch: distances of all seeds, then Newton's method inside the brackets of the local minima,
     /// on the derivative of the distance to the ruling, with bisection where Newton's method leaves the bracket.
     pub fn closest(&self, p: &Point3<f64>, patch: Patch) -> Projection {
-        let seeds: [f64; SEEDS + 1] =
-            std::array::from_fn(|i| self.on_ruling(p, at(patch.u, i, SEEDS), patch.v).distance);
+        let seeds: [f64; U_SEEDS + 1] =
+            std::array::from_fn(|i| self.on_ruling(p, at(patch.u, i, U_SEEDS), patch.v).distance);
         let mut best: Option<Projection> = None;
-        for i in 0..=SEEDS {
+        for i in 0..=U_SEEDS {
             let left = i == 0 || seeds[i] <= seeds[i - 1];
-            let right = i == SEEDS || seeds[i] <= seeds[i + 1];
+            let right = i == U_SEEDS || seeds[i] <= seeds[i + 1];
             if left && right {
-                let bracket = [at(patch.u, i.saturating_sub(1), SEEDS), at(patch.u, (i + 1).min(SEEDS), SEEDS)];
-                let found = self.refine(p, at(patch.u, i, SEEDS), bracket, patch.v);
+                let bracket = [at(patch.u, i.saturating_sub(1), U_SEEDS), at(patch.u, (i + 1).min(U_SEEDS), U_SEEDS)];
+                let found = self.refine(p, at(patch.u, i, U_SEEDS), bracket, patch.v);
                 if best.is_none_or(|b| found.distance < b.distance) {
                     best = Some(found);
                 }
@@ -124,7 +124,7 @@ impl RuledSurface {
                 let (mut a, mut b, mut d) = (at(patch.u, i, n), at(other_patch.u, j, n), here);
                 let (wide, other_wide) = (patch.u[1] - patch.u[0], other_patch.u[1] - other_patch.u[0]);
                 let mut step = 0.5 / n as f64;
-                while step > LEAST_STEP {
+                while step > MIN_SEARCH_STEP {
                     let moves = [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1)];
                     let better = moves.iter().find_map(|(da, db)| {
                         let x = (a + f64::from(*da) * step * wide).clamp(patch.u[0], patch.u[1]);

@@ -60,7 +60,7 @@ impl Meridian {
 
 /// Seeds of the closest point search. A meridian turns by about a right angle. Each of 64 pieces turns by
 /// 1 or 2 deg, and contains no second minimum.
-const SEEDS: usize = 64;
+const MERIDIAN_SEEDS: usize = 64;
 
 impl Revolution {
     /// The surface of a generating curve. `outside` is a point (r, z) on the side to which the normal points.
@@ -76,7 +76,8 @@ impl Revolution {
 
     /// The surface of a generating curve with its side: +1 or -1.
     pub(crate) fn oriented(generator: NurbsCurve, orientation: f64) -> Self {
-        let seeds = (0..=SEEDS).map(|i| Meridian::of(&generator, i as f64 / SEEDS as f64).point).collect();
+        let seeds =
+            (0..=MERIDIAN_SEEDS).map(|i| Meridian::of(&generator, i as f64 / MERIDIAN_SEEDS as f64).point).collect();
         let ends = [0.0, 1.0].map(|u| Meridian::of(&generator, u));
         Self { generator, orientation, seeds, ends }
     }
@@ -140,8 +141,8 @@ impl Revolution {
         // Each seed that is nearer than its neighbours starts a search between these neighbours.
         let mut before = f64::INFINITY;
         let mut here = square(0);
-        for i in 0..=SEEDS {
-            let after = if i < SEEDS { square(i + 1) } else { f64::INFINITY };
+        for i in 0..=MERIDIAN_SEEDS {
+            let after = if i < MERIDIAN_SEEDS { square(i + 1) } else { f64::INFINITY };
             if here <= before && here <= after {
                 take(self.stationary_near(at, i));
             }
@@ -163,7 +164,7 @@ impl Revolution {
     /// Parameter near a seed where the vector to a point is perpendicular to the meridian, or the end of the curve.
     /// Newton's method inside the bracket of the neighbouring seeds, with bisection where it leaves the bracket.
     fn stationary_near(&self, at: Vector2<f64>, seed: usize) -> f64 {
-        let step = 1.0 / SEEDS as f64;
+        let step = 1.0 / MERIDIAN_SEEDS as f64;
         let start = seed as f64 * step;
         let slope = |u: f64| {
             let m = self.meridian(u);

@@ -26,10 +26,10 @@ const SMOOTH: f64 = 1e-7;
 const MOST_SPANS: usize = 400;
 
 /// Spans are halved down to this part of the tolerance, to compare fits.
-const FINER: f64 = 32.0;
+const HALVED_TOLERANCE: f64 = 32.0;
 
 /// Places of a span at which directions are compared.
-const LOOKS: usize = 6;
+const SPAN_PLACES: usize = 6;
 
 /// Turn that is worth more knots, rad: a wave 1 mm long and 0.01 um high adds 2e-4.
 const LESS_TURN: f64 = 1e-4;
@@ -103,8 +103,10 @@ pub fn fit_rows(rows: &[Row], closed: bool, tolerance: f64) -> Option<RowFit> {
         // For the tolerance two points of all rows are enough: fewer say nothing of the curve between them. A row without
         // points in a half may turn there, so that for less than the tolerance each row has two.
         let needed = found.failing(&inner, tolerance, |row, i| rows[row].judged[i]);
-        let finer =
-            found.failing(&inner, tolerance / FINER, |_, _| true).into_iter().filter(|span| !needed.contains(span));
+        let finer = found
+            .failing(&inner, tolerance / HALVED_TOLERANCE, |_, _| true)
+            .into_iter()
+            .filter(|span| !needed.contains(span));
         let finer = finer.filter_map(|span| halving(rows, span, |points| points.iter().all(|n| *n >= 2)));
         let halves: Vec<f64> = needed
             .iter()
@@ -201,8 +203,8 @@ impl RowFit {
         let domain = &self.knots[DEGREE..self.knots.len() - DEGREE];
         let along = |curve: &NurbsCurve| {
             let places = domain.windows(2).flat_map(|span| {
-                let step = (span[1] - span[0]) / LOOKS as f64;
-                (0..LOOKS).map(move |k| span[0] + step * (k as f64 + 0.5))
+                let step = (span[1] - span[0]) / SPAN_PLACES as f64;
+                (0..SPAN_PLACES).map(move |k| span[0] + step * (k as f64 + 0.5))
             });
             let tangents: Vec<Vector3<f64>> = places.map(|u| curve.derivatives(u).first).collect();
             tangents

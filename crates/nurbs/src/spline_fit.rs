@@ -5,7 +5,7 @@
 //! Guide to Splines, XII).
 
 use super::basis;
-use super::bezier::MOST_DEGREE;
+use super::bezier::MAX_BEZIER_DEGREE;
 use super::bracket::last_whole;
 use super::knots::{bezier, clamped};
 use super::least_squares::SoughtSpline;
@@ -38,7 +38,7 @@ pub fn fit<const N: usize>(
     degree: usize,
     off: impl Fn(usize, &SVector<f64, N>) -> f64,
 ) -> Result<Vec<Vec<SVector<f64, N>>>, usize> {
-    if points.len() != parameters.len() || points.len() < 3 || !(3..=MOST_DEGREE).contains(&degree) {
+    if points.len() != parameters.len() || points.len() < 3 || !(3..=MAX_BEZIER_DEGREE).contains(&degree) {
         return Err(points.len() / 2);
     }
     let mut inner: Vec<f64> = Vec::new();
@@ -67,9 +67,9 @@ pub fn even_knots<const N: usize>(
     spans: usize,
 ) -> Option<Vec<f64>> {
     /// Spans of the spline whose derivatives tell the density, for each span that is asked for.
-    const FINER: usize = 4;
+    const DENSITY_SPANS: usize = 4;
     let (first, last) = (*parameters.first()?, *parameters.last()?);
-    let fine = FINER * spans;
+    let fine = DENSITY_SPANS * spans;
     let inner: Vec<f64> = (1..fine).map(|k| first + (last - first) * k as f64 / fine as f64).collect();
     let found = FittedSpline::least_squares(points, parameters, degree, &inner)?;
     Some(evened(&found.densities(), spans))
@@ -146,7 +146,7 @@ impl<const N: usize> FittedSpline<N> {
     }
 
     fn value(&self, u: f64) -> SVector<f64, N> {
-        let basis = basis::of_degree::<{ MOST_DEGREE + 1 }>(&self.knots, self.degree, u, 0);
+        let basis = basis::of_degree::<{ MAX_BEZIER_DEGREE + 1 }>(&self.knots, self.degree, u, 0);
         (0..=self.degree).map(|j| self.control[basis.first + j] * basis.values[0][j]).sum()
     }
 

@@ -1,6 +1,6 @@
 //! Tolerance budget that the contracts leave to a plan of flank milling.
 
-use five_axis::pose_curve::CHORD;
+use five_axis::pose_curve::MAX_CHORD_ERROR_MM;
 use ir::{OperationId, Program};
 use wheel::contract::ContractKind;
 use wheel::method::ErrorSide;
@@ -38,7 +38,8 @@ fn bounds(program: &Program, operation: OperationId, class: SurfaceClass) -> Bou
 /// What the interpolation between stations may take of a bound, mm: the chord tolerance. Spline blocks are proved on chords, whose
 /// distance from the curve is in the samples and once more in the bound, which is not as sharp.
 pub fn interpolation(program: &Program) -> f64 {
-    program.tolerances.chord.get() + if program.control().spline_form().is_some() { 3.0 * CHORD } else { 0.0 }
+    program.tolerances.chord.get()
+        + if program.control().spline_form().is_some() { 3.0 * MAX_CHORD_ERROR_MM } else { 0.0 }
 }
 
 /// Difference between each bound of a contract and the budget of the plan, mm.

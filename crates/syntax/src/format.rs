@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 
 /// Blanks of one level of indentation.
-const LEVEL: usize = 2;
+const INDENT: usize = 2;
 
 /// Blanks before a comment at the end of a line, and between two entries on one line.
 const WIDE: usize = 2;
@@ -361,10 +361,10 @@ fn indents(lines: &[JobLine<'_>]) -> Vec<usize> {
             match outer.pieces[piece].kind {
                 TokenKind::Open(b'[' | b'(') if !ends_line => from + outer.width(piece) + outer.pieces[piece].gap + 1,
                 _ if closes => from,
-                _ => from + LEVEL,
+                _ => from + INDENT,
             }
         });
-        indents.push(base + if line.goes_on { LEVEL } else { 0 });
+        indents.push(base + if line.goes_on { INDENT } else { 0 });
     }
     indents
 }

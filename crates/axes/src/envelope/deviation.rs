@@ -159,7 +159,7 @@ fn rate(pieces: &Pieces, tool: &Mounted<'_>, t: f64, target: &Target) -> RatedDe
 /// end.
 fn between(pieces: &Pieces, tool: &Mounted<'_>, target: &Target, ends: [RatedDeviation; 2]) -> Deviation {
     /// Largest number of iterations; the secant method needs about six.
-    const STEPS: usize = 40;
+    const MAX_SECANT_STEPS: usize = 40;
     let [a, b] = ends.map(|end| end.deviation);
     let rates = ends.map(|end| end.rate);
     if rates[0] >= 0.0 || rates[1] <= 0.0 {
@@ -168,7 +168,7 @@ fn between(pieces: &Pieces, tool: &Mounted<'_>, target: &Target, ends: [RatedDev
     let mut bracket = SecantBracket::new([a.t, b.t], rates);
     let width = bracket.width();
     let mut found = a;
-    for _ in 0..STEPS {
+    for _ in 0..MAX_SECANT_STEPS {
         let t = bracket.next().clamp(bracket.ends[0], bracket.ends[1]);
         let RatedDeviation { deviation, rate } = rate(pieces, tool, t, target);
         found = deviation;

@@ -38,13 +38,13 @@ pub struct Eased {
 const SECOND_DERIVATIVE_WEIGHT: f64 = 1e-7;
 
 /// Stations at which the motion is summed.
-const STATIONS: usize = 120;
+const MOTION_STATIONS: usize = 120;
 
 /// Rows of a rotary axis: speeds between stations, then accelerations at stations with two neighbours.
-const ROWS: usize = 2 * STATIONS - 1;
+const AXIS_ROWS: usize = 2 * MOTION_STATIONS - 1;
 
 /// First trust region for few and for many steps, mm, and the number of steps that counts as many.
-const TRUST: [f64; 2] = [0.15, 0.05];
+const TRUST_REGION_MM: [f64; 2] = [0.15, 0.05];
 const LONG: usize = 10;
 
 /// Trust region at which the iteration stops, mm.
@@ -82,7 +82,7 @@ pub fn ease(
     let before = now.sum();
     // The path of the least motion among all paths so far that keep the bounds.
     let mut held = (curve.clone(), before);
-    let mut trust = TRUST[usize::from(most < LONG)];
+    let mut trust = TRUST_REGION_MM[usize::from(most < LONG)];
     let (mut steps, mut idle, mut back) = (0, 0, 0);
     let mut kept = Vec::new();
     while back < BACK && trust > NARROW {
@@ -142,7 +142,7 @@ struct RotaryMotion {
 
 impl RotaryMotion {
     fn new(curve: &DualCurve, rotary: &Rotary<'_>, reach: f64) -> Self {
-        let axes: Vec<AxisAt> = (0..=STATIONS).map(|i| curve.at(i as f64 / STATIONS as f64)).collect();
+        let axes: Vec<AxisAt> = (0..=MOTION_STATIONS).map(|i| curve.at(i as f64 / MOTION_STATIONS as f64)).collect();
         let mut at: Vec<[f64; 2]> = Vec::with_capacity(axes.len());
         let mut turns = Vec::with_capacity(axes.len());
         for axis in &axes {
@@ -155,11 +155,11 @@ impl RotaryMotion {
             turns.push(found.map(|(_, g)| (g - axis.axis * g.dot(&axis.axis)) / axis.length));
         }
         let ways = axes.windows(2).map(|w| (w[1].lower - w[0].lower).norm_squared().sqrt().max(NO_WAY)).collect();
-        let mut motion = Self { axes, turns, ways, reach, residual: vec![0.0; 2 * ROWS] };
-        for row in 0..ROWS {
+        let mut motion = Self { axes, turns, ways, reach, residual: vec![0.0; 2 * AXIS_ROWS] };
+        for row in 0..AXIS_ROWS {
             let weights = motion.weights(row);
             motion.residual[row] = weights.iter().map(|(i, w)| at[*i][0] * w).sum();
-            motion.residual[ROWS + row] = weights.iter().map(|(i, w)| at[*i][1] * w).sum();
+            motion.residual[AXIS_ROWS + row] = weights.iter().map(|(i, w)| at[*i][1] * w).sum();
         }
         motion
     }
@@ -170,11 +170,11 @@ impl RotaryMotion {
 
     /// Stations in a row, with their weights: first the rows of speed, then the rows of acceleration.
     fn weights(&self, row: usize) -> [(usize, f64); 3] {
-        if row < STATIONS {
+        if row < MOTION_STATIONS {
             let w = 1.0 / self.ways[row].sqrt();
             return [(row, -w), (row + 1, w), (row, 0.0)];
         }
-        let i = row - STATIONS + 1;
+        let i = row - MOTION_STATIONS + 1;
         let (a, b) = (self.ways[i - 1], self.ways[i]);
         let f = self.reach / (0.5 * (a + b)).sqrt();
         [(i - 1, f / a), (i, -f / a - f / b), (i + 1, f / b)]
@@ -191,7 +191,7 @@ impl RotaryMotion {
             (Band::new(curve.unknowns(), curve.entries() + 6 * spread - 1), vec![0.0; curve.unknowns()]);
         let mut entries = vec![0.0; curve.entries() + 6 * spread];
         for k in 0..2 {
-            for row in 0..ROWS {
+            for row in 0..AXIS_ROWS {
                 let weights = self.weights(row);
                 let first = 6 * bases[weights[0].0.min(weights[2].0)].0;
                 entries.fill(0.0);
@@ -209,7 +209,7 @@ impl RotaryMotion {
                 let used = entries.len().min(slope.len() - first);
                 hessian.add_square(first, &entries[..used], 1.0);
                 for (to, a) in slope[first..first + used].iter_mut().zip(&entries) {
-                    *to += a * self.residual[k * ROWS + row];
+                    *to += a * self.residual[k * AXIS_ROWS + row];
                 }
             }
         }

@@ -10,7 +10,7 @@ use nurbs::DualCurve;
 const LEAST_DAMPING: f64 = 1e-12;
 
 /// Largest number of steps; after about ten nothing changes.
-const STEPS: usize = 15;
+const MAX_FIT_STEPS: usize = 15;
 
 /// Damping as a share of the mean of the diagonal. A shift of the curve along itself changes no deviation, so that the
 /// problem is singular without it.
@@ -40,7 +40,7 @@ fn with_violation(start: &DualCurve, tool: &Mounted<'_>, targets: &[Target]) -> 
     let mut measured = Measured::new(&curve, tool, targets);
     let mut now = sum(&measured);
     let at_start = measured.worst(targets);
-    for _ in 0..STEPS {
+    for _ in 0..MAX_FIT_STEPS {
         let n = curve.unknowns();
         let mut normal = Band::new(n, curve.entries() - 1);
         let mut right = vec![0.0; n];

@@ -21,11 +21,11 @@ pub struct Best {
 }
 
 /// Largest number of steps.
-const STEPS: usize = 40;
+const MAX_MINIMAX_STEPS: usize = 40;
 
 /// First trust region, mm: half of the shift over which the deviations of a blade differ from the linear model by less
 /// than 1 um.
-const TRUST: f64 = 0.05;
+const TRUST_REGION_MM: f64 = 0.05;
 
 /// Trust region at which the iteration stops, mm.
 const NARROWEST_TRUST_MM: f64 = 1e-4;
@@ -59,10 +59,10 @@ fn descended(start: &DualCurve, tool: &Mounted<'_>, targets: &[Target], gain: f6
     let mut curve = start.clone();
     let mut measured = Measured::new(&curve, tool, targets);
     let mut now = measured.widening(targets);
-    let mut trust = TRUST;
+    let mut trust = TRUST_REGION_MM;
     let mut steps = 0;
     let mut kept = Vec::new();
-    while steps < STEPS && now > NO_WIDENING_MM && trust > NARROWEST_TRUST_MM {
+    while steps < MAX_MINIMAX_STEPS && now > NO_WIDENING_MM && trust > NARROWEST_TRUST_MM {
         steps += 1;
         let rows = Row::all(&curve, &measured);
         let values: Vec<f64> = measured.at.iter().map(|d| d.value).collect();

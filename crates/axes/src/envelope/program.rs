@@ -6,10 +6,10 @@
 //! and for matrices that do not change.
 
 use super::band::{Band, Factor, dot};
-use nurbs::bezier::MOST_DEGREE;
+use nurbs::bezier::MAX_BEZIER_DEGREE;
 
 /// Factors of a bound, at most: for the control points of both curves on which a place depends.
-pub(super) const MOST_ENTRIES: usize = 6 * (MOST_DEGREE + 1);
+pub(super) const MOST_ENTRIES: usize = 6 * (MAX_BEZIER_DEGREE + 1);
 
 /// A bound: a x <= limit + give w.
 #[derive(Clone, Copy, Debug)]
@@ -39,14 +39,14 @@ pub(super) struct QuadraticProgram<'a> {
 }
 
 /// Most steps; some twelve are needed.
-const STEPS: usize = 50;
+const MAX_PROGRAM_STEPS: usize = 50;
 
 /// Largest residuals of bounds and slopes at the end; then the largest gap to the optimum, as a share and as a number.
-const OFF: f64 = 1e-7;
+const MAX_RESIDUALS: f64 = 1e-7;
 const GAP: [f64; 2] = [1e-4, 1e-5];
 
 /// Share of the distance to the border that a step covers.
-const INSIDE: f64 = 0.995;
+const BORDER_SHARE: f64 = 0.995;
 
 /// A number for each bound: the given bounds, the upper and lower ends of all unknowns, and the widening.
 #[derive(Clone)]
@@ -135,7 +135,7 @@ impl QuadraticProgram<'_> {
             (left.widening, weight.widening) = (1.0, 0.0);
         }
         let largest = limits.all().fold(1.0, |m: f64, r| if r.is_finite() { m.max(r.abs()) } else { m });
-        for _ in 0..STEPS {
+        for _ in 0..MAX_PROGRAM_STEPS {
             let taken = self.taken(&x, w);
             // Residuals of bounds and slopes.
             let bounds = Each::of(|taken, left, limit| taken + left - limit, &taken, &left, &limits);
@@ -148,7 +148,8 @@ impl QuadraticProgram<'_> {
             let value = 0.5 * dot(&px, &x) + dot(self.linear, &x) + w;
             let worst = off.bounds.all().fold(0.0, |m: f64, x| m.max(x.abs()));
             let steep = off.slope.iter().fold(off.widening.abs(), |m, x| m.max(x.abs()));
-            if worst <= OFF * largest && steep <= 1e3 * OFF && gap <= GAP[0] * value.abs() + GAP[1] {
+            if worst <= MAX_RESIDUALS * largest && steep <= 1e3 * MAX_RESIDUALS && gap <= GAP[0] * value.abs() + GAP[1]
+            {
                 return Some((x, w));
             }
             let share = Each::of(|weight, left, _| weight / left, &weight, &left, &left);
@@ -170,7 +171,7 @@ impl QuadraticProgram<'_> {
                 complement.widening = 0.0;
             }
             let change = self.towards(&complement, &off, &left, &share, &normal);
-            let step = (INSIDE * left.step(&change.left).min(weight.step(&change.weight))).min(1.0);
+            let step = (BORDER_SHARE * left.step(&change.left).min(weight.step(&change.weight))).min(1.0);
             if step < 1e-7 {
                 return None;
             }

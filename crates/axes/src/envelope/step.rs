@@ -54,7 +54,7 @@ struct Side {
 }
 
 /// Largest number of programs for one step.
-const ROUNDS: usize = 12;
+const MAX_PROGRAMS: usize = 12;
 
 /// Number of bounds in the first program, and of bounds that join per round.
 const JOIN: usize = 100;
@@ -108,7 +108,7 @@ pub(super) fn best(model: &Model<'_>, aim: &Aim<'_>, kept: &mut Vec<usize>) -> O
         nearest.sort_by(|a, b| a.target.cmp(&b.target).then(a.sign.total_cmp(&b.sign)));
         active.extend(nearest);
     }
-    for _ in 0..ROUNDS {
+    for _ in 0..MAX_PROGRAMS {
         let step = solve(model, aim, &active, unit)?;
         let over = |side: &Side| {
             side.sign * model.rows[side.target].times(&step.shift) - side.limit - side.give * step.widening

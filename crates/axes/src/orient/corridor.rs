@@ -16,16 +16,16 @@ use std::f64::consts::TAU;
 const SIDES: usize = 12;
 
 /// Largest number of linearisations.
-const ROUNDS: i32 = 14;
+const MAX_LINEARISATIONS: i32 = 14;
 
 /// Largest change of an angle in the first round, radians; the map is nearly linear over this change.
-const TRUST: f64 = 0.2;
+const TRUST_REGION: f64 = 0.2;
 
 /// Factor of the largest change from one round to the next.
 const SHORTER: f64 = 0.65;
 
 /// Scale of the polygon in the ellipse.
-const INSIDE: f64 = 0.98;
+const POLYGON_SCALE: f64 = 0.98;
 
 /// Change of all angles below which the iteration stops, radians.
 const SETTLED: f64 = 1e-5;
@@ -88,10 +88,10 @@ impl Corridor {
         let mut run = start.to_vec();
         let mut change = f64::INFINITY;
         let mut round: i32 = 0;
-        while round < ROUNDS && change > SETTLED {
+        while round < MAX_LINEARISATIONS && change > SETTLED {
             round += 1;
             // Smaller steps each round: the error of the linearised map is quadratic in the step.
-            let trust = TRUST * SHORTER.powi(round - 1);
+            let trust = TRUST_REGION * SHORTER.powi(round - 1);
             let Some(next) = self.solve(&run, weights, trust, tool_axis) else {
                 let (station, level) = self.worst(&run, tool_axis);
                 // What the solver found in the round before may do.
@@ -198,7 +198,7 @@ impl Corridor {
         let jacobian = Matrix2::from_columns(&[by(step, 0.0)?, by(0.0, step)?]);
         let to_circle = cone.to_circle();
         let (turned, offset) = (to_circle * jacobian, to_circle * (here - cone.centre));
-        let inner = INSIDE * libm::cos(TAU / (2.0 * SIDES as f64));
+        let inner = POLYGON_SCALE * libm::cos(TAU / (2.0 * SIDES as f64));
         for side in 0..SIDES {
             let (sin, cos) = libm::sincos(TAU * side as f64 / SIDES as f64);
             let out = Vector2::new(cos, sin);

@@ -10,8 +10,8 @@ use nurbs::EllipticCone;
 use std::f64::consts::TAU;
 
 /// Rings, and axes per ring, that are tried in a cone.
-const RINGS: usize = 4;
-const AROUND: usize = 16;
+const CONE_RINGS: usize = 4;
+const AXES_PER_RING: usize = 16;
 
 /// A contact of the greedy choice.
 #[derive(Clone, Copy, Debug)]
@@ -51,11 +51,11 @@ pub fn choose(
         };
         let mut best = contact.cone.axis();
         let mut least = cost(&best);
-        for ring in 1..=RINGS {
+        for ring in 1..=CONE_RINGS {
             // The rim itself is left out, since rounding could put it on either side.
-            let radius = 0.999 * ring as f64 / RINGS as f64;
-            for k in 0..AROUND {
-                let (sin, cos) = libm::sincos(TAU * k as f64 / AROUND as f64);
+            let radius = 0.999 * ring as f64 / CONE_RINGS as f64;
+            for k in 0..AXES_PER_RING {
+                let (sin, cos) = libm::sincos(TAU * k as f64 / AXES_PER_RING as f64);
                 let at = contact.cone.from_disc(&Vector2::new(radius * cos, radius * sin));
                 let axis = contact.cone.direction(&at);
                 let found = cost(&axis);

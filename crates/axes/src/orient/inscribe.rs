@@ -16,13 +16,13 @@ const NO_SPREAD: f64 = 1e-12;
 const RAYS: usize = 16;
 
 /// Step along a ray in the plane at height one: about 4 deg, less than the narrowest obstacle.
-const STEP: f64 = 0.07;
+const RAY_STEP: f64 = 0.07;
 
 /// Bisection steps for the boundary of the set: to a twentieth of a degree.
-const HALVINGS: usize = 6;
+const BORDER_BISECTIONS: usize = 6;
 
 /// Rounds of the pattern search, each with finer steps.
-const ROUNDS: usize = 24;
+const SEARCH_ROUNDS: usize = 24;
 
 /// Factor by which an ellipse shrinks when its proof fails.
 const SHRINK: f64 = 0.9;
@@ -65,14 +65,14 @@ pub fn inscribe(
             let (sin, cos) = libm::sincos(TAU * k as f64 / RAYS as f64);
             let along = |r: f64| seed + Vector2::new(cos, sin) * r;
             let mut inside = 0.0;
-            while inside < reach && clear(&direction(&along(inside + STEP)), 0.0) {
-                inside += STEP;
+            while inside < reach && clear(&direction(&along(inside + RAY_STEP)), 0.0) {
+                inside += RAY_STEP;
             }
             if inside >= reach {
                 return along(reach);
             }
-            let border = Bracket { holds: inside, fails: inside + STEP };
-            along(border.halved(HALVINGS, |r| clear(&direction(&along(r)), 0.0)).holds)
+            let border = Bracket { holds: inside, fails: inside + RAY_STEP };
+            along(border.halved(BORDER_BISECTIONS, |r| clear(&direction(&along(r)), 0.0)).holds)
         })
         .collect();
     let mut cone = largest_between(frame, seed, &ends)?;
@@ -133,7 +133,7 @@ fn largest_between(frame: &[Vector3<f64>; 3], seed: Vector2<f64>, ends: &[Vector
         best = sized(&at);
     }
     let mut step = [lengths[0] * 0.5, lengths[0] * 0.5, 0.4, 0.3];
-    for _ in 0..ROUNDS {
+    for _ in 0..SEARCH_ROUNDS {
         let mut better = false;
         for k in 0..4 {
             for sign in [1.0, -1.0] {

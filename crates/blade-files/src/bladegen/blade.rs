@@ -8,7 +8,7 @@ use crate::found::{Found, within};
 use crate::lines::malformed;
 use base::source::Span;
 use base::units::trim;
-use blade::angles::limits::{OFF_ENDS, RATIOS, SPANS, THICKNESSES};
+use blade::angles::limits::{MAX_SPANS, OFF_ENDS, RATIOS, THICKNESSES};
 use blade::angles::{CamberSurface, EdgeShape, FaultKind, MeridionalPatch, SectionFault, Thickness};
 use diagnostics::Diag;
 use diagnostics::codes::import as codes;
@@ -106,7 +106,7 @@ impl CurveReader<'_> {
         block.must_be("SpanwiseDistribution", "General")?;
         let mut rows = Vec::new();
         for curve in block.all("AngleCurve") {
-            within(rows.len() + 1, SPANS, "layers of a blade", curve.line.span)?;
+            within(rows.len() + 1, MAX_SPANS, "layers of a blade", curve.line.span)?;
             let at = self.meridional.layer(curve)?;
             rows.push((StatedAtSpan { at, says: self.angle(curve, at)? }, curve.line.span));
         }
@@ -156,7 +156,7 @@ impl CurveReader<'_> {
         block.must_be("SpanwiseDistribution", "General")?;
         let mut rows = Vec::new();
         for curve in block.all("ThicknessCurve") {
-            within(rows.len() + 1, SPANS, "layers of a blade", curve.line.span)?;
+            within(rows.len() + 1, MAX_SPANS, "layers of a blade", curve.line.span)?;
             curve.only(&["Layer", "HorizDim"], &["Segment"])?;
             let at = self.meridional.layer(curve)?;
             let mut says = self.on_layer(curve, at)?;

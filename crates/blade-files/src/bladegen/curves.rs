@@ -9,20 +9,20 @@ use crate::lines::{Line, malformed};
 use crate::meridian;
 use base::source::Span;
 use blade::angles::MeridianByLength;
-use blade::angles::limits::{LEAST_LENGTH, STEP, VALUES};
+use blade::angles::limits::{LEAST_LENGTH, MIN_SHARE_STEP, VALUES};
 use diagnostics::Diag;
 use diagnostics::codes::import as codes;
 use nalgebra::Point3;
 use nurbs::{NurbsCurve, interpolate};
 
 /// Pieces of a meridian between the points that are written of it: those of splines, which have few, come between their own.
-const PIECES: f64 = 200.0;
+const MERIDIAN_PIECES: f64 = 200.0;
 
 /// Largest gap between two segments of a curve, mm. Files have seven digits or more.
 const JOINED: f64 = 1e-3;
 
 /// Largest turn of a meridian from one segment to the next, rad: 5 deg. One curve goes through all of them.
-const CORNER: f64 = 5.0 * std::f64::consts::PI / 180.0;
+const MAX_MERIDIAN_TURN: f64 = 5.0 * std::f64::consts::PI / 180.0;
 
 /// Largest distance of the first and last value of a curve from 0 % and 100 % of the way. BladeGen writes 99.9992 for 100.
 const OFF_ENDS: f64 = 1e-4;
@@ -35,7 +35,7 @@ pub(super) struct MeridionalCurve {
     /// The curve through them.
     pub(super) line: MeridianByLength,
     pub(super) at: Span,
-    /// Turns between segments of more than [`CORNER`], rad, with the places (r, z) and lines.
+    /// Turns between segments of more than [`MAX_MERIDIAN_TURN`], rad, with the places (r, z) and lines.
     corners: Vec<(f64, [f64; 2], Span)>,
 }
 
@@ -43,14 +43,14 @@ impl MeridionalCurve {
     /// Refuses a blade that ends before it begins, by its lengths along the curve, mm, and corners near to it; others are noted.
     pub(super) fn holds_blade(&self, name: &str, [from, to]: [f64; 2], found: &mut Found) -> Result<(), Diag> {
         /// Share of the length of the blade beyond its ends that belongs to the wheel, with a margin.
-        const BEYOND: f64 = 0.15;
+        const WHEEL_SHARE: f64 = 0.15;
         if to - from < LEAST_LENGTH {
             let label = format!("the blade goes from {from:.3} to {to:.3} mm along this curve");
             return Err(Diag::error(codes::CONTRADICTS, format!("on the {name} the blade ends before it begins"))
                 .label(self.at, label)
                 .help("let hub and shroud run from inlet to outlet; check that both edges are not exchanged"));
         }
-        let beyond = BEYOND * (to - from);
+        let beyond = WHEEL_SHARE * (to - from);
         for (turn, place, at) in &self.corners {
             let (length, _) = self.line.nearest(*place);
             let turn = turn.to_degrees();
@@ -134,7 +134,7 @@ pub(super) fn meridional(block: &ModelSection<'_>, frame: &Frame) -> Result<Meri
         if let Some((before, _, _)) = splines.last() {
             let turn = joined(before, &curve, part.line)?;
             let p = curve.point(0.0);
-            corners.extend((turn > CORNER).then_some((turn, [p.x, p.z], part.line.span)));
+            corners.extend((turn > MAX_MERIDIAN_TURN).then_some((turn, [p.x, p.z], part.line.span)));
         }
         splines.push((curve, points.len(), part.line));
     }
@@ -146,8 +146,8 @@ pub(super) fn meridional(block: &ModelSection<'_>, frame: &Frame) -> Result<Meri
     let mut points = Vec::new();
     for ((curve, given, _), length) in splines.iter().zip(&lengths) {
         // A straight line needs no points between its ends, but the curves beside it do.
-        let pieces = if splines.len() == 1 && *given == 2 { 1.0 } else { (PIECES * length / whole).ceil() };
-        let pieces = if pieces.is_finite() { pieces.clamp(1.0, PIECES) } else { 1.0 };
+        let pieces = if splines.len() == 1 && *given == 2 { 1.0 } else { (MERIDIAN_PIECES * length / whole).ceil() };
+        let pieces = if pieces.is_finite() { pieces.clamp(1.0, MERIDIAN_PIECES) } else { 1.0 };
         let pieces = (pieces as usize).max(given - 1);
         let from = usize::from(!points.is_empty());
         points.extend((from..=pieces).map(|k| curve.point(k as f64 / pieces as f64)).map(|p| [p.x, p.z]));
@@ -202,7 +202,7 @@ pub(super) fn values(block: &ModelSection<'_>, off_ends: &mut f64) -> Result<Vec
         } else {
             share
         };
-        if values.last().is_some_and(|[before, _]| share - before < STEP) {
+        if values.last().is_some_and(|[before, _]| share - before < MIN_SHARE_STEP) {
             return Err(line.fault("values do not follow each other", "0.01 % more than before is expected"));
         }
         values.push([share, *value]);

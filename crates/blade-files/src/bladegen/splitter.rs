@@ -15,8 +15,8 @@ use diagnostics::Diag;
 use diagnostics::codes::import as codes;
 
 /// Spans of the splitter, and places along it, at which angles and thicknesses are taken from the main blade.
-const SPANS: usize = 9;
-const PLACES: usize = 48;
+const SPLITTER_SPANS: usize = 9;
+const SAMPLED_PLACES: usize = 48;
 
 /// Largest distance from the main blade, mm, half way between these places.
 const OFF_MAIN: f64 = 0.01;
@@ -83,12 +83,12 @@ pub(super) fn splitter(
             .label(cut.at, "this cut")
             .help("let the cut lie between the leading and the trailing edge of the main blade")
     };
-    for k in 0..SPANS {
-        let span = k as f64 / (SPANS - 1) as f64;
+    for k in 0..SPLITTER_SPANS {
+        let span = k as f64 / (SPLITTER_SPANS - 1) as f64;
         let (mut theta, mut thickness) = (Vec::new(), Vec::new());
         let mut near = [0.5, span];
-        for j in 0..=PLACES {
-            let way = j as f64 / PLACES as f64;
+        for j in 0..=SAMPLED_PLACES {
+            let way = j as f64 / SAMPLED_PLACES as f64;
             let [angle, thick, _] = on_main.at(way, span, &mut near).ok_or_else(outside)?;
             if !(-1e-3..=1.001).contains(&near[0]) {
                 return Err(outside());
@@ -121,11 +121,11 @@ pub(super) fn splitter(
 /// lines round the axis, and of half the thicknesses.
 fn off_main(on_main: &OnMain<'_>, camber: &CamberSurface, thickness: &Thickness) -> Option<f64> {
     let mut worst = 0.0_f64;
-    for k in 0..SPANS - 1 {
-        let span = (k as f64 + 0.5) / (SPANS - 1) as f64;
+    for k in 0..SPLITTER_SPANS - 1 {
+        let span = (k as f64 + 0.5) / (SPLITTER_SPANS - 1) as f64;
         let mut near = [0.5, span];
-        for j in 0..PLACES {
-            let way = (j as f64 + 0.5) / PLACES as f64;
+        for j in 0..SAMPLED_PLACES {
+            let way = (j as f64 + 0.5) / SAMPLED_PLACES as f64;
             let [theta, thick, r] = on_main.at(way, span, &mut near)?;
             worst = worst.max((camber.theta(way, span) - theta).abs() * r);
             worst = worst.max(0.5 * (thickness.at(way, span) - thick).abs());

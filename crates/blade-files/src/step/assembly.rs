@@ -13,7 +13,7 @@ use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Deepest nesting of assemblies that is read.
-const DEEPEST: usize = 8;
+const MAX_NESTING: usize = 8;
 
 /// Most places at which a part may stand.
 const MOST_PLACES: usize = 1000;
@@ -222,8 +222,8 @@ impl Assembly {
                     .label(standing.span, "this placement")
                     .help("export the wheel as a part of its own")
             };
-            if depth >= DEEPEST {
-                return Err(fault(format!("assemblies are nested more than {DEEPEST} deep, or hold themselves")));
+            if depth >= MAX_NESTING {
+                return Err(fault(format!("assemblies are nested more than {MAX_NESTING} deep, or hold themselves")));
             }
             if places.len() >= MOST_PLACES {
                 return Err(fault(format!("a part stands at more than {MOST_PLACES} places")));

@@ -127,17 +127,17 @@ impl StepBlade {
 /// Shares from 0 to 1 in steps of at most one in `most`. Their first and last steps are those that are given, and no step is longer
 /// than its neighbour towards an end by more than a third: a spline through points whose distance jumps makes waves.
 fn graded(ends: [f64; 2], most: usize) -> Vec<f64> {
-    const GROWTH: f64 = 4.0 / 3.0;
+    const STEP_GROWTH: f64 = 4.0 / 3.0;
     /// Shortest step: points of an edge may be nearer to each other.
-    const LEAST: f64 = 1e-4;
+    const MIN_STEP: f64 = 1e-4;
     let longest = 1.0 / most.max(1) as f64;
     let half = |first: f64| {
-        let (mut step, mut at) = (first.clamp(LEAST, longest), 0.0);
+        let (mut step, mut at) = (first.clamp(MIN_STEP, longest), 0.0);
         let mut places = vec![0.0];
         while at + step < 0.5 {
             at += step;
             places.push(at);
-            step = (step * GROWTH).min(longest);
+            step = (step * STEP_GROWTH).min(longest);
         }
         places
     };

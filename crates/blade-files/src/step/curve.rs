@@ -48,7 +48,7 @@ impl StepCurve {
     /// Parameter of the point of the curve that is nearest to a point.
     pub(super) fn nearest(&self, p: &Point3<f64>) -> f64 {
         /// Places between which the search begins, a span.
-        const SEEDS: usize = 8;
+        const SPAN_SEEDS: usize = 8;
         match self {
             Self::Line(start, way) => (p - start).dot(way) / way.norm_squared(),
             Self::Ellipse(placement, [a, b]) => {
@@ -58,7 +58,7 @@ impl StepCurve {
             }
             Self::Spline(knots, _) => {
                 let [lo, hi] = knots.domain();
-                let steps = SEEDS * knots.spans();
+                let steps = SPAN_SEEDS * knots.spans();
                 let seeds = (0..=steps).map(|k| lo + (hi - lo) * k as f64 / steps as f64);
                 let far = |t: &f64| (self.at(*t).0 - p).norm_squared();
                 let mut t = seeds.min_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or(lo);

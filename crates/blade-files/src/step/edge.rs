@@ -7,7 +7,7 @@ use blade::EdgeForm;
 use nalgebra::{Point3, Vector2, Vector3};
 
 /// Places along a side at which neighbours are compared.
-const COMPARED: usize = 8;
+const SIDE_PLACES: usize = 8;
 
 /// The edge of a blade at one end.
 #[derive(Clone, Debug)]
@@ -29,7 +29,7 @@ pub(super) struct SheetEnd<'a> {
 impl SheetEnd<'_> {
     /// Whether another sheet ends in the same line.
     pub(super) fn meets(self, other: SheetEnd<'_>) -> bool {
-        let [here, there] = [self, other].map(|side| side.sheet.end(side.end as f64, COMPARED));
+        let [here, there] = [self, other].map(|side| side.sheet.end(side.end as f64, SIDE_PLACES));
         here.iter().zip(&there).all(|(a, b)| nalgebra::distance(a, b) < EDGE_APART_MM)
     }
 }
@@ -54,8 +54,8 @@ impl StepBladeEdge {
     /// Points across the edge at a height, from the pressure to the suction face, without those where it meets them.
     pub(super) fn across(&self, t: f64) -> Vec<Point3<f64>> {
         /// Steps across the whole edge.
-        const STEPS: usize = 108;
-        let steps = STEPS.div_ceil(self.sheets.len().max(1));
+        const EDGE_STEPS: usize = 108;
+        let steps = EDGE_STEPS.div_ceil(self.sheets.len().max(1));
         let mut points: Vec<Point3<f64>> =
             self.sheets.iter().flat_map(|sheet| sheet.row(t, steps).into_iter().skip(1)).collect();
         points.pop();
@@ -70,11 +70,10 @@ impl StepBladeEdge {
     /// Largest distance of the edge and of the ends of both faces from a straight line through two places (r, z), mm.
     pub(super) fn off_line(&self, faces: &[StepSheet; 2], end: usize, [from, to]: [Vector2<f64>; 2]) -> f64 {
         let way = (to - from).try_normalize(0.0).unwrap_or_default();
-        let of_faces = faces.iter().flat_map(|face| face.end(end as f64, 8 * COMPARED));
-        let of_edge = self
-            .sheets
-            .iter()
-            .flat_map(|sheet| (0..=COMPARED).flat_map(move |k| sheet.row(k as f64 / COMPARED as f64, COMPARED)));
+        let of_faces = faces.iter().flat_map(|face| face.end(end as f64, 8 * SIDE_PLACES));
+        let of_edge = self.sheets.iter().flat_map(|sheet| {
+            (0..=SIDE_PLACES).flat_map(move |k| sheet.row(k as f64 / SIDE_PLACES as f64, SIDE_PLACES))
+        });
         of_faces.chain(of_edge).map(|p| way.perp(&(flat(&p) - from)).abs()).fold(0.0, f64::max)
     }
 }
@@ -82,22 +81,22 @@ impl StepBladeEdge {
 /// Whether an edge is straight between corners with both faces. Half way up tells it.
 fn is_cut_off(sheets: &[StepSheet], faces: &[StepSheet; 2], end: usize) -> bool {
     /// Least turns of the corners of an edge that is cut off, rad, and how straight it is, as a share of its width: as for loops.
-    const CORNER: f64 = 30.0 * std::f64::consts::PI / 180.0;
-    const OBTUSE: f64 = 0.5 * CORNER;
-    const STRAIGHT: f64 = 0.02;
+    const CORNER_TURN: f64 = 30.0 * std::f64::consts::PI / 180.0;
+    const OBTUSE: f64 = 0.5 * CORNER_TURN;
+    const STRAIGHT_SHARE: f64 = 0.02;
     /// Step of a direction, as a share of a face.
-    const STEP: f64 = 1e-3;
+    const DIRECTION_STEP: f64 = 1e-3;
     let (Some(first), Some(last)) = (sheets.first(), sheets.last()) else { return true };
     let way = |sheet: &StepSheet, from: f64, to: f64| sheet.jet(to, 0.5).point - sheet.jet(from, 0.5).point;
-    let [at, inside] = if end == 0 { [0.0, STEP] } else { [1.0, 1.0 - STEP] };
+    let [at, inside] = if end == 0 { [0.0, DIRECTION_STEP] } else { [1.0, 1.0 - DIRECTION_STEP] };
     let turns = [
-        way(&faces[0], inside, at).angle(&way(first, 0.0, STEP)),
-        way(last, 1.0 - STEP, 1.0).angle(&way(&faces[1], at, inside)),
+        way(&faces[0], inside, at).angle(&way(first, 0.0, DIRECTION_STEP)),
+        way(last, 1.0 - DIRECTION_STEP, 1.0).angle(&way(&faces[1], at, inside)),
     ];
-    let corners = turns.iter().all(|turn| *turn >= OBTUSE) && turns.iter().any(|turn| *turn >= CORNER);
+    let corners = turns.iter().all(|turn| *turn >= OBTUSE) && turns.iter().any(|turn| *turn >= CORNER_TURN);
     let [from, to] = [first.jet(0.0, 0.5).point, last.jet(1.0, 0.5).point];
     let chord = to - from;
     let beside = |p: Point3<f64>| (p - from).cross(&chord).norm() / chord.norm().max(f64::MIN_POSITIVE);
-    let highest = sheets.iter().flat_map(|sheet| sheet.row(0.5, COMPARED)).map(beside).fold(0.0, f64::max);
-    corners && highest <= STRAIGHT * Vector3::norm(&chord)
+    let highest = sheets.iter().flat_map(|sheet| sheet.row(0.5, SIDE_PLACES)).map(beside).fold(0.0, f64::max);
+    corners && highest <= STRAIGHT_SHARE * Vector3::norm(&chord)
 }

@@ -16,7 +16,7 @@ use nurbs::interpolate;
 
 /// Largest distance of an end of a blade from the straight line between the ends of hub and shroud in the meridian plane, mm: the
 /// lathe makes such an edge.
-const STRAIGHT: f64 = 0.02;
+const MAX_BOW_MM: f64 = 0.02;
 
 /// Points of a side of a face.
 const SIDE_STEPS: usize = 512;
@@ -77,7 +77,7 @@ impl WheelEnds {
 
     /// Whether the lathe makes an end of a blade. No lathe makes a nose.
     fn is_turned(&self, blade: &StepBlade, end: usize) -> bool {
-        !blade.edges[end].is_nose() && self.off_line(blade, end) <= STRAIGHT
+        !blade.edges[end].is_nose() && self.off_line(blade, end) <= MAX_BOW_MM
     }
 
     /// Says what the ends of a blade are. Refuses an end that is not turned and has no faces.
@@ -92,7 +92,7 @@ impl WheelEnds {
                 None => format!(
                     "both faces meet at the {name}{of} without a face between them: the curvature of closed sections tells the edge"
                 ),
-                _ if off <= STRAIGHT => {
+                _ if off <= MAX_BOW_MM => {
                     // The lathe makes this straight line.
                     found.moved(off);
                     format!(
@@ -198,9 +198,9 @@ fn shroud(main: &StepBlade, faces: &[StepFace], place: Span, found: &mut Found) 
 fn spline_points(line: &StepMeridian) -> (Vec<[f64; 2]>, f64) {
     /// Distance of the spline from the meridian that is good enough, mm.
     const GOOD_FIT_MM: f64 = 1e-5;
-    const STEPS: [usize; 5] = [12, 24, 48, 96, 192];
+    const FIT_STEPS: [usize; 5] = [12, 24, 48, 96, 192];
     let (mut points, mut off) = (Vec::new(), f64::INFINITY);
-    for steps in STEPS {
+    for steps in FIT_STEPS {
         points = line.between([0.0, line.length()], steps);
         let space: Vec<Point3<f64>> = points.iter().map(|[r, z]| Point3::new(*r, 0.0, *z)).collect();
         let Ok(curve) = interpolate(&space, 3) else { continue };

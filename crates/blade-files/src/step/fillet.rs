@@ -32,10 +32,10 @@ impl MeasuredFillet {
     fn of(mut radii: Vec<f64>) -> Option<Self> {
         /// Files of usual accuracy keep 0.001 mm to 0.01 mm.
         const WITHIN: f64 = 0.02;
-        const SHARE: f64 = 0.01;
+        const RADIUS_SHARE: f64 = 0.01;
         radii.sort_by(f64::total_cmp);
         let radius = *radii.get(radii.len() / 2)?;
-        let within = WITHIN.min(SHARE * radius);
+        let within = WITHIN.min(RADIUS_SHARE * radius);
         let keep = radii.iter().filter(|r| (*r - radius).abs() <= within).count();
         Some(Self { radius, range: [*radii.first()?, *radii.last()?], within, places: [radii.len(), keep] })
     }
@@ -59,8 +59,8 @@ fn radii(face: &StepFace, hub: &StepMeridian, side: f64) -> Vec<f64> {
     /// Where the ball touches the hub any radius fits. Places count from this share of the largest height over the hub.
     const AWAY: f64 = 0.3;
     /// Of the points of borders, one in so many counts.
-    const COUNTED: usize = 16;
-    let places = face.inside(COUNTED).into_iter().map(|place| face.surface.at(place));
+    const BORDER_STRIDE: usize = 16;
+    let places = face.inside(BORDER_STRIDE).into_iter().map(|place| face.surface.at(place));
     let heights: Vec<(SurfaceJet, f64)> = places.map(|jet| (jet, hub.nearest(&flat(&jet.point))[1])).collect();
     let highest = heights.iter().map(|(_, height)| *height).fold(0.0, f64::max);
     let away = heights.into_iter().filter(|(_, height)| *height > EDGE_APART_MM.max(AWAY * highest));

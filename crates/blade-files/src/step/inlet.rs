@@ -15,10 +15,10 @@ use nalgebra::Vector2;
 const SMALLER: f64 = 0.95;
 
 /// Of the points of borders, one in so many counts.
-const COUNTED: usize = 64;
+const BORDER_STRIDE: usize = 64;
 
 fn points(face: &StepFace) -> Vec<Vector2<f64>> {
-    face.borders.iter().flatten().flat_map(|edge| edge.points.iter().step_by(COUNTED)).map(flat).collect()
+    face.borders.iter().flatten().flat_map(|edge| edge.points.iter().step_by(BORDER_STRIDE)).map(flat).collect()
 }
 
 /// Mean length along the hub to the points of faces, mm.

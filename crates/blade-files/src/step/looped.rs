@@ -117,8 +117,8 @@ fn divided(
 /// plane, and not here.
 fn off(blade: &StepBlade, made: &LoftedBlade, turned: [bool; 2]) -> f64 {
     /// Places along faces, across a face of an edge, and up.
-    const ALONG: usize = 97;
-    const ACROSS: usize = 11;
+    const FACE_PLACES: usize = 97;
+    const EDGE_PLACES: usize = 11;
     const UP: usize = 35;
     let all: Vec<&LoftedSurface> = made.faces.iter().chain(made.edges.iter().flatten()).collect();
     let heights: Vec<f64> = (0..=UP).map(|j| j as f64 / UP as f64).collect();
@@ -141,17 +141,17 @@ fn off(blade: &StepBlade, made: &LoftedBlade, turned: [bool; 2]) -> f64 {
         }
     };
     for (sheet, face) in blade.sheets.iter().zip(&made.faces) {
-        compare(sheet, Some(face), ALONG);
+        compare(sheet, Some(face), FACE_PLACES);
     }
     for edge in blade.edges.iter().filter(|edge| edge.form == Some(EdgeForm::Round)) {
-        edge.sheets.iter().for_each(|sheet| compare(sheet, None, ACROSS));
+        edge.sheets.iter().for_each(|sheet| compare(sheet, None, EDGE_PLACES));
     }
     let is_cut = |end: usize| blade.edges[end].form == Some(EdgeForm::CutOff) && !turned[end];
     for (end, edge) in blade.edges.iter().enumerate().filter(|(end, _)| is_cut(*end)) {
         let places = edge.sheets.iter().flat_map(|sheet| {
-            heights
-                .iter()
-                .flat_map(move |t| (0..=ACROSS).map(move |i| (sheet.jet(i as f64 / ACROSS as f64, *t).point, *t)))
+            heights.iter().flat_map(move |t| {
+                (0..=EDGE_PLACES).map(move |i| (sheet.jet(i as f64 / EDGE_PLACES as f64, *t).point, *t))
+            })
         });
         most = places.map(|(p, t)| across_cut(made, end, &p, t, 1.0 / UP as f64)).fold(most, f64::max);
     }
@@ -197,8 +197,8 @@ struct SearchStarts<'a> {
 impl<'a> SearchStarts<'a> {
     fn new(surface: &'a LoftedSurface, t: f64) -> Self {
         /// Places along u.
-        const SEEDS: usize = 24;
-        let seeds = (0..=SEEDS).map(|k| k as f64 / SEEDS as f64);
+        const U_SEEDS: usize = 24;
+        let seeds = (0..=U_SEEDS).map(|k| k as f64 / U_SEEDS as f64);
         Self { surface, t, places: seeds.map(|u| (u, surface.derivatives(u, t).point)).collect() }
     }
 

@@ -11,16 +11,16 @@ use nalgebra::Point3;
 pub(super) const SHARP: &str = "both faces meet in one point: the edge has no thickness";
 
 /// Turn of a row from one step to the next, rad: 4 deg. A round edge has some 40 points.
-const TURN: f64 = 0.07;
+const ROW_TURN: f64 = 0.07;
 
 /// Turn of a corner, rad: 30 deg, as for loops.
-const CORNER: f64 = 30.0 * std::f64::consts::PI / 180.0;
+const CORNER_TURN: f64 = 30.0 * std::f64::consts::PI / 180.0;
 
 /// Shortest step, as a share of a face.
-const LEAST: f64 = 1e-5;
+const MIN_STEP: f64 = 1e-5;
 
 /// Growth of the steps along a face, as a share of the way: a step is longer than the one before by a quarter at most.
-const GROWTH: f64 = 0.25;
+const STEP_GROWTH: f64 = 0.25;
 
 /// Heights at which a face is looked at.
 const HEIGHTS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
@@ -37,11 +37,11 @@ pub(super) fn shares(blade: &StepBlade, face: usize, most: usize) -> Vec<f64> {
         let given = blade.shares(face, t, most);
         limits.extend(given.windows(2).map(|w| [0.5 * (w[0] + w[1]), w[1] - w[0]]));
     }
-    let step = |s: f64| limits.iter().map(|[at, step]| step + GROWTH * (s - at).abs()).fold(longest, f64::min);
+    let step = |s: f64| limits.iter().map(|[at, step]| step + STEP_GROWTH * (s - at).abs()).fold(longest, f64::min);
     let mut shares = vec![0.0];
     let mut at = 0.0;
     while at < 1.0 {
-        at += step(at).max(LEAST);
+        at += step(at).max(MIN_STEP);
         shares.push(at);
     }
     shares.iter().map(|s| s / at).collect()
@@ -54,7 +54,7 @@ fn curved(sheet: &StepSheet, t: f64, longest: f64, limits: &mut Vec<[f64; 2]>) {
     while let Some([from, to]) = open.pop() {
         let middle = 0.5 * (from + to);
         let [a, b, c] = [from, middle, to].map(at);
-        let turns = (b - a).angle(&(c - b)) > TURN && to - from > LEAST;
+        let turns = (b - a).angle(&(c - b)) > ROW_TURN && to - from > MIN_STEP;
         if turns || to - from > longest {
             open.extend([[from, middle], [middle, to]]);
         } else {
@@ -87,7 +87,7 @@ pub(super) fn edges(
     for (end, edge) in edges.iter_mut().enumerate().filter(|(end, _)| blade.edges[*end].is_nose()) {
         // A corner where both faces meet may be one of two corners of an edge that is cut off. Alone it is a sharp edge.
         let form = found.edges[end].form;
-        if form == EdgeForm::Sharp || (form == EdgeForm::Round && turn(points, edge[1]) >= CORNER) {
+        if form == EdgeForm::Sharp || (form == EdgeForm::Round && turn(points, edge[1]) >= CORNER_TURN) {
             return Err(SHARP.to_owned());
         }
         let line = &found.outline.edges[end];

@@ -12,7 +12,7 @@ use nalgebra::IsometryMatrix3;
 pub(super) const MOST_FACES: usize = 20_000;
 
 /// Most faces that are named in a message.
-const NAMED: usize = 12;
+const MAX_NAMED_FACES: usize = 12;
 
 /// A face of the list.
 #[derive(Clone, Debug)]
@@ -177,12 +177,14 @@ pub(super) fn missing(faces: &[ListedFace<'_>], role: FaceRole, end: Span) -> Di
 
 /// Adds the faces from which the caller can pick.
 fn candidates(mut fault: Diag, faces: &[ListedFace<'_>], role: FaceRole) -> Diag {
-    for face in faces.iter().take(NAMED) {
+    for face in faces.iter().take(MAX_NAMED_FACES) {
         fault = fault.note(format!("#{}: {} `{}`", face.entity.number, face.surface, printable(&face.name)));
     }
-    if faces.len() > NAMED {
-        fault =
-            fault.note(format!("{} more faces; the command without `-o` and `--face` lists all", faces.len() - NAMED));
+    if faces.len() > MAX_NAMED_FACES {
+        fault = fault.note(format!(
+            "{} more faces; the command without `-o` and `--face` lists all",
+            faces.len() - MAX_NAMED_FACES
+        ));
     }
     fault.help(format!("state `--face {role}=#NUMBER` or `--face {role}=NAME`"))
 }

@@ -19,7 +19,7 @@ const SURFACES: &str = "PLANE, CYLINDRICAL_SURFACE, CONICAL_SURFACE, SPHERICAL_S
                         UNIFORM_SURFACE, QUASI_UNIFORM_SURFACE";
 
 /// Deepest chain of curves that name a curve.
-const DEEPEST: usize = 8;
+const MAX_CURVE_CHAIN: usize = 8;
 
 /// How the knots of a spline are told.
 #[derive(Clone, Copy)]
@@ -92,7 +92,7 @@ impl StepGeometry<'_, '_> {
     /// A curve.
     pub(super) fn curve(&self, number: u64, named_at: Span) -> Result<StepCurve, Diag> {
         let (mut number, mut named_at) = (number, named_at);
-        for _ in 0..DEEPEST {
+        for _ in 0..MAX_CURVE_CHAIN {
             let entity = self.entity(number, named_at)?;
             let has = |name: &str| entity.part(name).is_some();
             // A curve on surfaces has the curve in space first; a part of a curve is within its curve.

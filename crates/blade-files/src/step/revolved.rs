@@ -12,7 +12,7 @@ use diagnostics::codes::import as codes;
 use nalgebra::{IsometryMatrix3, Matrix3, Rotation3, Translation3, Vector3};
 
 /// Largest sine between the normal of a surface of revolution and its meridian plane: 0.6 deg.
-const ACROSS: f64 = 0.01;
+const MAX_NORMAL_SINE: f64 = 0.01;
 
 /// Reads the faces of the hub in a frame.
 pub(super) type HubIn<'f, 'a, 't> = dyn Fn(&StepGeometry<'a, 't>) -> Result<Vec<StepFace>, Diag> + 'f;
@@ -107,7 +107,7 @@ pub(super) fn check(faces: &[StepFace], spread: f64, what: &str, at: Span, found
             let radius = libm::hypot(p.x, p.y);
             let sine = normal.map_or(0.0, |n| (n.y * p.x - n.x * p.y) / radius.max(f64::MIN_POSITIVE));
             most = most.max(sine.abs());
-            if sine.abs() > ACROSS {
+            if sine.abs() > MAX_NORMAL_SINE {
                 return Err(Diag::error(
                     codes::NOT_READ,
                     format!("the face #{} is no {what}: it is not turned about the axis", face.number),

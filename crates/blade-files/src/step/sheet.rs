@@ -140,8 +140,8 @@ impl StepSheet {
 
     /// Length of a row, mm.
     pub(super) fn length(&self, t: f64) -> f64 {
-        const STEPS: usize = 64;
-        self.row(t, STEPS).windows(2).map(|w| nalgebra::distance(&w[0], &w[1])).sum()
+        const SHEET_STEPS: usize = 64;
+        self.row(t, SHEET_STEPS).windows(2).map(|w| nalgebra::distance(&w[0], &w[1])).sum()
     }
 
     /// Points of the first (0) or last (1) side along t.

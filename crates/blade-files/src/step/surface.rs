@@ -12,7 +12,7 @@ const ON_SURFACE: f64 = 1e-10;
 const CLOSED: f64 = 1e-3;
 
 /// Steps of the search for the parameters of a point.
-const STEPS: usize = 40;
+const MAX_PARAMETER_STEPS: usize = 40;
 
 /// A surface by two parameters.
 #[derive(Clone, Debug, PartialEq)]
@@ -210,16 +210,18 @@ impl StepSurface {
     /// at the nearest of a table of places. Splines are searched within their domain and a little beyond.
     pub(super) fn nearest(&self, p: &Point3<f64>, near: Option<[f64; 2]>) -> ([f64; 2], f64) {
         /// Share of the domain by which a border may lie beyond it.
-        const BEYOND: f64 = 1e-3;
+        const DOMAIN_MARGIN: f64 = 1e-3;
         let bounded = |k: usize, x: f64| match (self, self.domains()[k]) {
-            (Self::Spline(..), Some([lo, hi])) => x.clamp(lo - BEYOND * (hi - lo), hi + BEYOND * (hi - lo)),
+            (Self::Spline(..), Some([lo, hi])) => {
+                x.clamp(lo - DOMAIN_MARGIN * (hi - lo), hi + DOMAIN_MARGIN * (hi - lo))
+            }
             (Self::Revolution(_, StepCurve::Spline(..)), Some([lo, hi])) if k == 1 => x.clamp(lo, hi),
             (Self::Extrusion(StepCurve::Spline(..), _), Some([lo, hi])) if k == 0 => x.clamp(lo, hi),
             _ => x,
         };
         let mut place = near.unwrap_or_else(|| self.seed(p));
         let mut far = (p - self.at(place).point).norm();
-        for _ in 0..STEPS {
+        for _ in 0..MAX_PARAMETER_STEPS {
             if far < ON_SURFACE {
                 break;
             }

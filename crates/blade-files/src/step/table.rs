@@ -10,7 +10,7 @@ use diagnostics::{Diag, printable};
 const MOST_ENTITIES: usize = 8_000_000;
 
 /// Deepest nesting of lists. The schemas have three.
-const DEEPEST: usize = 16;
+const MAX_NESTING: usize = 16;
 
 /// An argument.
 #[derive(Clone, Debug, PartialEq)]
@@ -237,7 +237,7 @@ fn list<'t>(lexer: &mut Lexer<'t>, depth: usize) -> Result<Vec<ArgumentValue<'t>
     let mut values = Vec::new();
     loop {
         let (token, span) = lexer.next()?;
-        if depth >= DEEPEST {
+        if depth >= MAX_NESTING {
             return Err(malformed("lists are nested too deeply", span, "this list"));
         }
         let value = match token {

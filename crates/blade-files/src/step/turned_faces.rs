@@ -69,13 +69,13 @@ fn longest_chain(face: &StepFace) -> Option<StepMeridian> {
 /// blade and back; a meridian does not.
 fn without_folds(points: &[Point3<f64>]) -> Vec<Vec<Vector2<f64>>> {
     /// A way of this length has a direction, mm: below it, rings and splines are not exact.
-    const STEP: f64 = 0.01;
+    const MIN_WAY_MM: f64 = 0.01;
     let mut parts: Vec<Vec<Vector2<f64>>> = vec![Vec::new()];
     let (mut kept, mut way): (Option<Vector2<f64>>, Option<Vector2<f64>>) = (None, None);
     for p in points.iter().map(flat) {
         let last = *kept.get_or_insert(p);
         let step = p - last;
-        if step.norm() >= STEP {
+        if step.norm() >= MIN_WAY_MM {
             if way.is_some_and(|way| way.dot(&step) < 0.0) {
                 parts.push(vec![last]);
             }

@@ -15,7 +15,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 const TILTED: f64 = 0.01;
 
 /// Of the points of borders, one in so many counts.
-const COUNTED: usize = 8;
+const BORDER_STRIDE: usize = 8;
 
 /// The meridian of a face of a plane across Z, or of a cylinder, cone, sphere, torus or turned curve about Z; `None` for another one.
 pub(super) fn exact(face: &StepFace) -> Option<StepMeridian> {
@@ -48,7 +48,7 @@ fn first_point(border: &StepBorder) -> Option<&Point3<f64>> {
 
 /// Points of the borders of a face.
 fn points(face: &StepFace) -> impl Iterator<Item = &Point3<f64>> {
-    face.borders.iter().flatten().flat_map(|edge| edge.points.iter().step_by(COUNTED).chain(edge.points.last()))
+    face.borders.iter().flatten().flat_map(|edge| edge.points.iter().step_by(BORDER_STRIDE).chain(edge.points.last()))
 }
 
 /// The border round the axis of a face that holds a place of the axis: an odd number of its borders goes round it.

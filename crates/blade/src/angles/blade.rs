@@ -1,6 +1,6 @@
 //! Sections of a blade by its camber surface and its thickness.
 
-use super::camber::{CamberLine, CamberSurface, STEEPEST};
+use super::camber::{CamberLine, CamberSurface, MAX_CAMBER_ANGLE};
 use super::distribution::{Distribution, weights};
 use crate::Outline;
 use crate::outline::Side;
@@ -77,7 +77,7 @@ pub struct SectionFault {
 /// What is wrong with a section.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FaultKind {
-    /// The camber line is steeper than [`STEEPEST`]: its beta, rad.
+    /// The camber line is steeper than [`MAX_CAMBER_ANGLE`]: its beta, rad.
     Steep(f64),
     /// The blade has no thickness: its thickness, mm.
     Thin(f64),
@@ -95,15 +95,15 @@ type OnSurface = [f64; 2];
 impl AngleBlade<'_> {
     /// Mean angle about +Z from the leading to the trailing edge, and mean turn of the camber lines, rad.
     pub fn turns(&self) -> [f64; 2] {
-        const SPANS: usize = 5;
+        const THICKNESS_SPANS: usize = 5;
         let mut sum = [0.0; 2];
-        for k in 0..SPANS {
-            let span = k as f64 / (SPANS - 1) as f64;
+        for k in 0..THICKNESS_SPANS {
+            let span = k as f64 / (THICKNESS_SPANS - 1) as f64;
             let line = self.camber.line(span);
             let [first, last] = self.ends(span).map(|x| line.at(x));
             sum = [sum[0] + last.theta - first.theta, sum[1] + last.beta - first.beta];
         }
-        sum.map(|s| s / SPANS as f64)
+        sum.map(|s| s / THICKNESS_SPANS as f64)
     }
 
     /// Shares of the way at which the blade begins and ends at a share of the span.
@@ -203,7 +203,7 @@ impl SectionLine<'_> {
         for k in 0..=CHECKED {
             let x = self.ends[0] + (self.ends[1] - self.ends[0]) * k as f64 / CHECKED as f64;
             let (beta, thickness) = (self.line.at(x).beta, self.thickness(x));
-            if beta.is_nan() || beta.abs() > STEEPEST {
+            if beta.is_nan() || beta.abs() > MAX_CAMBER_ANGLE {
                 return Err(self.fault(x, FaultKind::Steep(beta)));
             }
             if thickness.is_nan() || thickness < THINNEST {
@@ -223,11 +223,11 @@ impl SectionLine<'_> {
 
     /// The share of the way at a distance along the camber line from an edge, mm.
     fn inside(&self, edge: usize, distance: f64) -> f64 {
-        const ROUNDS: usize = 60;
+        const BISECTION_ROUNDS: usize = 60;
         let [from, far] = [self.ends[edge], self.ends[1 - edge]];
         let (mut near, mut beyond) = (from, far);
         let mut x = from;
-        for _ in 0..ROUNDS {
+        for _ in 0..BISECTION_ROUNDS {
             let over = self.line.length(from, x).abs() - distance;
             if over > 0.0 {
                 beyond = x
@@ -253,7 +253,7 @@ impl SectionLine<'_> {
 
     /// The place of the camber line whose point on a side lies where an edge is cut off.
     fn cut(&self, edge: usize, side: f64) -> Option<f64> {
-        const ROUNDS: usize = 60;
+        const BISECTION_ROUNDS: usize = 60;
         let end = self.ends[edge];
         let over = |x: f64| self.beside(x, side, 1.0)[0] - end;
         let first = over(end);
@@ -270,17 +270,17 @@ impl SectionLine<'_> {
             }
         }
         let ends = Bracket { holds: end, fails: end - reach * first.signum() };
-        Some(ends.halved(ROUNDS, |x| over(x) * first > 0.0).middle())
+        Some(ends.halved(BISECTION_ROUNDS, |x| over(x) * first > 0.0).middle())
     }
 
     /// Shares of the way for the points of a face: at even steps along the camber line, and denser towards elliptic edges, whose
     /// points are dense, since the curvature jumps there.
     fn places(&self, [from, to]: [f64; 2], depths: [f64; 2]) -> Vec<f64> {
         /// Pieces of the length between two points.
-        const PIECES: usize = 4;
+        const LENGTH_PIECES: usize = 4;
         /// Growth of the steps with the distance from an edge.
-        const GROWTH: f64 = 0.15;
-        let cells = FACE * PIECES;
+        const STEP_GROWTH: f64 = 0.15;
+        let cells = FACE * LENGTH_PIECES;
         let x = |k: usize| from + (to - from) * k as f64 / cells as f64;
         let lengths: Vec<f64> = (0..cells)
             .map(|k| self.line.at(0.5 * (x(k) + x(k + 1))).speed().abs() * (to - from).abs() / cells as f64)
@@ -288,7 +288,7 @@ impl SectionLine<'_> {
         let whole: f64 = lengths.iter().sum();
         let step = |gone: f64| {
             let near = [(0, gone), (1, whole - gone)].into_iter().filter(|(edge, _)| depths[*edge] > 0.0);
-            let finest = near.map(|(edge, distance)| depths[edge] / HALF_EDGE as f64 + GROWTH * distance);
+            let finest = near.map(|(edge, distance)| depths[edge] / HALF_EDGE as f64 + STEP_GROWTH * distance);
             finest.fold(whole / FACE as f64, f64::min)
         };
         let (mut gone, mut counts) = (0.0, vec![0.0]);

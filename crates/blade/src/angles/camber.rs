@@ -9,7 +9,7 @@ use super::meridional::MeridionalPatch;
 use nurbs::quadrature::integral;
 
 /// Largest camber angle, rad: 89 deg. A camber line round the axis has no length along the meridian.
-pub const STEEPEST: f64 = 89.0 * std::f64::consts::PI / 180.0;
+pub const MAX_CAMBER_ANGLE: f64 = 89.0 * std::f64::consts::PI / 180.0;
 
 /// Largest error of an integrated theta from one node of its table to the next, rad: 1e-9 mm at a radius of 100 mm.
 const THETA_ERROR_RAD: f64 = 1e-11;
@@ -74,7 +74,7 @@ impl CamberSurface {
     /// The surface through camber lines, whose spans ascend from 0 to 1, or one for all spans. `lean` turns each section, rad.
     ///
     /// # Errors
-    /// The row, the share of the way and the beta at which a camber line is steeper than [`STEEPEST`].
+    /// The row, the share of the way and the beta at which a camber line is steeper than [`MAX_CAMBER_ANGLE`].
     pub fn new(patch: MeridionalPatch, given: &[CamberRow], lean: Distribution) -> Result<Self, (usize, f64, f64)> {
         let theta = |(k, row): (usize, &CamberRow)| match &row.angles {
             CamberAngles::Theta(theta) => match steep(&patch, row.span, theta) {
@@ -110,13 +110,13 @@ impl CamberSurface {
 /// A share of the way at which a line of stated theta is too steep, and its beta there.
 fn steep(patch: &MeridionalPatch, span: f64, theta: &Distribution) -> Option<(f64, f64)> {
     /// Places that are looked at.
-    const PLACES: u32 = 256;
+    const CAMBER_PLACES: u32 = 256;
     let beta = |x: f64| {
         let ([r, _], [dr, dz]) = patch.at(x, span);
         libm::atan2(r * theta.on_tangent(x)[1], libm::hypot(dr, dz))
     };
-    let places = (0..=PLACES).map(|k| f64::from(k) / f64::from(PLACES));
-    places.map(|x| (x, beta(x))).find(|(_, beta)| beta.abs() > STEEPEST)
+    let places = (0..=CAMBER_PLACES).map(|k| f64::from(k) / f64::from(CAMBER_PLACES));
+    places.map(|x| (x, beta(x))).find(|(_, beta)| beta.abs() > MAX_CAMBER_ANGLE)
 }
 
 /// The table of the integral of tan(beta) / r along the meridian, from the leading edge.
@@ -128,7 +128,7 @@ fn integrated(patch: &MeridionalPatch, span: f64, beta: &Distribution) -> Result
     let mut cells = CELLS[0];
     loop {
         let x = |k: usize| k as f64 / cells as f64;
-        if let Some(k) = (0..=cells).find(|k| beta.at(x(*k)).abs() > STEEPEST) {
+        if let Some(k) = (0..=cells).find(|k| beta.at(x(*k)).abs() > MAX_CAMBER_ANGLE) {
             return Err((x(k), beta.at(x(k))));
         }
         let mut nodes = vec![([0.0], [slope(0.0)])];
@@ -221,8 +221,8 @@ impl CamberLine<'_> {
     /// Length of the camber line between two shares of the way, mm.
     pub(super) fn length(&self, from: f64, to: f64) -> f64 {
         /// Pieces over the whole way.
-        const PIECES: f64 = 32.0;
-        let pieces = ((to - from).abs() * PIECES).ceil().max(1.0);
+        const CAMBER_PIECES: f64 = 32.0;
+        let pieces = ((to - from).abs() * CAMBER_PIECES).ceil().max(1.0);
         let at = |k: f64| from + (to - from) * k / pieces;
         let speed = |x: f64| self.at(x).speed();
         (0..pieces as usize).map(|k| integral(at(k as f64), at(k as f64 + 1.0), &speed)).sum()
@@ -234,7 +234,7 @@ impl CamberLine<'_> {
     /// Such a line keeps r sin(psi), where psi is its angle to the meridian (Clairaut). Runge-Kutta of order 4.
     pub(super) fn across(&self, x: f64, distance: f64) -> [f64; 2] {
         /// Steps over the distance. For half a thickness of a tenth of the radius the error is below 1e-8 of it.
-        const STEPS: u32 = 4;
+        const OFFSET_STEPS: u32 = 4;
         let start = self.at(x);
         let turn = |[x, _, psi]: [f64; 3]| {
             let ([r, _], [dr, dz]) = self.surface.patch.at(x, self.span);
@@ -242,10 +242,10 @@ impl CamberLine<'_> {
             let (sin, cos) = libm::sincos(psi);
             [cos / dm, sin / r, -sin * dr / (dm * r)]
         };
-        let h = distance / f64::from(STEPS);
+        let h = distance / f64::from(OFFSET_STEPS);
         let mut at = [x, start.theta, start.beta + std::f64::consts::FRAC_PI_2];
         let ahead = |at: [f64; 3], by: [f64; 3], h: f64| [0, 1, 2].map(|i| at[i] + h * by[i]);
-        for _ in 0..STEPS {
+        for _ in 0..OFFSET_STEPS {
             let a = turn(at);
             let b = turn(ahead(at, a, 0.5 * h));
             let c = turn(ahead(at, b, 0.5 * h));
@@ -340,6 +340,6 @@ mod tests {
         let [low, mut high] = rows;
         high.angles = CamberAngles::Beta { beta: over, end: 0, theta: 0.0 };
         let (row, way, beta) = CamberSurface::new(patch(), &[low, high], lean()).err().unwrap();
-        assert!(row == 1 && way > 0.4 && way < 0.6 && beta > STEEPEST);
+        assert!(row == 1 && way > 0.4 && way < 0.6 && beta > MAX_CAMBER_ANGLE);
     }
 }

@@ -4,10 +4,10 @@
 pub const VALUES: usize = 200;
 
 /// Most spans of a blade. Designers give 2 to 11.
-pub const SPANS: usize = 30;
+pub const MAX_SPANS: usize = 30;
 
 /// Least step from one share to the next.
-pub const STEP: f64 = 1e-4;
+pub const MIN_SHARE_STEP: f64 = 1e-4;
 
 /// Half axes of an elliptic edge along the camber line, as a multiple of half the thickness: flatter edges are cut off, longer
 /// ones are part of the thickness.

@@ -11,7 +11,7 @@ use nurbs::proximity::Patch;
 const INTERVALS: [usize; 3] = [8, 16, 32];
 
 /// Every so many points of a section between the others are compared with the surfaces.
-const COMPARED: usize = 8;
+const COMPARED_STRIDE: usize = 8;
 
 /// Why a blade has no surfaces.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,7 +92,7 @@ fn farthest(lofted: &LoftedBlade, section: &Outline) -> (f64, Point3<f64>) {
     // Points at the joints of two pieces are nearest to either.
     let surfaces = || pieces.iter().filter_map(|(surface, _)| *surface);
     for (own, points) in pieces {
-        for (k, p) in points.iter().enumerate().filter(|(k, _)| k % COMPARED == 0) {
+        for (k, p) in points.iter().enumerate().filter(|(k, _)| k % COMPARED_STRIDE == 0) {
             let Some(own) = own else { continue };
             let mut distance = own.closest(p, whole).distance;
             if k == 0 || k + 1 == points.len() {

@@ -10,7 +10,7 @@ use nurbs::quadrature::integral;
 const CELLS: usize = 512;
 
 /// Rounds of the search for the place nearest to a point; each halves the range.
-const ROUNDS: usize = 60;
+const BISECTION_ROUNDS: usize = 60;
 
 /// A meridian (r, z) by its length from the first point, mm.
 #[derive(Clone, Debug)]
@@ -47,7 +47,7 @@ impl MeridianByLength {
             let (mut low, mut high) = (u(cell), u(cell + 1));
             let mut here = low + (high - low) * (due - lengths[cell]) / (lengths[cell + 1] - lengths[cell]);
             // Newton within the cell; a step out of it is replaced by its middle.
-            for _ in 0..ROUNDS {
+            for _ in 0..BISECTION_ROUNDS {
                 let over = lengths[cell] + integral(u(cell), here, &speed) - due;
                 if over > 0.0 {
                     high = here
@@ -93,7 +93,7 @@ impl MeridianByLength {
         let node = (0..=CELLS).min_by(|a, b| distance(step * *a as f64).total_cmp(&distance(step * *b as f64)));
         let middle = step * node.unwrap_or(0) as f64;
         let around = [(middle - step).max(0.0), (middle + step).min(self.length())];
-        let [low, high] = around_minimum(around, ROUNDS, distance);
+        let [low, high] = around_minimum(around, BISECTION_ROUNDS, distance);
         let found = 0.5 * (low + high);
         (found, distance(found))
     }
@@ -172,24 +172,24 @@ impl MeridionalPatch {
     /// Shares of the way at shares of the length from the leading to the trailing edge, on the meridian of a share of the span.
     /// They are the same on hub and shroud.
     pub fn at_lengths(&self, span: f64, shares: &[f64]) -> Vec<f64> {
-        const PIECES: usize = 128;
+        const LENGTH_PIECES: usize = 128;
         let speed = |x: f64| {
             let (_, [dr, dz]) = self.at(x, span);
             libm::hypot(dr, dz)
         };
-        let x = |k: usize| k as f64 / PIECES as f64;
+        let x = |k: usize| k as f64 / LENGTH_PIECES as f64;
         let mut lengths = vec![0.0];
-        for k in 0..PIECES {
+        for k in 0..LENGTH_PIECES {
             lengths.push(lengths[k] + integral(x(k), x(k + 1), &speed));
         }
         let place = |share: &f64| {
-            let due = share * lengths[PIECES];
+            let due = share * lengths[LENGTH_PIECES];
             if *share <= 0.0 || *share >= 1.0 {
                 return share.clamp(0.0, 1.0);
             }
-            let piece = lengths.partition_point(|l| *l <= due).clamp(1, PIECES) - 1;
+            let piece = lengths.partition_point(|l| *l <= due).clamp(1, LENGTH_PIECES) - 1;
             let ends = Bracket { holds: x(piece + 1), fails: x(piece) };
-            ends.halved(ROUNDS, |to| lengths[piece] + integral(x(piece), to, &speed) > due).middle()
+            ends.halved(BISECTION_ROUNDS, |to| lengths[piece] + integral(x(piece), to, &speed) > due).middle()
         };
         shares.iter().map(place).collect()
     }
@@ -197,17 +197,18 @@ impl MeridionalPatch {
     /// The share of the way and the share of the span at a point (r, z) of the surface, by Newton's method from a place near to
     /// it. `None` where no place within 1e-7 mm of the point is found.
     pub fn place_of(&self, point: [f64; 2], near: [f64; 2]) -> Option<[f64; 2]> {
-        const STEP: f64 = 1e-6;
+        const DIFFERENCE_STEP: f64 = 1e-6;
         const CLOSE: f64 = 1e-7;
         let [mut x, mut span] = near;
-        for _ in 0..ROUNDS {
+        for _ in 0..BISECTION_ROUNDS {
             let ([r, z], [rx, zx]) = self.at(x, span);
             let off = [point[0] - r, point[1] - z];
             if libm::hypot(off[0], off[1]) < CLOSE {
                 return Some([x, span]);
             }
-            let [[r_low, z_low], [r_high, z_high]] = [span - STEP, span + STEP].map(|s| self.at(x, s).0);
-            let [rs, zs] = [r_high - r_low, z_high - z_low].map(|d| d / (2.0 * STEP));
+            let [[r_low, z_low], [r_high, z_high]] =
+                [span - DIFFERENCE_STEP, span + DIFFERENCE_STEP].map(|s| self.at(x, s).0);
+            let [rs, zs] = [r_high - r_low, z_high - z_low].map(|d| d / (2.0 * DIFFERENCE_STEP));
             let determinant = rx * zs - zx * rs;
             if determinant == 0.0 || !determinant.is_finite() {
                 return None;

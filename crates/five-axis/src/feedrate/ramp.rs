@@ -4,10 +4,10 @@ use super::{AXES, CURVATURE, LIMIT_ROUNDING, Limits};
 use nurbs::bracket::Bracket;
 
 /// Time steps in which a change of speed is resolved.
-const RAMP: usize = 32;
+const RAMP_STEPS: usize = 32;
 
 /// Steps behind such a change; each is half as long again as its predecessor.
-const LEVEL: usize = 8;
+const STEPS_BEHIND: usize = 8;
 
 /// Factor by which a guess of the square of the speed exceeds that of an S-curve.
 const LOOSE: f64 = 1.2;
@@ -78,7 +78,8 @@ impl Ramp {
 
     /// Lengths from its start at equal time steps, and then at growing steps up to `most`.
     fn places(&self, mut place: impl FnMut(f64), most: f64) {
-        let (steps, level) = if self.to > 2.0 * self.from { (RAMP, LEVEL) } else { (RAMP / 8, LEVEL / 4) };
+        let (steps, level) =
+            if self.to > 2.0 * self.from { (RAMP_STEPS, STEPS_BEHIND) } else { (RAMP_STEPS / 8, STEPS_BEHIND / 4) };
         let mut before = 0.0;
         let mut way = 0.0;
         // From rest, the start from standstill covers the first steps.
@@ -203,7 +204,7 @@ pub fn guess(at: &[f64], ceiling: &[f64], ramps: &[Ramp]) -> Vec<f64> {
                 (span, at[span + 1] - ramp.at)
             };
             while t < all && ramp.after(t)[0] < far {
-                t += all / (4 * RAMP) as f64;
+                t += all / (4 * RAMP_STEPS) as f64;
             }
             if t >= all {
                 break;

@@ -8,7 +8,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// Longest text of a shipped file that is shown as an example, characters.
-const LONGEST: usize = 80;
+const MAX_EXAMPLE: usize = 80;
 
 /// Most keys of a table that is shown in one line.
 const MOST_KEYS: usize = 4;
@@ -45,7 +45,7 @@ pub(super) fn example(kind: LibraryFile, place: &str, key: &Property) -> String 
         let file = DeTable::parse(text).ok()?;
         let value = within(file.get_ref(), &path)?;
         let shown = text.get(value.span())?.to_owned();
-        (shown.len() <= LONGEST && !shown.contains('\n') && shown != "[]" && shown != "\"\"").then_some(shown)
+        (shown.len() <= MAX_EXAMPLE && !shown.contains('\n') && shown != "[]" && shown != "\"\"").then_some(shown)
     });
     found.unwrap_or_else(|| made(key.form))
 }

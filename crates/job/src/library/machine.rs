@@ -15,7 +15,7 @@ use nalgebra::Vector3;
 use toml::Spanned;
 
 /// Length of a vector in a machine file below which it gives no direction.
-pub(super) const NO_DIRECTION: f64 = 1e-6;
+pub(super) const MIN_DIRECTION_LENGTH: f64 = 1e-6;
 
 /// Word for the jerk of an axis whose control does not limit jerk.
 const UNLIMITED: &str = "unlimited";
@@ -156,7 +156,7 @@ impl LibraryReader<'_> {
     fn direction(&mut self, name: &str, table: FileTable<'_, '_>) -> [f64; 3] {
         let usual = ["A", "B", "C"].map(|letter| if letter == name { 1.0 } else { 0.0 });
         let Some(given) = table.numbers("direction") else { return usual };
-        match Vector3::from(*given.get_ref()).try_normalize(NO_DIRECTION) {
+        match Vector3::from(*given.get_ref()).try_normalize(MIN_DIRECTION_LENGTH) {
             Some(direction) if direction.iter().all(|x| x.is_finite()) => direction.into(),
             _ => {
                 self.fault(

@@ -1,6 +1,6 @@
 //! Keys of machine files about rotary axes without limits, clamps, and what posts use.
 
-use super::machine::{LibraryReader, NO_DIRECTION};
+use super::machine::{LibraryReader, MIN_DIRECTION_LENGTH};
 use super::table::{FileTable, SpannedText};
 use crate::model::LinearSpec;
 use crate::property::Range;
@@ -78,7 +78,7 @@ impl LibraryReader<'_> {
     }
 
     fn part_direction(&mut self, key: &str, given: &Spanned<[f64; 3]>) -> Option<Vector3<f64>> {
-        let found = Vector3::from(*given.get_ref()).try_normalize(NO_DIRECTION);
+        let found = Vector3::from(*given.get_ref()).try_normalize(MIN_DIRECTION_LENGTH);
         let found = found.filter(|direction| direction.iter().all(|x| x.is_finite()));
         if found.is_none() {
             self.fault(

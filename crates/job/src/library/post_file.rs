@@ -17,7 +17,7 @@ use wheel::control::{Control, Decimals, Orientation, PathForm, Sectors, SplineFo
 use wheel::post_file::{Field, Frame, LineEnd, PostFile, Template, TemplateFault};
 
 /// Most characters of a template. Names and numbers of a program add some; controls take 120 characters without doubt.
-const LONGEST: usize = 120;
+const MAX_TEMPLATE: usize = 120;
 
 /// Most lines of a frame.
 const MOST_LINES: usize = 100;
@@ -73,7 +73,7 @@ impl LibraryReader<'_> {
         let made = Template::new(text.get_ref(), span);
         let strange = made.as_ref().ok().and_then(|template| template.fields().find(|field| !fields.contains(field)));
         let (message, label, help) = match made {
-            Ok(template) if strange.is_none() && text.get_ref().len() <= LONGEST => return template,
+            Ok(template) if strange.is_none() && text.get_ref().len() <= MAX_TEMPLATE => return template,
             Ok(_) => match strange {
                 Some(field) => (
                     format!("the field {{{}}} has no value here", field.name()),
@@ -82,7 +82,7 @@ impl LibraryReader<'_> {
                 ),
                 None => (
                     format!("a template of {} characters", text.get_ref().len()),
-                    format!("at most {LONGEST} characters are expected"),
+                    format!("at most {MAX_TEMPLATE} characters are expected"),
                     "write two lines".to_owned(),
                 ),
             },

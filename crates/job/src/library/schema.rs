@@ -43,7 +43,7 @@ impl LibraryFile {
 pub(crate) const LINUXCNC: &str = "linuxcnc-2.9";
 
 /// Largest length in library files, mm.
-const LONGEST: f64 = 100_000.0;
+const MAX_LENGTH_MM: f64 = 100_000.0;
 
 /// Largest size of tables and fixtures, mm: their surfaces are sampled.
 const MOST_CARRIED: f64 = 1000.0;
@@ -66,8 +66,8 @@ const fn quantity_of(due: Dimension, least: f64, most: f64) -> Form {
 const DEGREE_PER_SECOND: f64 = 60.0 * std::f64::consts::PI / 180.0;
 
 /// A place along an axis.
-const PLACE: Form = Form::Quantity(Dimension::LENGTH, Range::Within(LONGEST));
-const POINT: Form = Form::Quantities(Dimension::LENGTH, Range::Within(LONGEST), 3);
+const PLACE: Form = Form::Quantity(Dimension::LENGTH, Range::Within(MAX_LENGTH_MM));
+const POINT: Form = Form::Quantities(Dimension::LENGTH, Range::Within(MAX_LENGTH_MM), 3);
 const SPEED: Form = quantity_of(Dimension::FEED, 1.0, 1e6);
 const POWER: Form = quantity_of(Dimension::POWER, limits::POWER[0] * KILOWATT, limits::POWER[1] * KILOWATT);
 const TURN: Form = quantity_of(Dimension::ANGLE, limits::TURN[0], limits::TURN[1]);
@@ -78,7 +78,7 @@ const ABOUT: Property = may("about", TEXT, "A line for the reader of the file.")
 const LINEAR: &[Property] = &[
     must(
         "travel",
-        Form::Quantities(Dimension::LENGTH, Range::Within(LONGEST), 2),
+        Form::Quantities(Dimension::LENGTH, Range::Within(MAX_LENGTH_MM), 2),
         "Both ends of the travel; of Z those of the gauge line.",
     ),
     must("speed", SPEED, "Largest speed."),

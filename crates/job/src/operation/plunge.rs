@@ -9,7 +9,7 @@ use diagnostics::Diag;
 use diagnostics::codes::job as codes;
 
 /// Least distance of neighbouring strokes, as a share of the diameter: closer ones are a cut with the side of the tool.
-const LEAST_STEP: f64 = 0.01;
+const MIN_STROKE_STEP: f64 = 0.01;
 
 /// Default of the distance of neighbouring strokes, as a share of the diameter, where the tool permits it.
 const USUAL_STEP: f64 = 0.25;
@@ -28,7 +28,7 @@ impl OperationReader<'_> {
         const EXAMPLE: &str = "stepover 1 mm";
         let tool = tool?;
         let (diameter, most) = (tool.diameter.get(), tool.largest_plunge_step()?);
-        let least = LEAST_STEP * diameter;
+        let least = MIN_STROKE_STEP * diameter;
         if most < least {
             p.sink.push(
                 Diag::error(codes::PLUNGE, format!("{} cannot plunge: its teeth do not cut at its centre", tool.name))

@@ -10,7 +10,7 @@ use crate::property::quantity::Dimension;
 use crate::vocabulary::{self, TopicKind};
 use base::source::Span;
 use base::units::{Mm, trim};
-use blade::angles::{EdgeShape, STEEPEST, limits};
+use blade::angles::{EdgeShape, MAX_CAMBER_ANGLE, limits};
 use diagnostics::Diag;
 use diagnostics::codes::{geometry, job as codes};
 use syntax::ast::{Block, Expr, ExprKind, Name, Path, Value};
@@ -225,7 +225,7 @@ impl<'a> AnglesGiven<'a> {
         if from == BetaFrom::Tangent {
             beta.points.iter_mut().for_each(|[_, value]| *value = std::f64::consts::FRAC_PI_2 - *value);
         }
-        if let Some([at, steep]) = beta.points.iter().find(|[_, value]| value.abs() >= STEEPEST) {
+        if let Some([at, steep]) = beta.points.iter().find(|[_, value]| value.abs() >= MAX_CAMBER_ANGLE) {
             cx.sink.push(
                 Diag::error(geometry::STEEP, "the camber line runs round the axis")
                     .label(
@@ -234,7 +234,7 @@ impl<'a> AnglesGiven<'a> {
                     )
                     .help(format!(
                         "give angles of less than {} deg to the meridian; check `beta-from`",
-                        trim(STEEPEST.to_degrees(), 4)
+                        trim(MAX_CAMBER_ANGLE.to_degrees(), 4)
                     )),
             );
             return None;
@@ -300,8 +300,8 @@ impl<'a> AnglesGiven<'a> {
     /// Reports a blade that ends before it begins.
     fn in_order(&self, [from, to]: [f64; 2], end: usize, cx: &mut Context<'_>) -> Option<()> {
         /// Least share of the way of a blade.
-        const LEAST: f64 = 0.01;
-        if to - from >= LEAST {
+        const MIN_BLADE_SHARE: f64 = 0.01;
+        if to - from >= MIN_BLADE_SHARE {
             return Some(());
         }
         let at = self.ends.iter().flatten().next().map_or(self.head, |(word, _)| word.span);

@@ -91,7 +91,7 @@ pub(super) fn distribution(
             fault(at.span, if k == 0 { "0 % is expected" } else { "100 % is expected" }.to_owned(), cx);
             return None;
         }
-        if points.last().is_some_and(|[before, _]| share_at - before < limits::STEP) {
+        if points.last().is_some_and(|[before, _]| share_at - before < limits::MIN_SHARE_STEP) {
             fault(at.span, "this share is not greater than the one before by 0.01 % or more".to_owned(), cx);
             return None;
         }
@@ -111,9 +111,9 @@ pub(super) fn at_spans<T>(
     let (at, label) = match rows.as_slice() {
         [] => (head, format!("no span has {what}")),
         [_] => return Some(rows),
-        [.., last] if rows.len() > limits::SPANS => (last.span, format!("more than {} spans", limits::SPANS)),
+        [.., last] if rows.len() > limits::MAX_SPANS => (last.span, format!("more than {} spans", limits::MAX_SPANS)),
         [first, .., last] => {
-            let falls = rows.windows(2).find(|pair| pair[1].at - pair[0].at < limits::STEP);
+            let falls = rows.windows(2).find(|pair| pair[1].at - pair[0].at < limits::MIN_SHARE_STEP);
             if let Some(pair) = falls {
                 (pair[1].span, "this span is not above the one before by 0.01 % or more".to_owned())
             } else if first.at != 0.0 {

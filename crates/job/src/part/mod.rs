@@ -114,11 +114,11 @@ pub(super) fn resolve(name: &Name, body: &Block, head: Span, cx: &mut Context<'_
 fn imported(p: &mut Properties<'_, '_>) -> Option<ImportedFrom> {
     const EXAMPLE: &str = "imported \"wheel.step\", within 0.3 um";
     /// Largest distance, mm: that of two points within the coordinates that blade files may have.
-    const MOST: f64 = 1e6;
+    const MAX_DISTANCE_MM: f64 = 1e6;
     let (word, values) = p.take("imported")?;
     match values.as_slice() {
         [Value::Text(files), Value::Labelled(label, within)] if label.text == "within" => {
-            let within = p.value_of(within, "imported", Dimension::LENGTH, Range::NotNegative(MOST))?;
+            let within = p.value_of(within, "imported", Dimension::LENGTH, Range::NotNegative(MAX_DISTANCE_MM))?;
             Some(ImportedFrom { files: files.text.clone(), within: Mm(within) })
         }
         _ => {

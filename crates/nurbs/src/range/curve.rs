@@ -1,6 +1,6 @@
 //! Jets of NURBS curves and of meridians.
 
-use super::segment::{MOST, SpanPart, smoothness};
+use super::segment::{MAX_CONTROL_POINTS, SpanPart, smoothness};
 use super::{Interval, Jet};
 use crate::{NurbsCurve, Revolution};
 use nalgebra::Vector4;
@@ -12,7 +12,8 @@ impl NurbsCurve {
         let smooth = smoothness(self.knots(), self.degree(), range);
         let mut orders = [[None; 4]; 4];
         for segment in SpanPart::all(self.knots(), self.degree(), range) {
-            let net: [Vector4<f64>; MOST] = from_fn(|j| self.control()[segment.first() + j.min(self.degree())]);
+            let net: [Vector4<f64>; MAX_CONTROL_POINTS] =
+                from_fn(|j| self.control()[segment.first() + j.min(self.degree())]);
             for order in 0..4 {
                 let mut points = net;
                 let count = segment.derivative(order, &mut points);

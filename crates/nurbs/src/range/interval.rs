@@ -154,8 +154,9 @@ mod tests {
     }
 
     fn holds(i: Interval, value: f64) -> bool {
-        const ROUNDING: f64 = 1e-12;
-        i.low - ROUNDING * (1.0 + value.abs()) <= value && value <= i.high + ROUNDING * (1.0 + value.abs())
+        const INTERVAL_ROUNDING: f64 = 1e-12;
+        i.low - INTERVAL_ROUNDING * (1.0 + value.abs()) <= value
+            && value <= i.high + INTERVAL_ROUNDING * (1.0 + value.abs())
     }
 
     proptest! {

@@ -1,7 +1,7 @@
 //! Partial derivatives of faces over rectangles of (u, v), and jets along lines of a face.
 
 use super::jet::{cross, unit};
-use super::segment::{MOST, SpanPart, smoothness};
+use super::segment::{MAX_CONTROL_POINTS, SpanPart, smoothness};
 use super::{Interval, Jet};
 use crate::{LoftedSurface, RuledSurface};
 use nalgebra::Vector3;
@@ -141,18 +141,18 @@ impl LoftedSurface {
 
     fn of_segments(&self, along: &SpanPart<'_>, across: &SpanPart<'_>) -> Orders {
         let degree = self.degree();
-        let net: [[Vector3<f64>; MOST]; MOST] = from_fn(|a| {
+        let net: [[Vector3<f64>; MAX_CONTROL_POINTS]; MAX_CONTROL_POINTS] = from_fn(|a| {
             from_fn(|b| self.control_point(along.first() + a.min(degree[0]), across.first() + b.min(degree[1])))
         });
         // Control points of the derivatives by v, for each control point along u, and how many there are.
-        let by_v: [(usize, [[Vector3<f64>; MOST]; MOST]); 4] = from_fn(|j| {
+        let by_v: [(usize, [[Vector3<f64>; MAX_CONTROL_POINTS]; MAX_CONTROL_POINTS]); 4] = from_fn(|j| {
             let mut derived = net;
             let counts = derived.each_mut().map(|row| across.derivative(j, row));
             (counts[0], derived)
         });
         orders(|i, j| {
             let (count, derived) = &by_v[j];
-            let mut all = Vec::with_capacity(MOST * MOST);
+            let mut all = Vec::with_capacity(MAX_CONTROL_POINTS * MAX_CONTROL_POINTS);
             for b in 0..*count {
                 let mut points = derived.map(|row| row[b]);
                 let rows = along.derivative(i, &mut points);

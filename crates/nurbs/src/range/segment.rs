@@ -5,7 +5,7 @@ use crate::basis::{MAX_DEGREE, blossom, span};
 use std::ops::{Add, Mul, Sub};
 
 /// Most control points of a span.
-pub(super) const MOST: usize = MAX_DEGREE + 1;
+pub(super) const MAX_CONTROL_POINTS: usize = MAX_DEGREE + 1;
 
 /// A part of a knot span.
 #[derive(Clone, Copy, Debug)]
@@ -33,7 +33,7 @@ impl<'k> SpanPart<'k> {
 
     /// Turns the control points of the span into those of a derivative over the segment; returns how many there are. Derivatives
     /// above the degree are zero.
-    pub(super) fn derivative<T>(&self, order: usize, points: &mut [T; MOST]) -> usize
+    pub(super) fn derivative<T>(&self, order: usize, points: &mut [T; MAX_CONTROL_POINTS]) -> usize
     where
         T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f64, Output = T>,
     {

@@ -10,7 +10,7 @@ const THIRD: f64 = 0.0642;
 const SECOND: f64 = 0.1506;
 
 /// The same for a first derivative of at most one that may jump, near x = 0.55.
-const FIRST: f64 = 0.6315;
+const FIRST_DERIVATIVE_FACTOR: f64 = 0.6315;
 
 /// The same for a value of at most one: its own and that of the parabola.
 const VALUE: f64 = 1.0 + WEIGHTS;
@@ -39,7 +39,7 @@ impl CellThickness {
         let norm = |measure: &dyn Fn(&Jet) -> f64| function.iter().map(measure).map(|x| x * x).sum::<f64>().sqrt();
         let smooth = function.iter().map(|f| f.smooth).fold(2, i32::min);
         let value = VALUE * norm(&|f| f.orders[0].half_width());
-        let first = FIRST * half * norm(&|f| f.orders[1].half_width());
+        let first = FIRST_DERIVATIVE_FACTOR * half * norm(&|f| f.orders[1].half_width());
         let second = SECOND * half * half * norm(&|f| f.orders[2].half_width());
         let third = THIRD * half * half * half * norm(&|f| f.orders[3].most());
         let mut least = Self { most: UNKNOWN, cubic: false };
@@ -54,7 +54,7 @@ impl CellThickness {
 
     /// Of a function whose first derivative has at most this length, with any jumps, over a range with this half width.
     pub fn of_rate(rate: f64, half: f64) -> Self {
-        Self { most: (FIRST * half * rate).min(UNKNOWN), cubic: false }
+        Self { most: (FIRST_DERIVATIVE_FACTOR * half * rate).min(UNKNOWN), cubic: false }
     }
 
     /// Of a surface, from the thicknesses of its lines along both parameters.

@@ -46,12 +46,14 @@ struct Sizes {
 impl Sizes {
     fn new(part: &Part) -> Self {
         /// Number of chords with which a curve is measured.
-        const PIECES: u32 = 50;
-        let at = |i: u32| f64::from(i) / f64::from(PIECES);
+        const CURVE_CHORDS: u32 = 50;
+        let at = |i: u32| f64::from(i) / f64::from(CURVE_CHORDS);
         let [one, other] = BladeId::MAIN.faces();
         let surface = |side: FaceId| &part.face(side).surface;
         let along = |side: FaceId, v: f64| {
-            (0..PIECES).map(|i| (surface(side).point(at(i + 1), v) - surface(side).point(at(i), v)).norm()).sum::<f64>()
+            (0..CURVE_CHORDS)
+                .map(|i| (surface(side).point(at(i + 1), v) - surface(side).point(at(i), v)).norm())
+                .sum::<f64>()
         };
         let between = |u: f64, v: f64| (surface(one).point(u, v) - surface(other).point(u, v)).norm();
         let ends = [0.0, 1.0];
@@ -60,7 +62,7 @@ impl Sizes {
         let radius = largest(&ends.map(|u| part.hub.meridian(u).point.x));
         Self {
             length: largest(&BladeId::MAIN.faces().map(|s| along(s, 0.0).max(along(s, 1.0)))),
-            height: (0..=PIECES).map(height).fold(0.0, f64::max),
+            height: (0..=CURVE_CHORDS).map(height).fold(0.0, f64::max),
             width: (part.pitch() * radius - between(1.0, 0.0)).max(0.0),
             thickness: largest(&ends.map(|u| between(u, 0.0).max(between(u, 1.0)))),
         }

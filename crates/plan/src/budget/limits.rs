@@ -113,11 +113,11 @@ fn check_strips(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
 /// Refuses parts that cannot be sampled within the memory. The limit of samples is that of the default memory.
 pub(crate) fn check_size(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
     let samples = sample::estimate(&program.part, SAMPLE_SPACING);
-    let most = sample::MOST_SAMPLES * (program.memory / DEFAULT_MEMORY).max(1.0);
+    let most = sample::MAX_SAMPLES * (program.memory / DEFAULT_MEMORY).max(1.0);
     if samples <= most {
         return Ok(());
     }
-    let enough = bytes(1e9 * (samples / sample::MOST_SAMPLES * DEFAULT_MEMORY / 1e9).ceil());
+    let enough = bytes(1e9 * (samples / sample::MAX_SAMPLES * DEFAULT_MEMORY / 1e9).ceil());
     let outlet = program.part.hub.meridian(1.0).point.x;
     sink.push(
         Diag::error(

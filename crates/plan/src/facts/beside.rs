@@ -26,13 +26,13 @@ pub struct Beside {
 }
 
 /// Numbers of intervals along and across a surface, at whose ends the free space is measured.
-const PLACES: [usize; 2] = [60, 8];
+const SURFACE_INTERVALS: [usize; 2] = [60, 8];
 
 /// Most steps in which a ball shrinks until it meets nothing; a few are enough.
 const SHRINKS: usize = 40;
 
 /// Largest cut of a ball into the hub that counts as rounding, mm.
-const ROUNDING: f64 = 1e-6;
+const HUB_CUT_ROUNDING_MM: f64 = 1e-6;
 
 /// Radius of the first ball where none is asked for, mm, larger than any free space.
 const ENDLESS: f64 = 1e4;
@@ -81,7 +81,7 @@ fn largest_asked(program: &Program) -> f64 {
 
 /// Measures the free space at places all over faces and fillets, up to a radius.
 fn measure(part: &Part, most: f64) -> Vec<Spot> {
-    let [columns, rows] = PLACES;
+    let [columns, rows] = SURFACE_INTERVALS;
     let mut spots = Vec::new();
     for chart in charts(part) {
         let (SurfaceKind::Face(side) | SurfaceKind::Fillet(side)) = chart.kind else { continue };
@@ -109,7 +109,7 @@ fn radius_limit(surface: &FaceSurface, place: &Place, most: f64) -> f64 {
     for _ in 0..SHRINKS {
         let centre = place.position + place.normal * radius;
         let near = surface.closest(&centre, Patch::WHOLE);
-        if near.distance >= radius - ROUNDING {
+        if near.distance >= radius - HUB_CUT_ROUNDING_MM {
             break;
         }
         let way = near.point - place.position;
@@ -122,7 +122,7 @@ fn radius_limit(surface: &FaceSurface, place: &Place, most: f64) -> f64 {
 fn narrowest<'a>(part: &Part, spots: &[&'a Spot], radius: f64) -> Option<&'a Spot> {
     let over_hub = |s: &&&Spot| {
         let centre: Point3<f64> = s.place.position + s.place.normal * radius;
-        part.hub.distance(&centre) >= radius - ROUNDING
+        part.hub.distance(&centre) >= radius - HUB_CUT_ROUNDING_MM
     };
     spots.iter().filter(over_hub).min_by(|a, b| a.radius_limit.total_cmp(&b.radius_limit)).copied()
 }

@@ -9,7 +9,7 @@ use wheel::part::{Face, Part, Passage, Surface};
 const EXACT: f64 = 1e-8;
 
 /// Least step of the search, as a share.
-const LEAST_STEP: f64 = 1e-6;
+const MIN_SEARCH_STEP: f64 = 1e-6;
 
 /// Angle from one azimuth to another, in (-pi, pi].
 pub(crate) fn turn_between(from: f64, to: f64) -> f64 {
@@ -37,7 +37,7 @@ pub struct FreeWidth {
 }
 
 /// Number of intervals of a corner curve: 20 around each edge, 60 on the face.
-const STATIONS: usize = 100;
+const CORNER_INTERVALS: usize = 100;
 
 /// First and last parameter of a corner curve: a right angle around each edge.
 const CURVE: [f64; 2] = [-1.0, 2.0];
@@ -100,7 +100,7 @@ impl<'a> Channel<'a> {
     /// no such corner.
     pub(crate) fn free_width(&self, wall: f64, floor: f64) -> Option<FreeWidth> {
         let curve = |side: usize| -> Option<Vec<Point3<f64>>> {
-            (0..=STATIONS).into_par_iter().map(|i| self.corner(side, station(i), wall, floor)).collect()
+            (0..=CORNER_INTERVALS).into_par_iter().map(|i| self.corner(side, station(i), wall, floor)).collect()
         };
         let (a, b) = (curve(0)?, curve(1)?);
         if let Some(crossed) = self.crossing(&a[20..=80], &b[20..=80]) {
@@ -118,7 +118,7 @@ impl<'a> Channel<'a> {
         let (mut d, mut u, mut w) = (best.0, station(best.1), station(best.2));
         let mut ends = (a[best.1], b[best.2]);
         let mut step = 0.03;
-        while step > LEAST_STEP {
+        while step > MIN_SEARCH_STEP {
             let mut better = false;
             for (du, dw) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (1.0, 1.0), (-1.0, -1.0)] {
                 let (x, y) = ((u + du * step).clamp(CURVE[0], CURVE[1]), (w + dw * step).clamp(CURVE[0], CURVE[1]));

@@ -17,18 +17,18 @@ pub struct Concave {
 }
 
 /// Places along a surface and up to its tip, minus one.
-const PLACES: [usize; 2] = [400, 24];
+const SURFACE_INTERVALS: [usize; 2] = [400, 24];
 
 /// Radius from which a surface counts as flat, mm.
-pub const FLAT: f64 = 1000.0;
+pub const FLAT_RADIUS_MM: f64 = 1000.0;
 
-/// The most concave place of a surface over its fillet, among places of a grid; `None` where no radius is below [`FLAT`].
+/// The most concave place of a surface over its fillet, among places of a grid; `None` where no radius is below [`FLAT_RADIUS_MM`].
 pub fn measure(part: &Part, side: FaceId) -> Option<Concave> {
     let face = part.face(side);
-    let columns = (0..=PLACES[0]).map(|i| i as f64 / PLACES[0] as f64);
+    let columns = (0..=SURFACE_INTERVALS[0]).map(|i| i as f64 / SURFACE_INTERVALS[0] as f64);
     let places = columns.flat_map(|u| {
         let foot = part.fillet_top(side, u).unwrap_or(0.0);
-        (0..=PLACES[1]).map(move |j| [u, foot + (1.0 - foot) * j as f64 / PLACES[1] as f64])
+        (0..=SURFACE_INTERVALS[1]).map(move |j| [u, foot + (1.0 - foot) * j as f64 / SURFACE_INTERVALS[1] as f64])
     });
     let bend = |[u, v]: [f64; 2]| {
         // Towards the outside of the material.
@@ -36,6 +36,6 @@ pub fn measure(part: &Part, side: FaceId) -> Option<Concave> {
         Some(if face.orientation > 0.0 { more } else { -less })
     };
     let most = places.filter_map(|at| Some((bend(at)?, at))).max_by(|a, b| a.0.total_cmp(&b.0));
-    let (curvature, at) = most.filter(|(curvature, _)| *curvature > 1.0 / FLAT)?;
+    let (curvature, at) = most.filter(|(curvature, _)| *curvature > 1.0 / FLAT_RADIUS_MM)?;
     Some(Concave { side, radius: 1.0 / curvature, at, point: face.surface.point(at[0], at[1]) })
 }

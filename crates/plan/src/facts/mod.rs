@@ -22,7 +22,7 @@ use diagnostics::{Diag, Sink};
 use ir::Program;
 
 /// Bulge below which lines count as straight, mm: rounding of fitted data.
-const STRAIGHT: f64 = 1e-4;
+const STRAIGHT_BULGE_MM: f64 = 1e-4;
 
 /// Reports the facts that matter to a programmer; facts that no plan can overcome are errors.
 pub fn check(program: &Program, sink: &mut Sink) {
@@ -81,7 +81,7 @@ fn report(program: &Program, fits: Option<&Progress>, sink: &mut Sink) {
                 ),
             )
             .note(format!("the rulings are {:.1} to {:.1} mm long", twist.ruling[0], twist.ruling[1]))
-            .note(if twist.bulge > STRAIGHT {
+            .note(if twist.bulge > STRAIGHT_BULGE_MM {
                 format!(
                     "the face is not ruled: its lines from root to tip leave their chords by up to {}",
                     length(twist.bulge)

@@ -49,7 +49,7 @@ const BREAK: f64 = 5.0;
 
 /// Least distance that is reported, mm: tables are printed to a tenth of a micrometre, parts are milled to a few
 /// micrometres.
-const LEAST: f64 = 0.02;
+const MIN_REPORTED_MM: f64 = 0.02;
 
 /// Points that break the pattern, at most one for each row of a table.
 pub fn find(data: &[DataCurve]) -> Vec<Outlier> {
@@ -125,7 +125,7 @@ fn breaks(tables: &[Vec<Point3<f64>>; 2], end: RulingEnd, pattern: Pattern) -> V
             let gap = (between[*k] - expected).abs();
             let scale = if pattern == Pattern::Angle { libm::hypot(tables[0][*k].x, tables[0][*k].y) } else { 1.0 };
             let rough = roughness(&between, &others);
-            (gap > BREAK * rough && gap * scale > LEAST).then_some((*k, expected, rough))
+            (gap > BREAK * rough && gap * scale > MIN_REPORTED_MM).then_some((*k, expected, rough))
         });
         let Some((row, expected, _)) = candidate.min_by(|a, b| a.2.total_cmp(&b.2)) else { break };
         rows.retain(|r| *r != row);

@@ -61,7 +61,7 @@ fn end(cutter: &Cutter) -> End {
 }
 
 /// Places along the channel at which the height of the vane is measured.
-const STATIONS: usize = 40;
+const HEIGHT_PLACES: usize = 40;
 
 /// Finds the reach of tools.
 struct Finder<'a> {
@@ -100,7 +100,7 @@ impl Finder<'_> {
     fn free_width(&self, corner: f64, vane: VaneAllowance, hub: f64) -> Option<FreeWidth> {
         // The share of the height is largest where the vane is lowest, so that no tool is refused that fits.
         let surface = self.measured();
-        let heights = (0..=STATIONS).map(|i| surface.height(i as f64 / STATIONS as f64));
+        let heights = (0..=HEIGHT_PLACES).map(|i| surface.height(i as f64 / HEIGHT_PLACES as f64));
         let vane = vane.at((corner + hub) / heights.fold(f64::INFINITY, f64::min));
         let plain = self.width(corner + vane, corner + hub)?;
         let radii = self.walls.iter().filter_map(|wall| self.part.fillet(*wall));

@@ -60,10 +60,10 @@ pub struct Station {
 }
 
 /// Number of intervals of the profile.
-const STATIONS: usize = 80;
+const PROFILE_INTERVALS: usize = 80;
 
 /// Levels v at which the narrowest place is measured.
-const LEVELS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+const MEASURED_LEVELS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
 /// Measures all passages of a sector.
 pub fn all(part: &Part, data: &[DataCurve]) -> Vec<(Passage, Throat)> {
@@ -84,13 +84,13 @@ pub fn measure(part: &Part, passage: &Passage, data: &[DataCurve]) -> Throat {
         Narrow { u: pair.first.u, v: pair.first.v, distance: pair.distance, point: pair.first.point }
     };
     let width = |u: f64, v: f64| facing.closest(&surface.point(u, v), Patch::WHOLE).distance;
-    let profile = (0..=STATIONS)
-        .map(|i| i as f64 / STATIONS as f64)
+    let profile = (0..=PROFILE_INTERVALS)
+        .map(|i| i as f64 / PROFILE_INTERVALS as f64)
         .map(|u| Station { u, hub: width(u, 0.0), mid: width(u, 0.5), tip: width(u, 1.0) })
         .collect();
     Throat {
         narrowest: narrow(Patch::WHOLE),
-        levels: LEVELS.iter().map(|v| narrow(Patch { u: [0.0, 1.0], v: [*v, *v] })).collect(),
+        levels: MEASURED_LEVELS.iter().map(|v| narrow(Patch { u: [0.0, 1.0], v: [*v, *v] })).collect(),
         profile,
         formula_8: formula_8(part, data),
     }

@@ -7,7 +7,7 @@
 
 use super::context::PassContext;
 use super::sample_to_tolerance::{FIT_SHARE, compared_heights, kept};
-use five_axis::pose_curve::{CHORD, Chord};
+use five_axis::pose_curve::{Chord, MAX_CHORD_ERROR_MM};
 use five_axis::{Chain, Machine, Pose, PoseCurve, RotaryPose, TurnCurve, most_turn};
 use ir::motion::MotionOperation;
 use ir::{ClPoint, JointMove, Motion, MoveKind, Operation, OperationKind, Program, SplineBlock};
@@ -18,14 +18,14 @@ use std::ops::Range;
 use wheel::control::{Decimals, SplineForm, on_step};
 
 /// Largest change of direction between two moves of a smooth path, radians; more is a corner.
-const CORNER: f64 = 4.0 * std::f64::consts::PI / 180.0;
+const CORNER_TURN: f64 = 4.0 * std::f64::consts::PI / 180.0;
 
 /// Largest distance of two places through which a spline goes, mm, by the length of tip and second point together: a lead is
 /// one long move.
-const SPACING: f64 = 0.125;
+const PLACE_SPACING_MM: f64 = 0.125;
 
 /// Fewest moves that a spline replaces.
-const FEWEST: usize = 6;
+const MIN_MOVES: usize = 6;
 
 /// Tip and second point of the axis, mm; or tip and both rotary axes times the height of that point.
 type Place = SVector<f64, 6>;
@@ -63,7 +63,11 @@ pub(crate) fn run(cx: &PassContext<'_>, motion: &mut Motion) {
 /// which leave room for them; half stays.
 fn left_to_fit(operation: &Operation, tolerance: f64) -> f64 {
     let left = (1.0 - FIT_SHARE) * tolerance;
-    if matches!(operation.kind, OperationKind::Flank { .. }) { left } else { (left - 2.0 * CHORD).max(0.5 * tolerance) }
+    if matches!(operation.kind, OperationKind::Flank { .. }) {
+        left
+    } else {
+        (left - 2.0 * MAX_CHORD_ERROR_MM).max(0.5 * tolerance)
+    }
 }
 
 /// Cuts in a row without a corner between them: the indices of their moves.
@@ -77,7 +81,7 @@ fn runs(machine: &Machine, moves: &[JointMove], height: f64) -> Vec<Range<usize>
         let goes_on = runs.last().is_some_and(|run| {
             run.end == i && moves[i - 1].pass == m.pass && {
                 let [before, behind] = [places[i - 1] - places[i - 2], places[i] - places[i - 1]];
-                before.dot(&behind) >= libm::cos(CORNER) * before.norm() * behind.norm()
+                before.dot(&behind) >= libm::cos(CORNER_TURN) * before.norm() * behind.norm()
             }
         });
         match runs.last_mut() {
@@ -85,7 +89,7 @@ fn runs(machine: &Machine, moves: &[JointMove], height: f64) -> Vec<Range<usize>
             _ => runs.push(i..i + 1),
         }
     }
-    runs.retain(|run| run.len() >= FEWEST);
+    runs.retain(|run| run.len() >= MIN_MOVES);
     runs
 }
 
@@ -140,7 +144,7 @@ impl Fitting<'_> {
         let mut open = vec![run.clone()];
         let mut found = Vec::new();
         while let Some(run) = open.pop() {
-            if run.len() < FEWEST {
+            if run.len() < MIN_MOVES {
                 continue;
             }
             match self.spans(&moves[run.start - 1..run.end]) {
@@ -169,7 +173,7 @@ impl Fitting<'_> {
                 return Err(i);
             }
             let from = parameters[parameters.len() - 1];
-            let count = (way / SPACING).ceil().max(4.0);
+            let count = (way / PLACE_SPACING_MM).ceil().max(4.0);
             for k in 1..=count as usize {
                 let share = k as f64 / count;
                 places.push(pair[0].lerp(&pair[1], share));

@@ -4,7 +4,7 @@ use super::Cutter;
 use nalgebra::{Point3, Vector3};
 
 /// Sine of the angle between normal and axis below which the contact has no side.
-const NO_DIRECTION: f64 = 1e-9;
+const SIDELESS_SINE: f64 = 1e-9;
 
 /// Principal directions and curvatures of a cutter at a contact, directions of unit length, curvatures 1/mm.
 #[derive(Clone, Copy, Debug)]
@@ -29,7 +29,7 @@ impl Cutter {
         }
         let at = self.profile_at(libm::asin(sin))?;
         // From the axis to the contact.
-        let outward = (axis * sin - normal).try_normalize(NO_DIRECTION)?;
+        let outward = (axis * sin - normal).try_normalize(SIDELESS_SINE)?;
         Some(contact - outward * at.rho - axis * at.s)
     }
 
@@ -38,7 +38,7 @@ impl Cutter {
     pub fn curvature_at(&self, normal: &Vector3<f64>, axis: &Vector3<f64>) -> Option<CutterCurvature> {
         let sin = axis.dot(normal).clamp(-1.0, 1.0);
         let profile = self.profile_at(libm::asin(sin))?;
-        let along = (axis - normal * sin).try_normalize(NO_DIRECTION)?;
+        let along = (axis - normal * sin).try_normalize(SIDELESS_SINE)?;
         Some(CutterCurvature {
             along,
             of_profile: 1.0 / profile.arc_radius,

@@ -8,7 +8,7 @@ use super::meridian::{Slope, norm};
 use nalgebra::{Point3, Vector3};
 
 /// Share by which squares of distances are off by rounding, at most.
-const ROUNDING: f64 = 1e-9;
+const SQUARE_ROUNDING: f64 = 1e-9;
 
 /// A frustum of the non-cutting part.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,7 +33,7 @@ impl Section {
         for section in sections {
             let beyond = (section.from - s).max(s - section.to);
             // A frustum that ends farther above or below is no nearer.
-            if beyond > 0.0 && beyond * beyond * (1.0 - ROUNDING) > outside {
+            if beyond > 0.0 && beyond * beyond * (1.0 - SQUARE_ROUNDING) > outside {
                 continue;
             }
             let [bottom, top, side] = section.offsets(rho, s).map(|(r, h)| r * r + h * h);

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 pub const MOST_RAYS: f64 = 3e7;
 
 /// Share of a cell by which a size may exceed a whole number of cells through rounding.
-const ROUNDING: f64 = 1e-9;
+const CELL_ROUNDING: f64 = 1e-9;
 
 /// Why a field cannot be made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -118,14 +118,14 @@ impl FieldGrid {
         let size = [2.0 * r, 2.0 * r, top - bottom];
         let middle = [0.0, 0.0, 0.5 * (top + bottom)];
         // A blank thinner than a cell does not change the cell.
-        let cell = if size[2] > cell { size[2] / (size[2] / cell - ROUNDING).ceil().max(1.0) } else { cell };
+        let cell = if size[2] > cell { size[2] / (size[2] / cell - CELL_ROUNDING).ceil().max(1.0) } else { cell };
         let rays = size[0] * size[1] + size[1] * size[2] + size[2] * size[0];
         if rays / (cell * cell) > MOST_RAYS {
             // Reserve for the rounding of grids and heights to whole cells.
             let least_cell = (rays / MOST_RAYS).sqrt() * 1.1;
             return Err(FieldError::TooFine { rays: rays / (cell * cell), least_cell });
         }
-        let count = size.map(|s| (s / cell - ROUNDING).ceil().max(1.0) as usize);
+        let count = size.map(|s| (s / cell - CELL_ROUNDING).ceil().max(1.0) as usize);
         let low = std::array::from_fn(|k| middle[k] - 0.5 * cell * count[k] as f64);
         Ok(Self { cell, low, count })
     }
@@ -177,7 +177,7 @@ impl Field {
     /// `cell`, mm.
     #[must_use]
     pub fn coarser(&self, cell: f64) -> Self {
-        let whole = (cell / self.cell + ROUNDING).floor().max(1.0) as usize;
+        let whole = (cell / self.cell + CELL_ROUNDING).floor().max(1.0) as usize;
         let cells = if whole.is_multiple_of(2) { whole - 1 } else { whole };
         let count = self.count.map(|n| n.div_ceil(cells));
         // The centre of an odd number of cells is the centre of one of them.

@@ -7,11 +7,11 @@
 use super::lanes::{self, Answers, LANES, Lanes, Question};
 use super::moving::{MOST_NEWTON, Moving};
 use super::ray::SKIN;
-use super::sweep::{GAP, RayLine, StepQuery};
+use super::sweep::{RayLine, SEARCH_GAP_MM, StepQuery};
 
 /// Bow below which a piece of time is not divided, mm: two tangents that intersect inside have an error of a quarter of
 /// it.
-const FLAT: f64 = 1e-3;
+const MAX_BOW_MM: f64 = 1e-3;
 
 /// A part removed from a ray, and the times at which its ends are cut.
 #[derive(Clone, Copy, Debug)]
@@ -206,7 +206,7 @@ impl Intervals {
         let n = open.interval;
         let line = RayLine { x: self.x[n], y: self.y[n] };
         let part = moving.part([self.a[n], self.b[n]]);
-        if open.bow(moving, &line, part) < FLAT {
+        if open.bow(moving, &line, part) < MAX_BOW_MM {
             if let Some(([from, to], times)) = cut_from_both(moving, open.times, &line, part) {
                 self.parts.push(IntervalPart { interval: n, from, to, times });
             }
@@ -286,14 +286,14 @@ fn cut_from_both(moving: &Moving, times: [f64; 2], line: &RayLine, [a, b]: [f64;
     let (shape, turn) = (&moving.shape, moving.turn * (times[1] - times[0]));
     let least = |x: f64, guess: f64, cutoff: f64| moving.sweep.least(shape, line, x, times, guess, cutoff);
     let guess = 0.5 * (times[0] + times[1]);
-    let first = least(a, guess, GAP);
+    let first = least(a, guess, SEARCH_GAP_MM);
     let leaving = first.rise - turn;
-    if leaving >= 0.0 && (first.f > GAP || -first.f < SKIN * leaving) {
+    if leaving >= 0.0 && (first.f > SEARCH_GAP_MM || -first.f < SKIN * leaving) {
         return None;
     }
-    let last = least(b, first.t, GAP);
+    let last = least(b, first.t, SEARCH_GAP_MM);
     let leaving = -last.rise - turn;
-    if leaving >= 0.0 && (last.f > GAP || -last.f < SKIN * leaving) {
+    if leaving >= 0.0 && (last.f > SEARCH_GAP_MM || -last.f < SKIN * leaving) {
         return None;
     }
     // Tangent steps from an end outside of the body, steeper by the turn. If a step still ends inside, a secant brings
@@ -302,7 +302,7 @@ fn cut_from_both(moving: &Moving, times: [f64; 2], line: &RayLine, [a, b]: [f64;
         let mut outside: Option<(f64, f64)> = None;
         for _ in 0..MOST_NEWTON {
             match outside {
-                _ if look.f.abs() <= GAP => return Some((x, look.t)),
+                _ if look.f.abs() <= SEARCH_GAP_MM => return Some((x, look.t)),
                 None if look.f < 0.0 => return Some((x, look.t)),
                 Some((far, f)) if look.f < 0.0 => x += (far - x) * look.f / (look.f - f),
                 _ => {

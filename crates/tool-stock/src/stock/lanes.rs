@@ -8,7 +8,7 @@ use super::shape::{RadiusProfile, Round, SolidShape};
 use super::sweep::{RayLine, StepPose, StepQuery};
 
 /// Reserve for rounding, mm.
-const ROUNDING: f64 = 1e-9;
+const LENGTH_ROUNDING_MM: f64 = 1e-9;
 
 /// Number of intervals per query.
 pub(super) const LANES: usize = 8;
@@ -47,7 +47,7 @@ pub(super) const UNTOUCHED: u64 = 0;
 /// The body removes the part inside.
 pub(super) const CUT: u64 = 1;
 /// Undecided.
-pub(super) const OPEN: u64 = 2;
+pub(super) const UNDECIDED: u64 = 2;
 /// As [`CUT`], if the lower end of the part is confirmed as well.
 const HALF_CUT: u64 = 3;
 
@@ -139,9 +139,9 @@ impl Question<'_> {
             let falling = larger(turn + look.rise, 0.0) * (x - from);
             let away = (from >= to) | (least > larger(rising, falling));
             let settled = if inside { leaves } else { away };
-            let untouched = if settled { UNTOUCHED } else { OPEN };
+            let untouched = if settled { UNTOUCHED } else { UNDECIDED };
             let cut = if upper & lower { HALF_CUT } else { CUT };
-            let cut = if leaves | !(upper | lower) { cut } else { OPEN };
+            let cut = if leaves | !(upper | lower) { cut } else { UNDECIDED };
             answers.state[i] = if through { cut } else { untouched };
             answers.slope[i] = look.slope;
             answers.from[i] = larger(low, a);
@@ -155,7 +155,7 @@ impl Question<'_> {
                 let span = larger(-runs[0], runs[1]);
                 let least = runs.map(|run| least(&look, run, moving.drift, moving.twist));
                 let leaves = -look.rise >= moving.turn * span && smaller(least[0], least[1]) > -LEFT;
-                answers.state[i] = if leaves { CUT } else { OPEN };
+                answers.state[i] = if leaves { CUT } else { UNDECIDED };
                 answers.slope[i] = look.slope;
             }
         }
@@ -209,7 +209,7 @@ impl<const BALL: bool> Standing for Round<BALL> {
             // The ball lies inside of the convex hull: both intervals touch, or one is empty.
             let hull = low < high;
             let (l, h) = (if hull { low } else { FAR }, if hull { high } else { -FAR });
-            let below = s + along * nearest <= radius + ROUNDING;
+            let below = s + along * nearest <= radius + LENGTH_ROUNDING_MM;
             nearest = if (root <= 0.0) & below { middle } else { nearest };
             low = if root > 0.0 { smaller(l, middle - half) } else { low };
             high = if root > 0.0 { larger(h, middle + half) } else { high };

@@ -53,7 +53,7 @@ use nalgebra::{Point3, Vector3};
 pub const END_ERROR: f64 = 1e-3;
 
 /// Largest turn of a step, radians: up to this turn, three axes describe the step to a fraction of [`END_ERROR`].
-pub const MOST_TURN: f64 = 2.0 * std::f64::consts::PI / 180.0;
+pub const MAX_STEP_TURN: f64 = 2.0 * std::f64::consts::PI / 180.0;
 
 /// Kind of motion of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,7 +66,7 @@ pub enum StepKind {
     Rapid,
 }
 
-/// A short piece of motion of one tool: a turn of at most [`MOST_TURN`], and a few millimetres.
+/// A short piece of motion of one tool: a turn of at most [`MAX_STEP_TURN`], and a few millimetres.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Step {
     /// Number of its block; it never decreases along a stream.

@@ -4,20 +4,20 @@
 //! time, since the function of a turning body is not convex.
 
 use super::shape::SolidShape;
-use super::sweep::{GAP, RayLine, StepSweep};
+use super::sweep::{RayLine, SEARCH_GAP_MM, StepSweep};
 use nalgebra::Vector3;
 
 /// Reserve for rounding of poses, mm.
-const ROUNDING: f64 = 1e-6;
+const POSE_ROUNDING_MM: f64 = 1e-6;
 
 /// Length below which a vector has no direction, mm.
-const NO_DIRECTION: f64 = 1e-12;
+const MIN_VECTOR_MM: f64 = 1e-12;
 
 /// Slope of a line against the axis, squared, below which they are parallel.
-const PARALLEL: f64 = 1e-9;
+const PARALLEL_SLOPE_SQUARED: f64 = 1e-9;
 
 /// Cosine below which a line runs across the axis.
-const ACROSS: f64 = 1e-6;
+const ACROSS_AXIS_COSINE: f64 = 1e-6;
 
 /// Newton steps along a ray. Each is a tangent step on a convex function, so that even a grazing ray converges in far
 /// fewer steps.
@@ -70,7 +70,7 @@ impl Moving {
         let (way, turn) = (sweep.way().norm(), sweep.turn());
         let (bow, twist) = (sweep.bow(reach + way), sweep.twist(reach + way));
         // Points run on arcs between the three poses.
-        let sag = 0.125 * bow + 0.5 * drift + ROUNDING;
+        let sag = 0.125 * bow + 0.5 * drift + POSE_ROUNDING_MM;
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for (tip, axis) in poses {
             for k in 0..3 {
@@ -83,9 +83,9 @@ impl Moving {
         let moved = 0.5 * way + (start - axis).norm().max((end - axis).norm()) * reach + sag;
         let across = axis.cross(sweep.way());
         // For a plunge any direction across the axis is valid.
-        let crosses = across.try_normalize(0.05 * way + NO_DIRECTION);
+        let crosses = across.try_normalize(0.05 * way + MIN_VECTOR_MM);
         let side = crosses.unwrap_or_else(|| square_to(&axis));
-        let plunges = crosses.is_none() && axis.dot(sweep.way()) < -NO_DIRECTION;
+        let plunges = crosses.is_none() && axis.dot(sweep.way()) < -MIN_VECTOR_MM;
         let around = plunges.then_some(side);
         let (from, to, radius) = (from - moved, to + moved, radius + moved);
         let speed = way + turn * reach + drift;
@@ -106,7 +106,7 @@ impl Moving {
         let radius = self.radius + lateral;
         let c = w.norm_squared() - s0 * s0 - radius * radius;
         let (mut low, mut high) = (self.low[2] - lateral, self.high[2] + lateral);
-        if a > PARALLEL {
+        if a > PARALLEL_SLOPE_SQUARED {
             let root = b * b - a * c;
             if root < 0.0 {
                 return None;
@@ -116,7 +116,7 @@ impl Moving {
         } else if c > 1e-3 {
             return None;
         }
-        if along.abs() > ACROSS {
+        if along.abs() > ACROSS_AXIS_COSINE {
             let (p, q) = ((self.from - lateral - s0) / along, (self.to + lateral - s0) / along);
             (low, high) = (low.max(p.min(q)), high.min(p.max(q)));
         }
@@ -154,7 +154,7 @@ impl Moving {
     /// they show that.
     fn shallow(&self, line: &RayLine, [a, b]: [f64; 2], least: f64, guess: &mut f64) -> bool {
         // A look may be this much too low.
-        let limit = GAP - least;
+        let limit = SEARCH_GAP_MM - least;
         let look = |x: f64, guess: f64| self.sweep.least(&self.shape, line, x, [0.0, 1.0], guess, limit);
         let mut low = (a, look(a, *guess));
         *guess = low.1.t;
@@ -198,7 +198,7 @@ impl Moving {
             }
             let share = db / (db - da);
             let bound = (low.1.f - da * low.0) * share + (high.1.f - db * high.0) * (1.0 - share);
-            if bound > -least || best.1 - bound < GAP {
+            if bound > -least || best.1 - bound < SEARCH_GAP_MM {
                 break;
             }
             let x = if k % 2 == 0 {

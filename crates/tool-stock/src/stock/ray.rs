@@ -12,13 +12,13 @@ pub(super) struct Ray {
 }
 
 /// First interval of a ray without material.
-const NOTHING: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
+const NO_MATERIAL: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
 impl Ray {
     /// A ray through sorted disjoint intervals.
     pub(super) fn new(intervals: &[[f64; 2]]) -> Self {
         match intervals {
-            [] => Self { first: NOTHING, rest: Vec::new() },
+            [] => Self { first: NO_MATERIAL, rest: Vec::new() },
             [first, rest @ ..] => Self { first: *first, rest: rest.to_vec() },
         }
     }
@@ -54,7 +54,7 @@ impl Ray {
                     self.first = match (head, tail) {
                         (true, _) => [self.first[0], a],
                         (_, true) => [b, self.first[1]],
-                        _ => NOTHING,
+                        _ => NO_MATERIAL,
                     };
                     return;
                 }

@@ -16,7 +16,7 @@ const LEAST_LENGTH: f64 = 1e-9;
 const AT_END: f64 = 1e-9;
 
 /// Most steps of a run.
-pub(super) const RUN: usize = 8;
+pub(super) const MAX_RUN_STEPS: usize = 8;
 
 /// Longest tip motion of a run, mm; and largest deviation of its steps from the run, as a share of this motion. The aim
 /// is to exclude as much of a path as possible at once.
@@ -156,7 +156,7 @@ pub(super) fn split(steps: &[Step], reach: f64) -> Vec<Range<usize>> {
         let mut end = start + 1;
         let way = |s: &Step| (s.tips[1] - s.tips[0]).norm();
         let mut length = way(&steps[start]);
-        while end < steps.len() && end - start < RUN && follows(&steps[end - 1], &steps[end]) {
+        while end < steps.len() && end - start < MAX_RUN_STEPS && follows(&steps[end - 1], &steps[end]) {
             length += way(&steps[end]);
             if length > RUN_WAY || steps[end].kind != steps[start].kind {
                 break;

@@ -7,7 +7,7 @@
 use super::intervals::Intervals;
 use super::lune::{self, Lune};
 use super::moving::Moving;
-use super::run::{self, Frame, Prepared, RUN};
+use super::run::{self, Frame, MAX_RUN_STEPS, Prepared};
 use super::shape::SolidShape;
 use super::slices::{Sides, Slices};
 use super::sweep::StepSweep;
@@ -326,7 +326,7 @@ impl Said {
                 None => return,
             },
         };
-        let mut removals = [Removal::NONE; RUN];
+        let mut removals = [Removal::NONE; MAX_RUN_STEPS];
         tile.remove(&RayRun { whole, steps: cut, slices }, work, &mut removals);
         for (ordinal, removal) in run.ordinals[steps].iter().zip(&removals) {
             if removal.length > 0.0 {

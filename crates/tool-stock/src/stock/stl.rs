@@ -23,7 +23,7 @@ const MOST_LENGTH: f64 = 1e5;
 const LEAST_VOLUME: f64 = 1e-9;
 
 /// Bytes before the triangles of a binary file, and of each triangle.
-const HEAD: usize = 84;
+const BINARY_HEAD: usize = 84;
 const RECORD: usize = 50;
 
 /// Why bytes are no STL file of a closed solid.
@@ -89,7 +89,7 @@ pub enum StlFault {
 impl Mesh {
     /// Binary STL. Its 80 bytes of header hold the name, cut off where it is too long.
     pub fn stl(&self, name: &str) -> Vec<u8> {
-        let mut bytes = Vec::with_capacity(HEAD + RECORD * self.triangles.len());
+        let mut bytes = Vec::with_capacity(BINARY_HEAD + RECORD * self.triangles.len());
         // A header that begins with "solid" would make readers expect text.
         let head = format!("binary STL, mm: {name}");
         bytes.extend(head.bytes().filter(u8::is_ascii).chain(std::iter::repeat(b' ')).take(80));
@@ -116,10 +116,12 @@ pub fn read(bytes: &[u8]) -> Result<Mesh, StlFault> {
     }
     let mut reading = Reading::default();
     match announced(bytes) {
-        Some(n) if bytes.len() as u64 == HEAD as u64 + RECORD as u64 * u64::from(n) => binary(bytes, &mut reading)?,
+        Some(n) if bytes.len() as u64 == BINARY_HEAD as u64 + RECORD as u64 * u64::from(n) => {
+            binary(bytes, &mut reading)?
+        }
         _ if is_text(bytes) => text(bytes, &mut reading)?,
-        Some(n) if (bytes.len() as u64) < HEAD as u64 + RECORD as u64 * u64::from(n) => {
-            let found = (bytes.len() - HEAD) / RECORD;
+        Some(n) if (bytes.len() as u64) < BINARY_HEAD as u64 + RECORD as u64 * u64::from(n) => {
+            let found = (bytes.len() - BINARY_HEAD) / RECORD;
             return Err(StlFault::Truncated { announced: n as usize, found });
         }
         _ => return Err(StlFault::NotStl),
@@ -131,7 +133,7 @@ pub fn read(bytes: &[u8]) -> Result<Mesh, StlFault> {
 
 /// Number of triangles at the head of a binary file.
 fn announced(bytes: &[u8]) -> Option<u32> {
-    let number = bytes.get(HEAD - 4..HEAD)?;
+    let number = bytes.get(BINARY_HEAD - 4..BINARY_HEAD)?;
     Some(u32::from_le_bytes([number[0], number[1], number[2], number[3]]))
 }
 
@@ -183,7 +185,7 @@ impl Reading {
 }
 
 fn binary(bytes: &[u8], reading: &mut Reading) -> Result<(), StlFault> {
-    let records = bytes.get(HEAD..).unwrap_or_default().chunks_exact(RECORD);
+    let records = bytes.get(BINARY_HEAD..).unwrap_or_default().chunks_exact(RECORD);
     if records.len() > MOST_TRIANGLES {
         return Err(StlFault::TooMany { triangles: records.len() });
     }
@@ -228,14 +230,14 @@ impl StlLines<'_> {
     }
 
     fn corner(&mut self) -> Result<[f64; 3], StlFault> {
-        const DUE: &str = "`vertex` and three numbers";
-        let line = self.next().ok_or_else(|| self.fault(DUE))?;
+        const VERTEX_FORM: &str = "`vertex` and three numbers";
+        let line = self.next().ok_or_else(|| self.fault(VERTEX_FORM))?;
         let words: Vec<&str> = line.split_ascii_whitespace().collect();
-        let [keyword, numbers @ ..] = words.as_slice() else { return Err(self.fault(DUE)) };
+        let [keyword, numbers @ ..] = words.as_slice() else { return Err(self.fault(VERTEX_FORM)) };
         let numbers: Option<Vec<f64>> = numbers.iter().map(|w| w.parse().ok()).collect();
         match numbers.as_deref() {
             Some([x, y, z]) if *keyword == "vertex" => Ok([*x, *y, *z]),
-            _ => Err(self.fault(DUE)),
+            _ => Err(self.fault(VERTEX_FORM)),
         }
     }
 }

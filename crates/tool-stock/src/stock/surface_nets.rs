@@ -11,7 +11,7 @@ use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
 /// Marks a cube without vertex.
-const NONE: u32 = u32::MAX;
+const NO_VERTEX: u32 = u32::MAX;
 
 /// State of one layer of cell centres, inside or outside, with a border outside.
 struct MeshLayer {
@@ -49,7 +49,7 @@ impl Field {
         // Centres are numbered with the border, from 0 to n + 1; cube i lies between centres i and i + 1.
         let (width, rows) = (nx + 1, ny + 1);
         let mut below = MeshLayer::new(self, -1);
-        let mut cubes_below: Vec<u32> = vec![NONE; width * rows];
+        let mut cubes_below: Vec<u32> = vec![NO_VERTEX; width * rows];
         for k in 0..=nz {
             let above = MeshLayer::new(self, k as i64);
             let corner = |n: usize, i: usize, j: usize| {
@@ -69,9 +69,9 @@ impl Field {
                     row
                 })
                 .collect();
-            let mut cubes: Vec<u32> = vec![NONE; width * rows];
+            let mut cubes: Vec<u32> = vec![NO_VERTEX; width * rows];
             for (place, point) in vertices.into_iter().flatten() {
-                cubes[place] = u32::try_from(mesh.vertices.len()).unwrap_or(NONE);
+                cubes[place] = u32::try_from(mesh.vertices.len()).unwrap_or(NO_VERTEX);
                 mesh.vertices.push(point);
             }
             // Edges between the layers, then edges in the lower layer.

@@ -14,7 +14,7 @@ const ON_AXIS: f64 = 1e-12;
 const INSTANT: f64 = 1e-9;
 
 /// Gap at which the search in time ends, mm.
-pub(super) const GAP: f64 = 1e-4;
+pub(super) const SEARCH_GAP_MM: f64 = 1e-4;
 
 /// Steps of the search in time: at least every third step halves the bracket.
 const MOST_LOOKS: u32 = 42;
@@ -128,7 +128,7 @@ impl StepPose {
             }
             // Intersection of the tangents.
             let x = (high.1 - low.1 + low.2 * low.0 - high.2 * high.0) / (low.2 - high.2);
-            if low.1 + low.2 * (x - low.0) > 0.0 || high.0 - low.0 < GAP || k + 1 == MOST_LOOKS {
+            if low.1 + low.2 * (x - low.0) > 0.0 || high.0 - low.0 < SEARCH_GAP_MM || k + 1 == MOST_LOOKS {
                 return near(best.0);
             }
             let x = if k % 3 == 2 { 0.5 * (low.0 + high.0) } else { x };
@@ -146,7 +146,7 @@ impl StepPose {
                     return inside.0;
                 }
                 at = look(next);
-                if at.1 < GAP {
+                if at.1 < SEARCH_GAP_MM {
                     break;
                 }
             }
@@ -160,7 +160,7 @@ impl StepPose {
 const EMPTY: [f64; 2] = [f64::INFINITY, f64::NEG_INFINITY];
 
 /// Square of a component below which a line counts as parallel.
-const PARALLEL: f64 = 1e-9;
+const PARALLEL_SQUARED: f64 = 1e-9;
 
 impl StepSweep {
     /// The pose at a time with its speeds.
@@ -170,8 +170,8 @@ impl StepSweep {
         let turning = self.axis[1] + self.axis[2] * (2.0 * t);
         let (advance, swing) = (axis.dot(&self.way), turning.dot(&self.way));
         let square = 1.0 - axis.z * axis.z;
-        let by_square = 1.0 / if square > PARALLEL { square } else { f64::INFINITY };
-        let by_along = 1.0 / if axis.z.abs() > PARALLEL { axis.z } else { f64::INFINITY };
+        let by_square = 1.0 / if square > PARALLEL_SQUARED { square } else { f64::INFINITY };
+        let by_along = 1.0 / if axis.z.abs() > PARALLEL_SQUARED { axis.z } else { f64::INFINITY };
         StepPose {
             tip,
             axis,
@@ -253,7 +253,7 @@ impl StepSweep {
     }
 
     /// Least value over a piece of time at a place, by tangents from a first guess of the time. The result is at most
-    /// [`GAP`] below the true value, or anywhere between `cutoff` and the true value.
+    /// [`SEARCH_GAP_MM`] below the true value, or anywhere between `cutoff` and the true value.
     pub(super) fn least(
         &self,
         shape: &SolidShape,
@@ -268,7 +268,7 @@ impl StepSweep {
         // Largest fall of the function to both sides.
         let fall = |run: f64| (first.slope + first.second.min(0.0) * run) * run;
         let gap = -fall(from - first.t).min(fall(to - first.t)).min(0.0);
-        if gap < GAP || first.f - gap > cutoff {
+        if gap < SEARCH_GAP_MM || first.f - gap > cutoff {
             return StepQuery { f: first.f - gap, ..first };
         }
         let other = self.look(shape, line, z, end);
@@ -282,7 +282,7 @@ impl StepSweep {
             let share = high.slope / (high.slope - low.slope);
             let bound = (low.f - low.slope * low.t) * share + (high.f - high.slope * high.t) * (1.0 - share);
             let best = if low.f < high.f { low } else { high };
-            if best.f - bound < GAP || bound > cutoff {
+            if best.f - bound < SEARCH_GAP_MM || bound > cutoff {
                 let rise = low.rise * share + high.rise * (1.0 - share);
                 return StepQuery { f: bound, rise, slope: 0.0, ..best };
             }
@@ -335,7 +335,7 @@ mod tests {
                 let (bow, twist) = (sweep.bow(reach), sweep.twist(reach));
                 for guess in [0.0, 0.4, 1.0] {
                     let found = sweep.least(&shape, &line, p.z, [0.0, 1.0], guess, f64::INFINITY).f;
-                    assert!((found - brute).abs() < GAP + bow, "{k} {guess}: {found} {brute}");
+                    assert!((found - brute).abs() < SEARCH_GAP_MM + bow, "{k} {guess}: {found} {brute}");
                 }
                 // No value lies below its tangent by more than the bow allows.
                 for i in 0..=20 {

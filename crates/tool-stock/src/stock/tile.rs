@@ -15,10 +15,10 @@ pub(super) const SIDE: usize = 64;
 const GROUP: usize = 4;
 
 /// Fine groups along an edge of a tile.
-const FINE: usize = SIDE / GROUP;
+const FINE_GROUPS: usize = SIDE / GROUP;
 
 /// Coarse groups along an edge of a tile.
-const COARSE: usize = FINE / GROUP;
+const COARSE_GROUPS: usize = FINE_GROUPS / GROUP;
 
 /// As [`GROUP`], in the type of the index of a ray in its group.
 const ROW: u8 = GROUP as u8;
@@ -124,7 +124,7 @@ pub(super) struct Tile {
 
 /// Index of a ray: groups in rows, and rays in rows inside a group.
 fn index(i: usize, j: usize) -> usize {
-    (j / GROUP * FINE + i / GROUP) * MEMBERS + j % GROUP * GROUP + i % GROUP
+    (j / GROUP * FINE_GROUPS + i / GROUP) * MEMBERS + j % GROUP * GROUP + i % GROUP
 }
 
 /// True when any bit of a run is set.
@@ -171,8 +171,8 @@ impl Tile {
             brick,
             words,
             rays: vec![Ray::new(&[]); SIDE * SIDE],
-            fine: vec![0; FINE * FINE * words],
-            coarse: vec![0; COARSE * COARSE * words],
+            fine: vec![0; FINE_GROUPS * FINE_GROUPS * words],
+            coarse: vec![0; COARSE_GROUPS * COARSE_GROUPS * words],
             extent: [f64::INFINITY, f64::NEG_INFINITY],
         };
         for j in 0..count[1] {
@@ -180,10 +180,10 @@ impl Tile {
                 tile.rays[index(i, j)] = Ray::new(&make(i, j));
             }
         }
-        for group in 0..FINE * FINE {
+        for group in 0..FINE_GROUPS * FINE_GROUPS {
             tile.map_fine(group);
         }
-        for group in 0..COARSE * COARSE {
+        for group in 0..COARSE_GROUPS * COARSE_GROUPS {
             tile.map_coarse(group);
         }
         for [a, b] in tile.rays.iter().flat_map(Ray::intervals) {
@@ -243,8 +243,8 @@ impl Tile {
     fn map_coarse(&mut self, group: usize) {
         let own = &mut self.coarse[group * self.words..(group + 1) * self.words];
         own.fill(0);
-        let (i, j) = (group % COARSE * GROUP, group / COARSE * GROUP);
-        for fine in (0..MEMBERS).map(|k| (j + k / GROUP) * FINE + i + k % GROUP) {
+        let (i, j) = (group % COARSE_GROUPS * GROUP, group / COARSE_GROUPS * GROUP);
+        for fine in (0..MEMBERS).map(|k| (j + k / GROUP) * FINE_GROUPS + i + k % GROUP) {
             for (w, f) in own.iter_mut().zip(&self.fine[fine * self.words..]) {
                 *w |= f;
             }
@@ -268,7 +268,7 @@ impl Tile {
         const WIDE: usize = GROUP * GROUP;
         for cj in iv.0 / WIDE..=iv.1 / WIDE {
             for ci in iu.0 / WIDE..=iu.1 / WIDE {
-                let coarse = cj * COARSE + ci;
+                let coarse = cj * COARSE_GROUPS + ci;
                 let o = line((ci * WIDE) as f64 + half(WIDE), (cj * WIDE) as f64 + half(WIDE));
                 let Some([a, b]) = moving.window(&o, lateral_coarse) else { continue };
                 if !any(&self.coarse[coarse * self.words..][..self.words], [self.bit(a), self.bit(b)]) {
@@ -277,7 +277,7 @@ impl Tile {
                 let mut changed = false;
                 for fj in (cj * GROUP).max(iv.0 / GROUP)..=(cj * GROUP + GROUP - 1).min(iv.1 / GROUP) {
                     for fi in (ci * GROUP).max(iu.0 / GROUP)..=(ci * GROUP + GROUP - 1).min(iu.1 / GROUP) {
-                        let number = fj * FINE + fi;
+                        let number = fj * FINE_GROUPS + fi;
                         let first = line((fi * GROUP) as f64, (fj * GROUP) as f64);
                         let middle = RayLine { x: first.x + half(GROUP) * cell, y: first.y + half(GROUP) * cell };
                         let Some(window) = moving.window(&middle, lateral_fine) else { continue };

@@ -118,7 +118,7 @@ fn steps_of<'a>(
     let tips = [program.machine.forward(&from).tip, program.machine.forward(&to).tip];
     let way = tips[1] - tips[0];
     let turn = program.machine.turn(from.rotary, to.rotary);
-    let count = (turn / stock::MOST_TURN).max(way.norm() / STEP_LENGTH).ceil().max(1.0);
+    let count = (turn / stock::MAX_STEP_TURN).max(way.norm() / STEP_LENGTH).ceil().max(1.0);
     let axis = move |t: f64| program.machine.chain.tool_axis(between(from.rotary, to.rotary, t));
     let [first, index] = [piece.start, piece.end - 1].map(|i| u32::try_from(i).unwrap_or(u32::MAX));
     (0..count as usize).map(move |k| {

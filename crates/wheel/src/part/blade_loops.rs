@@ -7,8 +7,8 @@ use super::{BladeId, Part};
 use nalgebra::Point3;
 
 /// Steps along a face, across the middle part of an edge, and along each other part of an edge.
-const ALONG: usize = 96;
-const MIDDLE: usize = 16;
+const FACE_STEPS: usize = 96;
+const EDGE_MIDDLE_STEPS: usize = 16;
 const SHOULDER: usize = 6;
 
 /// The loops of a blade of sector 0.
@@ -30,7 +30,7 @@ pub struct BladeLoops {
 pub fn blade_loops(part: &Part, count: usize) -> Result<Vec<BladeLoops>, PatchFault> {
     let sharp = part.without_fillets();
     let charts = charts(&sharp);
-    let shares = Shares::equal([ALONG, 1, count.max(2) - 1, 1, MIDDLE, SHOULDER, 1]);
+    let shares = Shares::equal([FACE_STEPS, 1, count.max(2) - 1, 1, EDGE_MIDDLE_STEPS, SHOULDER, 1]);
     let along = shares.of(PatchDirection::Along).to_vec();
     let form = SheetForm { part: &sharp, charts: &charts, shares: &shares, along };
     sharp.blade_ids().map(|blade| Ok(round(&sharp, &BladeSheets::new(&form, blade)?, blade))).collect()

@@ -16,7 +16,7 @@ const ON_CIRCLE: f64 = 1e-4;
 const SAME_BORDER: f64 = 1e-5;
 
 /// u of a rounded edge between which its middle part lies, with both ends.
-const PARTS: [f64; 4] = [0.0, 0.25, 0.75, 1.0];
+const EDGE_PARTS: [f64; 4] = [0.0, 0.25, 0.75, 1.0];
 
 /// Grids over a blade of sector 0. Their rows run from the hub to the shroud.
 pub(super) struct BladeSheets {
@@ -103,8 +103,8 @@ impl BladeSheets {
             for (k, (direction, grid)) in sheets.parts.iter().enumerate() {
                 let outward = match sheets.rounded {
                     Some(id) => {
-                        let at = if self.sides[1].index() == 1 { PARTS.len() - 2 - k } else { k };
-                        part.face(id).normal(0.5 * (PARTS[at] + PARTS[at + 1]), 0.5)
+                        let at = if self.sides[1].index() == 1 { EDGE_PARTS.len() - 2 - k } else { k };
+                        part.face(id).normal(0.5 * (EDGE_PARTS[at] + EDGE_PARTS[at + 1]), 0.5)
                     }
                     None => {
                         part.blade(self.blade).faces[0].surface.tangents(end as f64, 0.5).1 * (2.0 * end as f64 - 1.0)
@@ -192,7 +192,7 @@ fn rounded_edge(
 ) -> Result<Vec<(PatchDirection, PointRows)>, PatchFault> {
     let directions = [PatchDirection::Shoulder, PatchDirection::Blade, PatchDirection::Shoulder];
     let mut parts = Vec::new();
-    for (direction, range) in directions.into_iter().zip(PARTS.windows(2)) {
+    for (direction, range) in directions.into_iter().zip(EDGE_PARTS.windows(2)) {
         let share = |t: &f64| if *t == 1.0 { range[1] } else { range[0] + (range[1] - range[0]) * t };
         let mut shares: Vec<f64> = form.shares.of(direction).iter().map(share).collect();
         if reversed {

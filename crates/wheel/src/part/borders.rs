@@ -167,21 +167,21 @@ fn hub_parameter(part: &Part, at: &Point3<f64>) -> f64 {
 /// u of an edge at which its border on the hub is farthest out: there the borders of both faces meet.
 fn nose(part: &Part, blade: BladeId, end: usize, along: FloorBorder) -> f64 {
     /// Places along an edge: a nose of a millimetre has one every twentieth of a millimetre.
-    const PLACES: usize = 64;
+    const EDGE_PLACES: usize = 64;
     let Some(edge) = part.edge(blade, end) else { return 0.5 };
     let outward = if end == 0 { -1.0 } else { 1.0 };
     let at = |i: usize| {
-        let u = i as f64 / PLACES as f64;
+        let u = i as f64 / EDGE_PLACES as f64;
         contact(part, edge, u, along).map(|p| (u, outward * hub_parameter(part, &p)))
     };
-    let places: Vec<(f64, f64)> = (0..=PLACES).into_par_iter().filter_map(at).collect();
+    let places: Vec<(f64, f64)> = (0..=EDGE_PLACES).into_par_iter().filter_map(at).collect();
     places.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0.5, |(u, _)| u)
 }
 
 /// Azimuths of the edge of a fillet (or of the root) along the hub: (u of the hub, azimuth), ascending.
 fn hub_border(part: &Part, id: FaceId, along: FloorBorder) -> Vec<[f64; 2]> {
     /// Rows along a face, and along half an edge.
-    const ROWS: [usize; 2] = [400, 60];
+    const FACE_ROWS: [usize; 2] = [400, 60];
     let ball = |u: f64| along.ball(part, id, u);
     let mut ends = match ball(0.0) {
         Some(at_inlet) => part.fillet_ends(id, |u| ball(u).unwrap_or(at_inlet).wall),
@@ -200,7 +200,7 @@ fn hub_border(part: &Part, id: FaceId, along: FloorBorder) -> Vec<[f64; 2]> {
     }
     let mut border: Vec<[f64; 2]> = Vec::new();
     for (surface, range) in part.along(id, [0, 1].map(|end| nose(part, id.blade, end, along))) {
-        let ([from, to], rows) = if surface == id { (ends, ROWS[0]) } else { (range, ROWS[1]) };
+        let ([from, to], rows) = if surface == id { (ends, FACE_ROWS[0]) } else { (range, FACE_ROWS[1]) };
         let row = |i: usize| {
             let at = contact(part, surface, from + (to - from) * i as f64 / rows as f64, along)?;
             Some((hub_parameter(part, &at), libm::atan2(at.y, at.x)))

@@ -258,10 +258,10 @@ impl Shape for Chart<'_> {
             }
             ChartForm::Edge { blade, u, patch } => {
                 /// Step of differences: their relative error over the thickness of a vane is below 1e-9.
-                const STEP: f64 = 1e-5;
+                const DIFFERENCE_STEP: f64 = 1e-5;
                 let at = |x: f64, y: f64| patch.point(x, y);
-                let along = at(x + STEP, y) - at(x - STEP, y);
-                let across = at(x, y + STEP) - at(x, y - STEP);
+                let along = at(x + DIFFERENCE_STEP, y) - at(x - DIFFERENCE_STEP, y);
+                let across = at(x, y + DIFFERENCE_STEP) - at(x, y - DIFFERENCE_STEP);
                 let normal = along.cross(&across).normalize();
                 // The outward normal points away from the other end of the vane.
                 let (_, su, _) = self.part.blade(*blade).faces[0].surface.tangents(*u, 0.5);

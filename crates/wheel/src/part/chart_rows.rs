@@ -156,15 +156,17 @@ mod tests {
     /// Jets contain values and differences at places of their range.
     #[test]
     fn jets_hold_values_and_differences() {
-        const STEP: f64 = 1e-4;
+        const DIFFERENCE_STEP: f64 = 1e-4;
         let spline = ChartRows::through(&rows(30, |x| (9.0 * x).sin() + x * x));
         let f = |x: f64| spline.at(x)[0];
         for (from, width) in [(0.11, 0.004), (0.2, 0.1), (0.5, 0.0), (0.93, 0.06)] {
             let [jet] = spline.jets([from, from + width], true);
             for i in 0..=50 {
                 let x = from + width * f64::from(i) / 50.0;
-                let second = (f(x + STEP) - 2.0 * f(x) + f(x - STEP)) / (STEP * STEP);
-                let values = [f(x), (f(x + STEP) - f(x - STEP)) / (2.0 * STEP), second];
+                let second = (f(x + DIFFERENCE_STEP) - 2.0 * f(x) + f(x - DIFFERENCE_STEP))
+                    / (DIFFERENCE_STEP * DIFFERENCE_STEP);
+                let values =
+                    [f(x), (f(x + DIFFERENCE_STEP) - f(x - DIFFERENCE_STEP)) / (2.0 * DIFFERENCE_STEP), second];
                 for (order, v) in values.into_iter().enumerate() {
                     let Interval { low, high } = jet.orders[order];
                     // Differences reach over neighbouring places.

@@ -18,11 +18,11 @@ use rayon::prelude::*;
 const LINE: SecantEnd = SecantEnd { steps: 8, exact: 1e-11, level: 1e-15 };
 
 /// Fewest and most spans of the tables of borders and rolling balls.
-const SPANS: [usize; 2] = [400, 6400];
+const TABLE_SPANS: [usize; 2] = [400, 6400];
 
 /// Largest error of such a table in the middle between two rows, mm. Below the foot of a sharp leading edge 400 spans were off by a
 /// micrometre.
-const OFF: f64 = 5e-5;
+const MAX_TABLE_ERROR_MM: f64 = 5e-5;
 
 /// Spans of the table of the hub of a passage, whose borders have corners.
 const HUB_SPANS: usize = 400;
@@ -88,13 +88,13 @@ fn borders(part: &Part, id: FaceId, u: f64) -> [f64; 2] {
     [low, part.ruling_meets(id, u, &part.shroud, 1.0)]
 }
 
-/// Splines through rows at equal steps of x, so many that they are off by at most [`OFF`] in the middle between two rows. `off` is the
+/// Splines through rows at equal steps of x, so many that they are off by at most [`MAX_TABLE_ERROR_MM`] in the middle between two rows. `off` is the
 /// distance of a row of the splines from the row itself, mm. `None` where a row has no numbers.
 fn table<const N: usize>(
     at: impl Fn(f64) -> Option<[f64; N]> + Sync,
     off: impl Fn(&[f64; N], &[f64; N]) -> f64 + Sync,
 ) -> Option<ChartRows<N>> {
-    let [fewest, most] = SPANS;
+    let [fewest, most] = TABLE_SPANS;
     let first = (0..=fewest).into_par_iter().map(|i| at(i as f64 / fewest as f64));
     let mut rows: Vec<[f64; N]> = first.collect::<Option<_>>()?;
     loop {
@@ -104,7 +104,7 @@ fn table<const N: usize>(
         }
         let places = (0..spans).into_par_iter().map(|i| (i as f64 + 0.5) / spans as f64);
         let between: Vec<[f64; N]> = places.clone().map(&at).collect::<Option<_>>()?;
-        if places.zip(&between).all(|(x, row)| off(&table.at(x), row) <= OFF) {
+        if places.zip(&between).all(|(x, row)| off(&table.at(x), row) <= MAX_TABLE_ERROR_MM) {
             return Some(table);
         }
         let last = rows[spans];
@@ -150,18 +150,18 @@ fn fillet_table<const N: usize>(
     numbers: impl Fn(FilletArc) -> [f64; N] + Sync,
 ) -> Option<([f64; 2], ChartRows<N>)> {
     /// Steps along the foot at which the range is looked for.
-    const STEPS: usize = 400;
+    const RANGE_STEPS: usize = 400;
     let [from, to] = part.fillet_ends(id, |u| part.fillet_radius(id, u).unwrap_or(0.0));
-    let place = |i: usize| from + (to - from) * i as f64 / STEPS as f64;
-    let balls: Vec<bool> = (0..=STEPS).into_par_iter().map(|i| part.fillet_arc(id, place(i)).is_some()).collect();
+    let place = |i: usize| from + (to - from) * i as f64 / RANGE_STEPS as f64;
+    let balls: Vec<bool> = (0..=RANGE_STEPS).into_par_iter().map(|i| part.fillet_arc(id, place(i)).is_some()).collect();
     let stands = |i: &usize| balls[*i];
     // Far beyond an end there may be no ball; the surface is the connected run of places about the middle.
-    let middle = STEPS / 2;
+    let middle = RANGE_STEPS / 2;
     if !stands(&middle) {
         return None;
     }
     let first = (0..middle).rev().take_while(stands).last().unwrap_or(middle);
-    let last = (middle..=STEPS).take_while(stands).last().unwrap_or(middle);
+    let last = (middle..=RANGE_STEPS).take_while(stands).last().unwrap_or(middle);
     let u = [first, last].map(place);
     let most = part.fillet(id)?.most().get();
     let off = |a: &[f64; N], b: &[f64; N]| {

@@ -11,13 +11,13 @@ use nalgebra::{Matrix2, Point3, Vector2, Vector3};
 use nurbs::{LoftedSurface, NurbsCurve};
 
 /// Spans of a continued wall along the channel: about half a millimetre each on a wheel of 60 mm.
-const SPANS: usize = 80;
+const WALL_SPANS: usize = 80;
 
 /// Sections of a continued wall from hub to shroud.
-const SECTIONS: usize = 7;
+const WALL_SECTIONS: usize = 7;
 
 /// Places along a face whose u on the continued wall is known, minus one.
-const PLACES: usize = 64;
+const FACE_INTERVALS: usize = 64;
 
 impl Part {
     /// The walls of a passage from the inlet (u = 0) to the outlet (1) of the part, sector 0. The wall of a splitter is
@@ -73,14 +73,14 @@ impl<'a> Continued<'a> {
     /// near it. The face continues straight beyond its ends.
     fn place(&self, across: &Across, near: OnFace) -> Option<OnFace> {
         /// Steps: the share of the way changes radius and height little.
-        const STEPS: usize = 12;
+        const WAY_STEPS: usize = 12;
         /// Change of the parameters below which the search ends.
         const SAME_PARAMETER: f64 = 1e-9;
         /// How far beyond its ends a face is followed.
-        const BEYOND: f64 = 0.5;
+        const FOLLOWED_BEYOND: f64 = 0.5;
         let surface = &self.part.face(self.face).surface;
         let mut at = near;
-        for _ in 0..STEPS {
+        for _ in 0..WAY_STEPS {
             let wanted = across.point(at.share);
             let (p, su, sv) = surface.tangents(at.uv[0], at.uv[1]);
             let r = libm::hypot(p.x, p.y);
@@ -88,7 +88,10 @@ impl<'a> Continued<'a> {
             let slopes = Matrix2::new(radial(&su), radial(&sv), su.z, sv.z);
             let missing = Vector2::new(libm::hypot(wanted.x, wanted.y) - r, wanted.z - p.z);
             let step = slopes.try_inverse()? * missing;
-            at.uv = [0, 1].map(|k| (at.uv[k] + step[k].clamp(-BEYOND, BEYOND)).clamp(-BEYOND, 1.0 + BEYOND));
+            at.uv = [0, 1].map(|k| {
+                (at.uv[k] + step[k].clamp(-FOLLOWED_BEYOND, FOLLOWED_BEYOND))
+                    .clamp(-FOLLOWED_BEYOND, 1.0 + FOLLOWED_BEYOND)
+            });
             let found = surface.point(at.uv[0], at.uv[1]);
             at.share = across.share(libm::atan2(found.y, found.x));
             if step.amax() < SAME_PARAMETER {
@@ -122,11 +125,12 @@ impl<'a> Continued<'a> {
     fn wall(&self) -> Option<WholeWall> {
         let [first, second] = self.main.map(|face| &self.part.face(face).surface);
         let knots: Vec<f64> =
-            (0..=SPANS + 6).map(|i| (i as f64 - 3.0).clamp(0.0, SPANS as f64) / SPANS as f64).collect();
+            (0..=WALL_SPANS + 6).map(|i| (i as f64 - 3.0).clamp(0.0, WALL_SPANS as f64) / WALL_SPANS as f64).collect();
         // Points at the means of three knots are the control points (Schoenberg).
-        let stations: Vec<f64> = (0..SPANS + 3).map(|i| (knots[i + 1] + knots[i + 2] + knots[i + 3]) / 3.0).collect();
+        let stations: Vec<f64> =
+            (0..WALL_SPANS + 3).map(|i| (knots[i + 1] + knots[i + 2] + knots[i + 3]) / 3.0).collect();
         let lines: Vec<[FaceLine<'_>; 2]> = stations.iter().map(|u| [first.line(*u), second.line(*u)]).collect();
-        let heights: Vec<f64> = (0..SECTIONS).map(|j| j as f64 / (SECTIONS - 1) as f64).collect();
+        let heights: Vec<f64> = (0..WALL_SECTIONS).map(|j| j as f64 / (WALL_SECTIONS - 1) as f64).collect();
         let rows = heights.iter().map(|v| self.row(&lines, *v)).collect::<Option<Vec<_>>>()?;
         let section = |(row, v): (&Vec<OnFace>, &f64)| {
             let points: Vec<Point3<f64>> =
@@ -135,14 +139,14 @@ impl<'a> Continued<'a> {
         };
         let sections = rows.iter().zip(&heights).map(section).collect::<Option<Vec<_>>>()?;
         let surface = FaceSurface::Lofted(LoftedSurface::at(sections, heights).ok()?);
-        let middle = &rows[SECTIONS / 2];
+        let middle = &rows[WALL_SECTIONS / 2];
         let place = |i: usize| {
-            let u = i as f64 / PLACES as f64;
+            let u = i as f64 / FACE_INTERVALS as f64;
             let next = middle.iter().position(|at| at.uv[0] >= u).unwrap_or(middle.len() - 1).max(1);
             let (a, b) = (middle[next - 1].uv[0], middle[next].uv[0]);
             let share = ((u - a) / (b - a).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
             stations[next - 1] + (stations[next] - stations[next - 1]) * share
         };
-        Some(WholeWall { surface, along: (0..=PLACES).map(place).collect() })
+        Some(WholeWall { surface, along: (0..=FACE_INTERVALS).map(place).collect() })
     }
 }

@@ -76,19 +76,19 @@ impl Fillet {
 
     fn over_foot(&self, face: &FaceSurface) -> RadiusSpline {
         /// Chords along the foot: for a blade they differ from its length by less than a thousandth.
-        const CHORDS: usize = 400;
-        let at = |k: usize| face.point(k as f64 / CHORDS as f64, 0.0);
+        const FOOT_CHORDS: usize = 400;
+        let at = |k: usize| face.point(k as f64 / FOOT_CHORDS as f64, 0.0);
         let lengths: Vec<f64> = std::iter::once(0.0)
-            .chain((0..CHORDS).scan(0.0, |sum, k| {
+            .chain((0..FOOT_CHORDS).scan(0.0, |sum, k| {
                 *sum += (at(k + 1) - at(k)).norm();
                 Some(*sum)
             }))
             .collect();
         let place = |share: f64| {
-            let length = share * lengths[CHORDS];
-            let k = lengths.partition_point(|l| *l <= length).clamp(1, CHORDS);
+            let length = share * lengths[FOOT_CHORDS];
+            let k = lengths.partition_point(|l| *l <= length).clamp(1, FOOT_CHORDS);
             let rest = (length - lengths[k - 1]) / (lengths[k] - lengths[k - 1]);
-            (k as f64 - 1.0 + rest) / CHORDS as f64
+            (k as f64 - 1.0 + rest) / FOOT_CHORDS as f64
         };
         RadiusSpline::new(self.values.iter().map(|[share, radius]| [place(*share), *radius]).collect())
     }
@@ -208,13 +208,17 @@ mod tests {
         for [u, radius] in &values {
             assert!((spline.at(*u) - radius).abs() < 1e-14);
         }
-        const STEP: f64 = 1e-4;
-        let slope = |u: f64| (spline.at(u + STEP) - spline.at(u - STEP)) / (2.0 * STEP);
-        let bend = |u: f64| (spline.at(u + STEP) - 2.0 * spline.at(u) + spline.at(u - STEP)) / (STEP * STEP);
-        assert!(slope(2.0 * STEP).abs() < 0.05 && slope(1.0 - 2.0 * STEP).abs() < 0.05);
+        const DIFFERENCE_STEP: f64 = 1e-4;
+        let slope =
+            |u: f64| (spline.at(u + DIFFERENCE_STEP) - spline.at(u - DIFFERENCE_STEP)) / (2.0 * DIFFERENCE_STEP);
+        let bend = |u: f64| {
+            (spline.at(u + DIFFERENCE_STEP) - 2.0 * spline.at(u) + spline.at(u - DIFFERENCE_STEP))
+                / (DIFFERENCE_STEP * DIFFERENCE_STEP)
+        };
+        assert!(slope(2.0 * DIFFERENCE_STEP).abs() < 0.05 && slope(1.0 - 2.0 * DIFFERENCE_STEP).abs() < 0.05);
         for u in [0.3, 0.7] {
-            assert!((slope(u - STEP) - slope(u + STEP)).abs() < 0.05);
-            assert!((bend(u - 2.0 * STEP) - bend(u + 2.0 * STEP)).abs() < 0.5, "{}", bend(u));
+            assert!((slope(u - DIFFERENCE_STEP) - slope(u + DIFFERENCE_STEP)).abs() < 0.05);
+            assert!((bend(u - 2.0 * DIFFERENCE_STEP) - bend(u + 2.0 * DIFFERENCE_STEP)).abs() < 0.5, "{}", bend(u));
         }
         // What the search for extremes finds is what dense samples find.
         let turns: Vec<f64> = spline.turns().collect();

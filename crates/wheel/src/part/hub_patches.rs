@@ -22,14 +22,14 @@ use nurbs::angle::nearest_turn;
 type HubLine = Vec<Point3<f64>>;
 
 /// How far a cut leaves the line on which its face would go on, over the opening between the blades; and how far its blade at most.
-const BESIDE: f64 = 0.25;
-const MOST: f64 = 0.45;
+const MAX_CUT_DEVIATION: f64 = 0.25;
+const MAX_BLADE_DEPARTURE: f64 = 0.45;
 
 /// Least and largest share of its way to the circle after which a cut has left its blade.
 const LEAVES: [f64; 2] = [0.3, 0.7];
 
 /// Largest angle at which a cut leaves the line on which its face would go on, radians.
-const STEEPEST: f64 = 1.3;
+const MAX_CUT_ANGLE: f64 = 1.3;
 
 /// Widths of the strip from one wall of a passage to the other, about; and from its middle to a wall.
 const ABOUT: f64 = 0.5;
@@ -175,7 +175,7 @@ impl Layout<'_> {
         let circle = end as f64;
         if !self.blades[blade].ends[end].inside {
             let opposite = self.plane.place(opposite, start[1] + ABOUT * outward);
-            let on_circle = self.plane.point([circle, start[1] + BESIDE * (opposite[1] - start[1])]);
+            let on_circle = self.plane.point([circle, start[1] + MAX_CUT_DEVIATION * (opposite[1] - start[1])]);
             return self.plane.line(from, &on_circle, 0.0, shares);
         }
         let depth = self.depth(blade, end, start[0]);
@@ -238,9 +238,9 @@ impl Layout<'_> {
         let on = [along, slope * way.signum() * outward * across];
         let over = [(opposite[0] - start[0]) * way.signum() * along, opening.abs() * across];
         let [on_angle, over_angle] = [on, over].map(|[x, y]| libm::atan2(y, x));
-        let half = (0.5 * (on_angle + over_angle)).min(STEEPEST);
-        let beside = slope * way.signum() * outward * depth + BESIDE * opening.abs();
-        (libm::tan(half) * depth * along / across).min(beside).min(MOST * opening.abs())
+        let half = (0.5 * (on_angle + over_angle)).min(MAX_CUT_ANGLE);
+        let beside = slope * way.signum() * outward * depth + MAX_CUT_DEVIATION * opening.abs();
+        (libm::tan(half) * depth * along / across).min(beside).min(MAX_BLADE_DEPARTURE * opening.abs())
     }
 
     /// Adds the patch between four borders.

@@ -47,7 +47,7 @@ impl Part {
     /// The arc of the fillet of a face at u. `None` where the ball touches no face and hub together. Sector 0.
     pub(super) fn fillet_arc(&self, id: FaceId, u: f64) -> Option<FilletArc> {
         /// Step of differences along u: their directions are exact to 1e-6, also where the curvature jumps.
-        const STEP: f64 = 1e-6;
+        const DIFFERENCE_STEP: f64 = 1e-6;
         let face = self.face(id);
         let ball = |u: f64| {
             let radius = self.fillet_radius(id, u)?;
@@ -61,7 +61,7 @@ impl Part {
         if self.fillet(id)?.constant().is_some() || id.edge_end().is_some() {
             return Some(FilletArc { centre, radius, tilt: Vector3::zeros(), level: 1.0, ends });
         }
-        let [(before, less, _), (after, more, _)] = [ball(u - STEP)?, ball(u + STEP)?];
+        let [(before, less, _), (after, more, _)] = [ball(u - DIFFERENCE_STEP)?, ball(u + DIFFERENCE_STEP)?];
         let way = after - before;
         // On the arc the ball neither sinks into the surface nor leaves it while it moves on and grows.
         let lean = -(more - less) / way.norm();
@@ -104,13 +104,13 @@ fn halved(f: impl Fn(f64) -> f64, ends: [(f64, f64); 2]) -> f64 {
 /// A narrow bracket of the place where a function becomes positive, from a wide bracket with known values, by secants.
 fn bracket(f: impl Fn(f64) -> f64, ends: [(f64, f64); 2]) -> [f64; 2] {
     /// Largest number of steps: for rulings about six are enough.
-    const STEPS: usize = 20;
+    const MAX_STEPS: usize = 20;
     /// Final width: some units of rounding.
     const CLOSE_ON_RULING: f64 = 2e-14;
     let mut found = SecantBracket::new(ends.map(|end| end.0), ends.map(|end| end.1));
     let mut last = f64::NAN;
     let inside = |v: f64, [low, high]: [f64; 2]| v > low && v < high;
-    for _ in 0..STEPS {
+    for _ in 0..MAX_STEPS {
         let next = found.next();
         if !inside(next, found.ends) {
             break;
@@ -141,7 +141,7 @@ impl Part {
     /// therefore runs on beyond both ends of the face until it touches the hub outside of the part.
     pub fn fillet_ends(&self, id: FaceId, radius: impl Fn(f64) -> f64) -> [f64; 2] {
         /// Largest extension beyond an end, in ball radii.
-        const MOST: u32 = 4;
+        const MAX_EXTENSION: u32 = 4;
         let extent = self.extent(id.blade);
         let face = self.face(id);
         let on_part = |u: f64| {
@@ -158,7 +158,7 @@ impl Part {
                 return end;
             }
             let step = outward * self.root_step(id, end, radius(end));
-            let beyond = (1..MOST).find(|n| !on_part(end + step * f64::from(*n))).unwrap_or(MOST);
+            let beyond = (1..MAX_EXTENSION).find(|n| !on_part(end + step * f64::from(*n))).unwrap_or(MAX_EXTENSION);
             end + step * f64::from(beyond)
         })
     }

@@ -39,7 +39,7 @@ pub fn cloud_points<'a>(samples: impl IntoIterator<Item = &'a Sample>) -> Vec<Cl
 }
 
 /// Most samples of a part: a few gigabytes together with all structures built on them.
-pub const MOST_SAMPLES: f64 = 1.5e7;
+pub const MAX_SAMPLES: f64 = 1.5e7;
 
 /// Approximate number of samples of a part at a spacing.
 pub fn estimate(part: &Part, spacing: f64) -> f64 {

@@ -21,7 +21,7 @@ pub struct Volume {
 }
 
 /// Steps of a grid along and up a wall, across a channel, and across a vane.
-const STEPS: [usize; 4] = [48, 12, 16, 8];
+const GRID_STEPS: [usize; 4] = [48, 12, 16, 8];
 
 /// Most steps of a mesh for a volume, over those of the first one.
 const MOST_TIMES: usize = 16;
@@ -32,7 +32,7 @@ const MOST_TIMES: usize = 16;
 ///
 /// `None` for a part without patches.
 pub fn volume(part: &Part, stock: &Stock, near: f64) -> Option<Volume> {
-    let of = |factor: usize| mesh(part, stock, STEPS.map(|n| n * factor)).map(|solid| solid.volume());
+    let of = |factor: usize| mesh(part, stock, GRID_STEPS.map(|n| n * factor)).map(|solid| solid.volume());
     let without_square = |coarse: f64, fine: f64| fine + (fine - coarse) / 3.0;
     let (mut factor, mut coarse) = (2, of(2)?);
     let mut before = without_square(of(1)?, coarse);
@@ -66,7 +66,7 @@ pub struct ChordMesh {
 }
 
 /// Steps of a mesh at the start, and the most of them in a direction.
-const COARSE: [usize; 7] = [12, 3, 2, 3, 1, 1, 1];
+const FIRST_MESH_STEPS: [usize; 7] = [12, 3, 2, 3, 1, 1, 1];
 const MOST_STEPS: usize = 2048;
 
 /// Mesh of the finished part whose triangles are within a chord error of the surfaces: steps are halved until points half way
@@ -75,7 +75,7 @@ const MOST_STEPS: usize = 2048;
 /// # Errors
 /// [`ShellFault`]: a part without patches, and an error that so many triangles do not keep.
 pub fn mesh_within(part: &Part, stock: &Stock, chord: f64) -> Result<ChordMesh, ShellFault> {
-    let mut steps = COARSE;
+    let mut steps = FIRST_MESH_STEPS;
     loop {
         let twice = Patches::new(part, &Shares::equal(steps.map(|n| 2 * n)), AlongSpacing::FineEnds)
             .map_err(ShellFault::Patches)?;

@@ -186,12 +186,12 @@ impl FaceSurface {
     /// Largest length of the derivative by v along the line of equal u, mm per unit of v.
     pub fn height(&self, u: f64) -> f64 {
         /// Stations along v of a lofted face: about ten between two sections.
-        const STATIONS: u32 = 64;
+        const LOFT_STATIONS: u32 = 64;
         match self {
             Self::Ruled(s) => s.tangents(u, 0.0).2.norm(),
-            Self::Lofted(s) => {
-                (0..=STATIONS).map(|i| s.tangents(u, f64::from(i) / f64::from(STATIONS)).2.norm()).fold(0.0, f64::max)
-            }
+            Self::Lofted(s) => (0..=LOFT_STATIONS)
+                .map(|i| s.tangents(u, f64::from(i) / f64::from(LOFT_STATIONS)).2.norm())
+                .fold(0.0, f64::max),
         }
     }
 
@@ -201,26 +201,28 @@ impl FaceSurface {
             return a.closest_pair(patch, b, other_patch);
         }
         /// Seeds along u and v.
-        const SEEDS: [u32; 2] = [40, 12];
+        const PROJECTION_SEEDS: [u32; 2] = [40, 12];
         /// Largest number of projections from one surface to the other and back; each reduces the distance.
-        const STEPS: usize = 200;
+        const MAX_PROJECTIONS: usize = 200;
         /// Gain below which the search ends, mm.
         const LEAST_GAIN_MM: f64 = 1e-12;
         let at =
             |range: [f64; 2], i: u32, n: u32| range[0] + (range[1] - range[0]) * f64::from(i) / f64::from(n.max(1));
         // A patch that is a line has all its places with the first v.
-        let across = if patch.v[0] < patch.v[1] { SEEDS[1] } else { 0 };
+        let across = if patch.v[0] < patch.v[1] { PROJECTION_SEEDS[1] } else { 0 };
         let from = |p: &Point3<f64>| {
             let second = other.closest(p, other_patch);
             let first = self.closest(&second.point, patch);
             ClosestPair { first, second, distance: first.distance }
         };
-        let seeds: Vec<(u32, u32)> = (0..=SEEDS[0]).flat_map(|i| (0..=across).map(move |j| (i, j))).collect();
-        let start = |(i, j): (u32, u32)| self.point(at(patch.u, i, SEEDS[0]), at(patch.v, j, SEEDS[1]));
+        let seeds: Vec<(u32, u32)> =
+            (0..=PROJECTION_SEEDS[0]).flat_map(|i| (0..=across).map(move |j| (i, j))).collect();
+        let start =
+            |(i, j): (u32, u32)| self.point(at(patch.u, i, PROJECTION_SEEDS[0]), at(patch.v, j, PROJECTION_SEEDS[1]));
         let starts: Vec<ClosestPair> = seeds.into_par_iter().map(|seed| from(&start(seed))).collect();
         let nearest = starts.into_iter().min_by(|a, b| a.distance.total_cmp(&b.distance));
         let mut best = nearest.unwrap_or_else(|| from(&self.point(patch.u[0], patch.v[0])));
-        for _ in 0..STEPS {
+        for _ in 0..MAX_PROJECTIONS {
             let next = from(&best.first.point);
             let nearer = next.distance < best.distance - LEAST_GAIN_MM;
             if next.distance < best.distance {

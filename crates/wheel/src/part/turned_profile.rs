@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use std::ops::Deref;
 
 /// Edges of a run: the search for the nearest edge looks at the boxes about runs first.
-const EDGES: usize = 12;
+const RUN_EDGES: usize = 12;
 
 /// A closed profile of (r, z) points, mm; straight between the points.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -62,7 +62,7 @@ impl TurnedProfile {
     /// The closed profile through points; the last one is joined to the first one.
     pub fn new(points: Vec<[f64; 2]>) -> Self {
         let of = |from: usize| {
-            let to = (from + EDGES).min(points.len());
+            let to = (from + RUN_EDGES).min(points.len());
             let mut run = EdgeRun { ends: [from, to], least: [f64::INFINITY; 2], most: [f64::NEG_INFINITY; 2] };
             for k in from..=to {
                 let p = points[k % points.len()];
@@ -73,7 +73,7 @@ impl TurnedProfile {
             }
             run
         };
-        let runs = (0..points.len()).step_by(EDGES).map(of).collect();
+        let runs = (0..points.len()).step_by(RUN_EDGES).map(of).collect();
         Self { points, runs }
     }
 

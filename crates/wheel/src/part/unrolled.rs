@@ -59,13 +59,13 @@ impl ChannelStrip {
     /// A strip that runs nearly like this one and bends little.
     pub(super) fn smooth(&self) -> Self {
         /// Shares of the way from the first to the last place.
-        const PLACES: [f64; 9] = [0.0, 0.05, 0.12, 0.25, 0.5, 0.75, 0.88, 0.95, 1.0];
+        const PLACE_SHARES: [f64; 9] = [0.0, 0.05, 0.12, 0.25, 0.5, 0.75, 0.88, 0.95, 1.0];
         /// The share at both ends in which the noses of the blades widen the channel.
         const NOSE: f64 = 0.05;
         let [from, to] = [0, self.places.len() - 1].map(|k| self.places[k][0]);
         let at = |share: f64| from + (to - from) * share;
         let place = |share: f64| [at(share), self.at(at(share))[0], self.at(at(share.clamp(NOSE, 1.0 - NOSE)))[1]];
-        Self::through(PLACES.map(place).to_vec())
+        Self::through(PLACE_SHARES.map(place).to_vec())
     }
 
     /// Parameters of the places.

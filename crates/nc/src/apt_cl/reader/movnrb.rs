@@ -15,7 +15,7 @@ use crate::control::number;
 use crate::nc::NcPose;
 use five_axis::{CurveDirection, PoseCurve, TurnCurve};
 use nalgebra::{Point3, Vector3};
-use nurbs::bezier::{self, MOST_DEGREE};
+use nurbs::bezier::{self, MAX_BEZIER_DEGREE};
 use nurbs::bracket::around_minimum;
 use nurbs::knots::bezier as bezier_points;
 
@@ -337,8 +337,8 @@ fn head(values: &[&str]) -> Result<Head, String> {
     if weights != 0 {
         return Err("MOVNRB/ON with weights: the number of weights is 0".to_owned());
     }
-    if !(2..=MOST_DEGREE + 1).contains(&order) {
-        return Err(format!("MOVNRB/ON: the order {order} is not from 2 to {}", MOST_DEGREE + 1));
+    if !(2..=MAX_BEZIER_DEGREE + 1).contains(&order) {
+        return Err(format!("MOVNRB/ON: the order {order} is not from 2 to {}", MAX_BEZIER_DEGREE + 1));
     }
     if points < order || points > MOST_POINTS || knots != points + order {
         return Err(format!("MOVNRB/ON: {points} control points of order {order} have {} knots", points + order));

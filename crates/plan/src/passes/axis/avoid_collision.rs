@@ -196,7 +196,7 @@ fn no_sequence(
             )
         }
         Gap::Apart => {
-            let [turn, step] = [sequence::MOST_TURN.to_degrees(), clear.scaled(sequence::STEP)];
+            let [turn, step] = [sequence::MAX_STATION_TURN.to_degrees(), clear.scaled(sequence::STATION_SPACING_MM)];
             apart(names, &format!("are more than {turn:.0} deg away from those {step:.1} mm before"), help())
         }
     };
@@ -282,7 +282,7 @@ fn corridor_is_clear(
         let point = oriented.passes.get(*pass).and_then(|pass| pass.points.get(miss.station));
         point.is_some_and(|p| {
             let ball = StandingBall::at(p, clear.radius());
-            clear.candidates(&ball, &p.axis, clear.scaled(sequence::MARGIN)).iter().any(is_steep)
+            clear.candidates(&ball, &p.axis, clear.scaled(sequence::CANDIDATE_MARGIN_MM)).iter().any(is_steep)
         })
     })
 }

@@ -38,9 +38,9 @@ const WHOLE_SIDE: f64 = 5.0;
 const LESS_BESIDE: [f64; 2] = [0.4, 0.1];
 
 /// Angles from the middle at which axes are tried, degrees.
-const RINGS: [f64; 9] = [2.5, 5.0, 8.0, 11.0, 15.0, 20.0, 26.0, 33.0, 41.0];
+const RING_ANGLES_DEG: [f64; 9] = [2.5, 5.0, 8.0, 11.0, 15.0, 20.0, 26.0, 33.0, 41.0];
 
-/// Angles at which axes are tried where none of [`RINGS`] is clear, degrees: along a twisted channel the tool comes in over
+/// Angles at which axes are tried where none of [`RING_ANGLES_DEG`] is clear, degrees: along a twisted channel the tool comes in over
 /// the inlet or over the outlet.
 const WIDER_RINGS: [f64; 3] = [50.0, 60.0, MOST_AWAY];
 
@@ -51,10 +51,10 @@ const MOST_AWAY: f64 = 70.0;
 const STARTS: usize = 4;
 
 /// Steps of that search, degrees: the first one, and the least.
-const STEPS: [f64; 2] = [4.0, 0.25];
+const SEARCH_STEPS_DEG: [f64; 2] = [4.0, 0.25];
 
 /// Axes tried on each ring.
-const AROUND: usize = 16;
+const AXES_PER_RING: usize = 16;
 
 /// Least tilt of a candidate, radians. Nearer to the pole, rotary axis 2 would turn through, and a pass keeps one
 /// branch.
@@ -73,7 +73,7 @@ const AT_THE_MIDDLE: f64 = 1e-6;
 const WIDE: f64 = 0.03;
 
 /// Number of clear axes about which cones are tried until a cone is wide enough.
-const SEEDS: usize = 8;
+const CONE_SEEDS: usize = 8;
 
 /// The ball of a tool that stands on the part.
 #[derive(Clone, Copy, Debug)]
@@ -251,8 +251,8 @@ impl<'a> ClearAxes<'a> {
         starts.sort_by(|a, b| b.0.total_cmp(&a.0));
         let cone = libm::cos(MOST_AWAY.to_radians());
         for (mut least, mut axis) in starts.into_iter().take(STARTS).filter(|(lack, _)| lack.is_finite()) {
-            let mut step = STEPS[0];
-            while step >= STEPS[1] && least < 0.0 {
+            let mut step = SEARCH_STEPS_DEG[0];
+            while step >= SEARCH_STEPS_DEG[1] && least < 0.0 {
                 let beside = ring(&axis, step).filter(|d| d.dot(middle) >= cone).map(|d| (lack(&d), d));
                 match beside.max_by(|a, b| a.0.total_cmp(&b.0)) {
                     Some(better) if better.0 > least => (least, axis) = better,
@@ -260,7 +260,7 @@ impl<'a> ClearAxes<'a> {
                 }
             }
             if clear(&axis) {
-                return std::iter::once(axis).chain(rings(&axis, &RINGS[..2]).filter(clear)).collect();
+                return std::iter::once(axis).chain(rings(&axis, &RING_ANGLES_DEG[..2]).filter(clear)).collect();
             }
         }
         Vec::new()
@@ -283,14 +283,14 @@ impl<'a> ClearAxes<'a> {
         around(middle).any(|d| is_steep(&d) && self.clear(ball, &d, 0.0, margin))
     }
 
-    /// Clear axes on the first so many of [`RINGS`] about a direction, this direction first.
+    /// Clear axes on the first so many of [`RING_ANGLES_DEG`] about a direction, this direction first.
     pub(crate) fn beside(
         &self,
         ball: &StandingBall,
         (to, rings): (&Vector3<f64>, usize),
         margin: f64,
     ) -> Vec<Vector3<f64>> {
-        around(to).take(1 + AROUND * rings).filter(|d| self.clear(ball, d, 0.0, margin)).collect()
+        around(to).take(1 + AXES_PER_RING * rings).filter(|d| self.clear(ball, d, 0.0, margin)).collect()
     }
 
     /// A cone of clear axes about a clear axis near a direction: the first cone that is wide enough, else the widest.
@@ -325,7 +325,7 @@ impl<'a> ClearAxes<'a> {
         margin: f64,
     ) -> Option<EllipticCone> {
         let mut best: Option<EllipticCone> = None;
-        for about in axes.take(SEEDS) {
+        for about in axes.take(CONE_SEEDS) {
             let frame = frame_about(&about, &Vector3::z());
             let clear = |d: &Vector3<f64>, cap: f64| self.clear(ball, d, cap, margin);
             let Some(cone) = inscribe(&frame, Vector2::zeros(), REACH, proof, &clear) else { continue };
@@ -421,7 +421,7 @@ pub(crate) fn is_steep(axis: &Vector3<f64>) -> bool {
 
 /// Directions about `middle`: first `middle` itself, then ring by ring.
 fn around(middle: &Vector3<f64>) -> impl Iterator<Item = Vector3<f64>> {
-    std::iter::once(*middle).chain(rings(middle, &RINGS))
+    std::iter::once(*middle).chain(rings(middle, &RING_ANGLES_DEG))
 }
 
 /// Directions at angles from `middle`, degrees, ring by ring.
@@ -434,8 +434,8 @@ fn rings(middle: &Vector3<f64>, angles: &'static [f64]) -> impl Iterator<Item = 
 fn ring(middle: &Vector3<f64>, angle: f64) -> impl Iterator<Item = Vector3<f64>> + use<> {
     let [x, y, w] = frame_about(middle, &Vector3::z());
     let radius = libm::tan(angle.to_radians());
-    (0..AROUND).map(move |k| {
-        let (sin, cos) = libm::sincos(TAU * k as f64 / AROUND as f64);
+    (0..AXES_PER_RING).map(move |k| {
+        let (sin, cos) = libm::sincos(TAU * k as f64 / AXES_PER_RING as f64);
         (w + (x * cos + y * sin) * radius).normalize()
     })
 }

@@ -7,7 +7,7 @@
 use super::avoid_collision::TILTS;
 use super::clear_axes::{ClearAxes, StandingBall};
 use super::orient_tool::{Middle, Middles};
-use super::sequence::MARGIN;
+use super::sequence::CANDIDATE_MARGIN_MM;
 use crate::passes::context::SIDE_CLEARANCE;
 use crate::passes::context::{AxisTilt, Keep, PassContext};
 use base::units::Mm;
@@ -19,7 +19,7 @@ use wheel::operation::VaneAllowance;
 use wheel::part::Passage;
 
 /// Shares of the way from the first outer line to the second at which the tool is looked at.
-const SHARES: [f64; 3] = [0.0, 0.5, 1.0];
+const LINE_SHARES: [f64; 3] = [0.0, 0.5, 1.0];
 
 /// Finds the room of all larger tools.
 ///
@@ -101,13 +101,13 @@ fn with_room<'a>(cx: &PassContext<'a>, operation: &Operation, (mut middle, allow
     let radius = solid.cutter.tip_radius();
     let turns = matches!(operation.kind.axis_method(), Some(AxisMethod::Corridor | AxisMethod::Xu));
     let fits = |u: f64, tilt: AxisTilt| {
-        SHARES.iter().all(|share| {
+        LINE_SHARES.iter().all(|share| {
             let Some(p) = middle.tool_at(program, operation, (u, *share), tilt) else { return false };
             if operation.kind.axis_method() == Some(AxisMethod::Lead) {
                 return is_clear(cx, operation, (&p, allowance));
             }
             if turns {
-                return clear.has_candidate(&StandingBall::at(&p, radius), &p.axis, clear.scaled(MARGIN));
+                return clear.has_candidate(&StandingBall::at(&p, radius), &p.axis, clear.scaled(CANDIDATE_MARGIN_MM));
             }
             obstacles.body_lack(solid, &p.tip, &p.axis, program.clearance.get(), Some(SIDE_CLEARANCE)).is_none()
         })

@@ -18,26 +18,26 @@ use rayon::prelude::*;
 const SAME: f64 = 1e-6;
 
 /// Distance of the stations of the shortest path, mm, for usual tools.
-pub(super) const STEP: f64 = 4.0;
+pub(super) const STATION_SPACING_MM: f64 = 4.0;
 
 /// Most candidates of a station, the nearest to the direction of the channel first. The search compares pairs of pairs.
 const MOST_CANDIDATES: usize = 40;
 
 /// Distance that candidates add to the required distance, mm: free space for the corridor about them.
-pub(super) const MARGIN: f64 = 0.1;
+pub(super) const CANDIDATE_MARGIN_MM: f64 = 0.1;
 
 /// Weight of second differences in formula (4), 1/s.
 const SMOOTHNESS: f64 = 40.0;
 
 /// Largest turn between stations, radians.
-pub(super) const MOST_TURN: f64 = 0.6;
+pub(super) const MAX_STATION_TURN: f64 = 0.6;
 
 /// Cost of a radian away from the direction of the channel, s: of equal sequences the one in the middle wins.
 const AWAY: f64 = 0.02;
 
 /// Cost of the square of the angle, in radians, to the axis at the nearest place of earlier lines, s. It is far above
 /// the gain of one line from a jump, and small for a drift from line to line.
-const BESIDE: f64 = 2.0;
+const NEIGHBOUR_COST: f64 = 2.0;
 
 /// Stations on both sides of a gap between the axes of two stations which get axes that lead over it.
 const BRIDGE: usize = 12;
@@ -157,14 +157,14 @@ impl WayStations {
     /// Finds clear axes about the axes of a pass, which give the direction of the channel.
     fn new(clear: &ClearAxes<'_>, machine: &Machine, pass: &ClPass) -> Self {
         let radius = clear.radius();
-        let way = PassWay::new(pass, radius, clear.scaled(STEP));
+        let way = PassWay::new(pass, radius, clear.scaled(STATION_SPACING_MM));
         let middles: Vec<Vector3<f64>> =
             way.stops.iter().map(|length| pass.points[stretch(&way.table, *length).0].axis).collect();
         let stops = way.stops.iter().zip(&middles);
         let candidates = stops
             .map(|(length, middle)| {
                 let ball = way.ball(*length);
-                let mut axes = clear.candidates(&ball, middle, clear.scaled(MARGIN));
+                let mut axes = clear.candidates(&ball, middle, clear.scaled(CANDIDATE_MARGIN_MM));
                 if axes.is_empty() {
                     axes = clear.candidates(&ball, middle, 0.0);
                 }
@@ -194,14 +194,14 @@ impl WayStations {
             let far = |x: &(Point3<f64>, Vector3<f64>)| (x.0 - here).norm_squared();
             let Some((_, beside)) = chosen.iter().min_by(|p, q| far(p).total_cmp(&far(q))) else { continue };
             if on_floor {
-                let axes = clear.beside(&ball, (beside, 1), clear.scaled(MARGIN));
+                let axes = clear.beside(&ball, (beside, 1), clear.scaled(CANDIDATE_MARGIN_MM));
                 candidates.truncate(2 * (MOST_CANDIDATES - axes.len()));
                 let poses = |axis| candidates_of(machine, (&here, middle), axis, clear.radius());
                 candidates.extend(axes.iter().filter(|axis| is_steep(axis)).flat_map(poses));
             }
             for candidate in candidates {
                 let axis = axis_of(chain, candidate);
-                candidate.penalty += BESIDE * axis.angle(beside).powi(2);
+                candidate.penalty += NEIGHBOUR_COST * axis.angle(beside).powi(2);
             }
         }
     }
@@ -288,7 +288,7 @@ pub(super) fn has_candidates(clear: &ClearAxes<'_>, pass: &ClPass) -> bool {
     if pass.points.len() < 2 {
         return true;
     }
-    let way = PassWay::new(pass, clear.radius(), clear.scaled(STEP));
+    let way = PassWay::new(pass, clear.radius(), clear.scaled(STATION_SPACING_MM));
     way.stops.iter().all(|length| {
         let about = pass.points[stretch(&way.table, *length).0].axis;
         clear.has_candidates(&way.ball(*length), &about)
@@ -315,7 +315,7 @@ pub(crate) fn shortest(
         speed: machine.speeds(),
         acceleration: machine.accelerations(),
         smoothness: SMOOTHNESS,
-        most_turn: MOST_TURN,
+        most_turn: MAX_STATION_TURN,
     };
     let (mut found, mut faults) = (Vec::with_capacity(passes.len()), Vec::new());
     let mut chosen: Vec<(Point3<f64>, Vector3<f64>)> = Vec::new();

@@ -7,7 +7,7 @@ use ir::ClPoint;
 use nalgebra::{Point3, Vector3};
 
 /// Least part of the motion that is square to the axis, everywhere on a pass that turns along the motion.
-const ALONG: f64 = 0.15;
+const MIN_SQUARE_MOTION: f64 = 0.15;
 
 /// Least sine of the angle between axis and normal, everywhere on a pass that turns round an edge.
 const ROUND: f64 = 0.3;
@@ -50,7 +50,7 @@ fn along(points: &[ClPoint], centres: &[Point3<f64>], radius: f64) -> Option<Vec
         let behind = (i + 1..=last).find(|k| apart(i, *k)).unwrap_or(last);
         let way = (centres[behind] - centres[before]).try_normalize(0.0)?;
         let square = way - points[i].axis * way.dot(&points[i].axis);
-        if square.norm() >= ALONG { square.try_normalize(0.0) } else { None }
+        if square.norm() >= MIN_SQUARE_MOTION { square.try_normalize(0.0) } else { None }
     };
     (0..=last).map(side).collect()
 }

@@ -25,25 +25,25 @@ use rayon::prelude::*;
 use wheel::method::AxisMethod;
 
 /// Distance of the stations of the corridor, mm, for usual tools.
-const SPACING: f64 = 1.5;
+const STATION_SPACING_MM: f64 = 1.5;
 
 /// Length over which angles are smooth, mm, for usual tools.
-const LENGTH: f64 = 6.0;
+const SMOOTH_LENGTH_MM: f64 = 6.0;
 
 /// Fewest stations of a corridor.
-const FEWEST: usize = 8;
+const MIN_STATIONS: usize = 8;
 
 /// Times that the corridor is built about the last result; each widens the range that the result can reach.
 const LAYINGS: usize = 3;
 
 /// Times that all steps are repeated with a larger distance.
-const ROUNDS: usize = 3;
+const MAX_REPEATS: usize = 3;
 
 /// Distance that cones add to the required distance, mm per round: allows for the motion between stations.
-const MARGIN: f64 = 0.06;
+const CONE_MARGIN_MM: f64 = 0.06;
 
 /// Shares of the turn to the axis of the pass before that are tried.
-const SHARES: [f64; 4] = [1.0, 0.75, 0.5, 0.25];
+const TURN_SHARES: [f64; 4] = [1.0, 0.75, 0.5, 0.25];
 
 /// Sine of the angle between the tool at zero and rotary axis 2 below which the pole is at zero.
 const AT_POLE: f64 = 1e-9;
@@ -152,7 +152,7 @@ fn follow(clear: &ClearAxes<'_>, chain: &Chain, passes: &mut [ClPass]) {
                 && (1..places.len()).into_par_iter().all(|k| clear.proved(&[end(k - 1), end(k)]));
             fits.then_some(places)
         };
-        if let Some(places) = SHARES.iter().find_map(|share| turned(*share)) {
+        if let Some(places) = TURN_SHARES.iter().find_map(|share| turned(*share)) {
             *points = places;
         }
     }
@@ -207,11 +207,11 @@ fn smooth(clear: &ClearAxes<'_>, chain: &Chain, pass: &ClPass, work: &Work) -> R
         (balls[i].towards(&balls[i + 1], t), angle)
     };
     let mut fault = Fault::NotProved(centres[0]);
-    for round in 1..=ROUNDS {
-        let count = round * ((whole / clear.scaled(SPACING)).ceil() as usize).max(FEWEST);
+    for round in 1..=MAX_REPEATS {
+        let count = round * ((whole / clear.scaled(STATION_SPACING_MM)).ceil() as usize).max(MIN_STATIONS);
         let spacing = whole / count as f64;
         let (places, start): (Vec<StandingBall>, Vec<Angles>) = (0..=count).map(|k| at(k as f64 * spacing)).unzip();
-        let margin = clear.scaled(MARGIN) * round as f64;
+        let margin = clear.scaled(CONE_MARGIN_MM) * round as f64;
         let mut run = start;
         for laying in 0..LAYINGS {
             if work.is_cancelled() {
@@ -255,8 +255,9 @@ fn laid_about(
         let cone = kept(margin).or_else(|| kept(0.0));
         cones.push(cone.ok_or(Fault::NoAxis(place.centre, wanted))?);
     }
-    let found = Corridor { cones, spacing, length: clear.scaled(LENGTH) }
-        .smooth(run, &weights(chain), &|angles| chain.tool_axis(angles));
+    let found =
+        Corridor { cones, spacing, length: clear.scaled(SMOOTH_LENGTH_MM) }
+            .smooth(run, &weights(chain), &|angles| chain.tool_axis(angles));
     found.map_err(|residual| Fault::NoRun(places[residual.station].centre, residual))
 }
 

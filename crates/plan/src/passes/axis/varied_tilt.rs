@@ -11,7 +11,7 @@ const WIDTHS: [f64; 4] = [0.25, 0.12, 0.06, 0.03];
 const TILT_WEIGHT: f64 = 1e-5;
 
 /// Least distance of two stations, mm: some stand at one place.
-const APART: f64 = 1e-6;
+const MIN_STATION_DISTANCE_MM: f64 = 1e-6;
 
 /// Tilts that are tried, and which of them are clear at each station.
 pub(super) struct ClearTilts<'a> {
@@ -60,7 +60,7 @@ impl ClearTilts<'_> {
             all.clone().map(|t| if clear[t].first() == Some(&true) { 0.0 } else { f64::INFINITY }).collect();
         let mut before: Vec<Vec<usize>> = Vec::with_capacity(count);
         for i in 1..count {
-            let length = (self.lengths[i] - self.lengths[i - 1]).max(APART);
+            let length = (self.lengths[i] - self.lengths[i - 1]).max(MIN_STATION_DISTANCE_MM);
             let passes = |from: usize, to: usize| {
                 let between = from.min(to)..=from.max(to);
                 between.clone().all(|t| clear[t][i]) || between.clone().all(|t| clear[t][i - 1]) && clear[to][i]

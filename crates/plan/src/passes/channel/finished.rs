@@ -6,7 +6,7 @@ use nurbs::angle::nearest_turn;
 /// Distance beside the outer lines of a larger ball up to which the floor counts as finished, in steps of this ball. Half a
 /// step would make the ridge to the next smaller ball as high as all others. The rest is an overlap for the lengths of
 /// both tools, which are never the same.
-const BESIDE: f64 = 0.45;
+const FINISHED_STEPS: f64 = 0.45;
 
 /// A stretch of floor between two edges.
 pub(super) struct Finished {
@@ -23,7 +23,7 @@ impl Finished {
     /// What lines between two outer ones finish, given at the stations of the metric of their ball. Lines that begin at an
     /// end that is not open finish less than half a step there.
     pub(super) fn new(metric: BandMetric, stretch: [f64; 2], open: [bool; 2], outer: [&[f64]; 2]) -> Self {
-        let edges = [metric.front(outer[0], -BESIDE), metric.front(outer[1], BESIDE)];
+        let edges = [metric.front(outer[0], -FINISHED_STEPS), metric.front(outer[1], FINISHED_STEPS)];
         let length = stretch[1] - stretch[0];
         let range = [0, 1].map(|i: usize| {
             let inward = if i == 0 { 1.0 } else { -1.0 };

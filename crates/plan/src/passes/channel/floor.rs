@@ -123,7 +123,7 @@ pub(super) fn contacts(part: &Part, passage: &Passage, along: FloorBorder, turn_
         let [first, second] = passage.walls.map(|side| contact(part, side, along));
         return Some([first?, second?]);
     }
-    let count = ((hub_length(part) / APART).ceil() as usize).clamp(FEWEST, MOST);
+    let count = ((hub_length(part) / BORDER_SPACING_MM).ceil() as usize).clamp(MIN_PLACES, MAX_PLACES);
     let places: Vec<f64> = (0..=count).map(|i| i as f64 / count as f64).collect();
     let borders = part.floor_borders(passage, along, &places)?;
     let lengths = places.iter().scan((0.0, None), |(sum, last), u| {
@@ -136,7 +136,11 @@ pub(super) fn contacts(part: &Part, passage: &Passage, along: FloorBorder, turn_
     let line = |side: usize| -> Contact {
         let outward = if side == 0 { 1.0 } else { -1.0 };
         let border: Vec<f64> = borders[side].iter().map(|azimuth| outward * azimuth).collect();
-        let smooth = rounded(&lengths, &border, turn_off.min(ROUNDING * least_wall(part, passage.walls[side], along)));
+        let smooth = rounded(
+            &lengths,
+            &border,
+            turn_off.min(CORNER_RADIUS_SHARE * least_wall(part, passage.walls[side], along)),
+        );
         places.iter().zip(smooth).map(|(u, azimuth)| [*u, outward * azimuth]).collect()
     };
     Some([line(0), line(1)])
@@ -157,18 +161,18 @@ fn least_wall(part: &Part, wall: FaceId, along: FloorBorder) -> f64 {
 
 /// Distance of the places along the hub at which borders round an edge are known, mm. A disc that rolls on them sinks between two by
 /// about a tenth of a micrometre.
-const APART: f64 = 0.02;
+const BORDER_SPACING_MM: f64 = 0.02;
 
 /// Largest distance of the stations of the metric along the hub, mm, and the most of them.
 const METRIC_APART: f64 = 0.15;
 const MOST_METRIC_STATIONS: usize = 4000;
 
 /// Fewest and most of these places, minus one.
-const FEWEST: usize = 4000;
-const MOST: usize = 40_000;
+const MIN_PLACES: usize = 4000;
+const MAX_PLACES: usize = 40_000;
 
 /// Largest radius with which a line turns off before an edge, as a share of the distance from the wall.
-const ROUNDING: f64 = 0.4;
+const CORNER_RADIUS_SHARE: f64 = 0.4;
 
 /// The same radius as a share of the step between lines. Before the edge the lines of both passages leave a place between them
 /// and the last line of the fillet. A point there is at most a quarter of the radius away from each of the three, which is

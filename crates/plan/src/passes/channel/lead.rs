@@ -18,19 +18,19 @@ const MOST_LEAD: f64 = std::f64::consts::FRAC_PI_4;
 const LEADS: usize = 64;
 
 /// Places along the floor at which the cutter is compared with the hub, minus one.
-const PLACES: usize = 120;
+const FLOOR_INTERVALS: usize = 120;
 
 /// Shares of the way from the first wall to the second at which it is compared.
-const SHARES: [f64; 3] = [0.0, 0.5, 1.0];
+const WALL_SHARES: [f64; 3] = [0.0, 0.5, 1.0];
 
 /// Directions around the tool.
-const AROUND: usize = 48;
+const TOOL_DIRECTIONS: usize = 48;
 
 /// Circles of the flat end, as shares of the circle on which the centre of the corner runs.
 const CIRCLES: [f64; 3] = [0.0, 0.4, 0.8];
 
 /// Depth inside of the hub that is rounding, mm.
-const ROUNDING: f64 = 1e-6;
+const DEPTH_ROUNDING_MM: f64 = 1e-6;
 
 /// A bull nose on the floor.
 #[derive(Clone, Copy)]
@@ -128,12 +128,12 @@ fn clears(chart: &ChannelChart<'_>, cutter: &Cutter, lead: f64) -> bool {
         let Some(tip) = cutter.tip_at(&hub.point(u, azimuth), &hub.normal(u, azimuth), &axis) else { return false };
         let across = Vector3::new(-axis.y, axis.x, 0.0).try_normalize(f64::EPSILON).unwrap_or_else(Vector3::x);
         let other = axis.cross(&across);
-        (0..AROUND).all(|k| {
-            let (sin, cos) = libm::sincos(TAU * k as f64 / AROUND as f64);
+        (0..TOOL_DIRECTIONS).all(|k| {
+            let (sin, cos) = libm::sincos(TAU * k as f64 / TOOL_DIRECTIONS as f64);
             let outward = across * cos + other * sin;
-            outside(&(tip + axis * corner + outward * ring)) >= corner - ROUNDING
-                && CIRCLES.iter().all(|share| outside(&(tip + outward * (ring * share))) >= -ROUNDING)
+            outside(&(tip + axis * corner + outward * ring)) >= corner - DEPTH_ROUNDING_MM
+                && CIRCLES.iter().all(|share| outside(&(tip + outward * (ring * share))) >= -DEPTH_ROUNDING_MM)
         })
     };
-    (0..=PLACES).all(|i| SHARES.iter().all(|w| at(i as f64 / PLACES as f64, *w)))
+    (0..=FLOOR_INTERVALS).all(|i| WALL_SHARES.iter().all(|w| at(i as f64 / FLOOR_INTERVALS as f64, *w)))
 }

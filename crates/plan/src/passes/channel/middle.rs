@@ -19,7 +19,7 @@ use tool_stock::collide::{Cutter, ToolSolid};
 use wheel::part::{FloorBorder, Passage, PassageId, Rolling};
 
 /// Places along the floor and its leads where the room of the tool is looked at.
-const PLACES: usize = 240;
+const FLOOR_PLACES: usize = 240;
 
 /// Height of the place beside a wall, as a share of the vane, up to which a wall counts as continued. A ball may be
 /// higher than a vane.
@@ -29,10 +29,10 @@ const TOP: f64 = 2.0;
 const LEAST_WIDTH: f64 = 0.1;
 
 /// Layers of the metric of a bull nose, from the first outer line to the second.
-const LAYERS: usize = 25;
+const METRIC_LAYERS: usize = 25;
 
 /// Places along a stretch at which the range of azimuths is looked at, minus one.
-const LOOKS: usize = 60;
+const AZIMUTH_INTERVALS: usize = 60;
 
 /// A part of the floor along which the tool fits.
 #[derive(Clone, Copy, Debug)]
@@ -107,7 +107,7 @@ impl<'a> Middle<'a> {
     pub(crate) fn places(&self, operation: &Operation) -> Vec<f64> {
         let lead = operation.lead_in.get().max(operation.lead_out.get());
         let [from, to] = [0.0, 1.0].map(|u| lead / self.speed(u));
-        (0..=PLACES).map(|i| i as f64 / PLACES as f64 * (1.0 + from + to) - from).collect()
+        (0..=FLOOR_PLACES).map(|i| i as f64 / FLOOR_PLACES as f64 * (1.0 + from + to) - from).collect()
     }
 
     fn speed(&self, u: f64) -> f64 {
@@ -183,12 +183,12 @@ impl<'a> Middle<'a> {
 
     /// Length of the meridian over a stretch, mm; zero where the ends have crossed.
     fn length(&self, FloorStretch { ends: [from, to], .. }: FloorStretch) -> f64 {
-        let at = |i: usize| self.floor.part.hub.meridian(from + (to - from) * i as f64 / PLACES as f64).point;
-        if to > from { (0..PLACES).map(|i| (at(i + 1) - at(i)).norm()).sum() } else { 0.0 }
+        let at = |i: usize| self.floor.part.hub.meridian(from + (to - from) * i as f64 / FLOOR_PLACES as f64).point;
+        if to > from { (0..FLOOR_PLACES).map(|i| (at(i + 1) - at(i)).norm()).sum() } else { 0.0 }
     }
 
     fn widest(&self, FloorStretch { ends: [from, to], .. }: FloorStretch) -> f64 {
-        (0..=PLACES).map(|i| self.width(from + (to - from) * i as f64 / PLACES as f64)).fold(0.0, f64::max)
+        (0..=FLOOR_PLACES).map(|i| self.width(from + (to - from) * i as f64 / FLOOR_PLACES as f64)).fold(0.0, f64::max)
     }
 
     /// True where the tool fits somewhere.
@@ -295,9 +295,9 @@ impl DriveSurface for StretchFloor<'_> {
                 [speeds[0] / steps[0], speeds[1] / steps[1]]
             });
         };
-        let [first, second] = both_walls(self, (0..=LOOKS).map(|i| i as f64 / LOOKS as f64));
+        let [first, second] = both_walls(self, (0..=AZIMUTH_INTERVALS).map(|i| i as f64 / AZIMUTH_INTERVALS as f64));
         let (low, high) = (first.into_iter().reduce(f64::min), second.into_iter().reduce(f64::max));
-        let layers = ([low.unwrap_or_default(), high.unwrap_or_default()], LAYERS);
+        let layers = ([low.unwrap_or_default(), high.unwrap_or_default()], METRIC_LAYERS);
         BandMetric::over((range, count), layers, |x, y| {
             let u = self.u(x);
             let [along, around] = speeds(u);

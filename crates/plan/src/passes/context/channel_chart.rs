@@ -58,19 +58,19 @@ impl<'a> ChannelChart<'a> {
 
     /// Distance of the walls square to the direction of the channel at (u, v).
     pub(crate) fn across(&self, u: f64, v: f64) -> f64 {
-        const STEP: f64 = 1e-3;
+        const DIFFERENCE_STEP: f64 = 1e-3;
         let at = self.crossing(u);
         let middle = at.point(v, 0.5);
-        let along = self.point(u + STEP, v, 0.5) - middle;
-        let across = (at.point(v, 0.5 + STEP) - middle).normalize();
+        let along = self.point(u + DIFFERENCE_STEP, v, 0.5) - middle;
+        let across = (at.point(v, 0.5 + DIFFERENCE_STEP) - middle).normalize();
         at.width(v) * across.cross(&along).norm() / along.norm()
     }
 
     /// Direction of the channel on the hub at (u, w), from inlet to outlet: its parts along the meridian and around Z, of unit
     /// length together.
     pub(crate) fn direction(&self, u: f64, w: f64) -> [f64; 2] {
-        const STEP: f64 = 1e-3;
-        let [a, b] = [u - STEP, u + STEP].map(|u| self.point(u, 0.0, w));
+        const DIFFERENCE_STEP: f64 = 1e-3;
+        let [a, b] = [u - DIFFERENCE_STEP, u + DIFFERENCE_STEP].map(|u| self.point(u, 0.0, w));
         let [from, to] = [a, b].map(|p| libm::hypot(p.x, p.y));
         let along = libm::hypot(to - from, b.z - a.z);
         let turn = nearest_turn(libm::atan2(b.y, b.x) - libm::atan2(a.y, a.x), 0.0);

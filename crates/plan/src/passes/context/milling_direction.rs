@@ -5,16 +5,16 @@ use wheel::method::Milling;
 use wheel::part::{FaceId, Part, Surface};
 
 /// Place along and across a face at which its sides are told apart; they are the same at all places.
-const MIDDLE: f64 = 0.5;
+const FACE_MIDDLE: f64 = 0.5;
 
 /// True where lines on a face run from the outlet to the inlet, so that the tool, which stands along the rulings, mills in
 /// this sense. The two faces of a blade have opposite directions.
 pub(crate) fn from_outlet(part: &Part, face: FaceId, milling: Milling) -> bool {
     let face = part.face(face);
-    let (_, along, _) = face.surface.tangents(MIDDLE, MIDDLE);
-    let right = along.cross(&face.surface.ruling(MIDDLE));
+    let (_, along, _) = face.surface.tangents(FACE_MIDDLE, FACE_MIDDLE);
+    let right = along.cross(&face.surface.ruling(FACE_MIDDLE));
     // The normal points out of the material.
-    let on_the_right = right.dot(&face.normal(MIDDLE, MIDDLE)) < 0.0;
+    let on_the_right = right.dot(&face.normal(FACE_MIDDLE, FACE_MIDDLE)) < 0.0;
     on_the_right != (milling == Milling::Climb)
 }
 

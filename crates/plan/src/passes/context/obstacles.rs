@@ -12,7 +12,7 @@ use wheel::operation::{Allowances, VaneAllowance};
 use wheel::part::{Part, Sample, SurfaceKind, sample};
 
 /// Spacing of the samples, mm, for tools from [`WHOLE_SPACING`] on.
-const SPACING: f64 = 0.4;
+const SAMPLE_SPACING_MM: f64 = 0.4;
 
 /// Radius of a tool, mm, below which samples and reserves shrink with the thinnest tool of the job: a reserve as large as
 /// the allowance of a small wheel would keep the tool out of the channel.
@@ -22,7 +22,7 @@ const WHOLE_SPACING: f64 = 0.8;
 const LEAST_SCALE: f64 = 0.1;
 
 /// Most samples for which the spacing shrinks: some hundred megabytes.
-const MOST_SAMPLES: f64 = 4e6;
+const MAX_SAMPLES: f64 = 4e6;
 
 /// Reserve for samples in place of a surface, mm. The nearest sample lies at most d = 0.71 spacings beside the closest
 /// point of the surface. A measured distance g is therefore too large by at most sqrt(g^2 + d^2) - g at a sharp edge,
@@ -31,11 +31,11 @@ const EDGE_MARGIN: f64 = 0.08;
 
 /// The same reserve for tools with a tip radius of at least 2.5 spacings.
 const ROUND_MARGIN: f64 = 0.02;
-const ROUND: f64 = 2.5 * SPACING;
+const ROUND: f64 = 2.5 * SAMPLE_SPACING_MM;
 
 /// Halvings of a piece of motion after which its clearance counts as not proved: the pieces are then some micrometres
 /// long.
-const HALVINGS: u32 = 9;
+const MAX_MOTION_HALVINGS: u32 = 9;
 
 /// Both ends of a piece of motion.
 pub(crate) type Ends = [RotaryPose; 2];
@@ -81,7 +81,7 @@ impl Obstacles {
         let radius = |solid: &ToolSolid| solid.radius().min(solid.cutter.nominal_radius());
         let radii = program.operations.iter().map(|(_, o)| radius(&program.tools[o.tool].solid));
         let thinnest = radii.fold(WHOLE_SPACING, f64::min);
-        let finest = (sample::estimate(&program.part, SPACING) / MOST_SAMPLES).sqrt();
+        let finest = (sample::estimate(&program.part, SAMPLE_SPACING_MM) / MAX_SAMPLES).sqrt();
         let scale = (thinnest / WHOLE_SPACING).max(finest).clamp(LEAST_SCALE, 1.0);
         let mut obstacles = Self::sampled(&program.part, &program.machine, scale);
         let vane = |kind: &OperationKind| kind.roughing().map_or(0.0, |kept| kept.vane.growth());
@@ -98,7 +98,7 @@ impl Obstacles {
     }
 
     fn sampled(part: &Part, machine: &Machine, scale: f64) -> Self {
-        let samples = sample::sample(part, scale * SPACING);
+        let samples = sample::sample(part, scale * SAMPLE_SPACING_MM);
         let (hub, walls): (Vec<&Sample>, Vec<&Sample>) =
             samples.iter().partition(|s| matches!(s.surface.kind, SurfaceKind::Hub(_)));
         let [hub, walls] = [hub, walls].map(sample::cloud_points);
@@ -176,7 +176,7 @@ impl Obstacles {
             if self.keeps((&middle.tip, &axis), (&slack, kept), (&middle.tip, turn, shift)) {
                 continue;
             }
-            if depth >= HALVINGS {
+            if depth >= MAX_MOTION_HALVINGS {
                 return false;
             }
             open.push(([p, middle], depth + 1));

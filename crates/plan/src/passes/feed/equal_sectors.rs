@@ -10,7 +10,7 @@ use ir::{JointMove, Motion, MoveKind, Program};
 use wheel::control::Sectors;
 
 /// Share of the time of a rapid that is rounding.
-const ROUNDING: f64 = 1e-6;
+const RAPID_TIME_ROUNDING: f64 = 1e-6;
 
 /// Makes feeds and times equal.
 pub(crate) fn feeds(program: &Program, motion: &mut Motion) {
@@ -25,7 +25,7 @@ pub(crate) fn feeds(program: &Program, motion: &mut Motion) {
                 // The way is the same.
                 Some(own) if own > feed => (m.time, m.feed) = (m.time * own / feed, Some(feed)),
                 Some(_) => {}
-                None if most - least <= ROUNDING * most => m.time = most,
+                None if most - least <= RAPID_TIME_ROUNDING * most => m.time = most,
                 None => {}
             }
         }

@@ -18,7 +18,7 @@ use tool_stock::stock::{self, Field, FieldError, Step, StepKind};
 use wheel::material::Material;
 
 /// Longest tip motion of a step, mm: it divides long blocks at the ends of the stock.
-const STEP_LENGTH: f64 = 0.5;
+const STEP_LENGTH_MM: f64 = 0.5;
 
 /// Cells in the radius of the smallest cutter, and the largest cell, mm.
 const CELLS: f64 = 8.0;
@@ -175,7 +175,7 @@ fn steps<'a>(program: &'a Program, pair: &[JointMove], index: usize) -> impl Ite
     let tip = machine.forward(&from).tip;
     let way = machine.forward(&to).tip - tip;
     let turn = machine.turn(from.rotary, to.rotary);
-    let count = (turn / stock::MOST_TURN).max(way.norm() / STEP_LENGTH).ceil().max(1.0);
+    let count = (turn / stock::MAX_STEP_TURN).max(way.norm() / STEP_LENGTH_MM).ceil().max(1.0);
     (0..count as usize).map(move |k| {
         let [a, b] = [k as f64 / count, (k + 1) as f64 / count];
         let axes = [a, 0.5 * (a + b), b].map(|t| machine.chain.tool_axis(between(from.rotary, to.rotary, t)));

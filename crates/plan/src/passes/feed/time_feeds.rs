@@ -122,7 +122,7 @@ fn time_move(machine: &Machine, length_of_tool: f64, before: Option<Joints>, m: 
         (_, Some(feed)) => {
             let wanted = reached.map_or(feed, |r| r.min(feed));
             let followed = if length > 0.0 && least > 0.0 { wanted.min(length / least * 60.0) } else { wanted };
-            if followed < feed * (1.0 - ROUNDING) && length > 0.0 {
+            if followed < feed * (1.0 - FEED_ROUNDING) && length > 0.0 {
                 let slower = ((followed / FEED_STEP).floor() * FEED_STEP).max(FEED_STEP);
                 m.feed = Some(slower);
                 length / slower * 60.0
@@ -134,4 +134,4 @@ fn time_move(machine: &Machine, length_of_tool: f64, before: Option<Joints>, m: 
 }
 
 /// Relative difference of feeds that is only rounding of numbers.
-const ROUNDING: f64 = 1e-9;
+const FEED_ROUNDING: f64 = 1e-9;

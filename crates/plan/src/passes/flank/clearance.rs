@@ -13,7 +13,7 @@ use tool_stock::collide::tool::tool_coordinates;
 use wheel::contract::Guarded;
 
 /// Stations of a path that are checked: as many as its pass has contacts.
-const LOOKS: usize = STATIONS;
+const CHECKED_STATIONS: usize = STATIONS;
 
 /// Stations of a lead that are checked.
 const LOOKS_ON_LINE: usize = 30;
@@ -81,7 +81,7 @@ impl<'a> Clearances<'a> {
     /// axis 1.
     pub(crate) fn found(&self, path: &DualCurve) -> ClearanceCheck {
         let station = |i: usize| {
-            let t = i as f64 / LOOKS as f64;
+            let t = i as f64 / CHECKED_STATIONS as f64;
             let at = path.at(t);
             let bodies = self.obstacles.nearest((&at.lower, &at.axis), |rho, s| self.spare(rho, s), NEAR);
             let bodies = bodies.map(move |(spare, point): (f64, Point3<f64>)| {
@@ -95,7 +95,7 @@ impl<'a> Clearances<'a> {
             let tilt = (tilt < NEAR).then(|| (tilt, Target { of, give: [FREELY; 2], ..Target::clear(at.lower, 0.0) }));
             bodies.chain(tilt).collect::<Vec<_>>()
         };
-        let found: Vec<(f64, Target)> = (0..=LOOKS).into_par_iter().flat_map_iter(station).collect();
+        let found: Vec<(f64, Target)> = (0..=CHECKED_STATIONS).into_par_iter().flat_map_iter(station).collect();
         ClearanceCheck { kept: found.iter().all(|x| x.0 >= 0.0), near: found.into_iter().map(|x| x.1).collect() }
     }
 }

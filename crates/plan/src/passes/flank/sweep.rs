@@ -40,7 +40,7 @@ pub(crate) const NO_VIOLATION: f64 = 5e-5;
 
 /// Spans of a path for a control that interpolates polynomials. On the paper's vane the rotary axes then need less time than with 11
 /// cubics, and cubics of both rotary axes follow such a path with half as many spans.
-const SPANS: usize = 4;
+const PATH_SPANS: usize = 4;
 
 /// Places of a start through which quintics go.
 const STARTS: usize = 300;
@@ -112,7 +112,7 @@ impl StripTask<'_> {
             [at.lower, at.lower + at.axis * at.length]
         };
         let pairs: Vec<[Point3<f64>; 2]> = (0..=STARTS).map(place).collect();
-        DualCurve::quintics(&pairs, SPANS).unwrap_or(start)
+        DualCurve::quintics(&pairs, PATH_SPANS).unwrap_or(start)
     }
 
     /// Deviations that the contracts leave to the plan on a surface.

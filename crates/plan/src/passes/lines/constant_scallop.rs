@@ -27,9 +27,9 @@ use nurbs::geodesic::cubic_weights;
 
 /// Share of a step over which a line turns from the seam into its family, on both sides of the place where they meet.
 /// It is less than half, so that the turn is complete where the next line begins.
-const TURN: f64 = 0.45;
+const SEAM_TURN_SHARE: f64 = 0.45;
 
-/// How far the front of line k of the second family lies behind the seam where the line begins, in units of [`TURN`].
+/// How far the front of line k of the second family lies behind the seam where the line begins, in units of [`SEAM_TURN_SHARE`].
 /// Up to there the line of the first family has moved off the seam by t^3 / 6 with t = 0.8, and the other side has a
 /// reserve of 0.2.
 const BEGINS: f64 = 0.2;
@@ -82,7 +82,7 @@ pub(crate) fn tracks(
     }
     let seam: Vec<[f64; 2]> = (0..x.len()).map(|i| seam_at(&first, &second, i)).collect();
     let finished = surely_finished(metric, &x, &seam, finished);
-    let turn: Vec<f64> = x.iter().zip(&seam).map(|(x, s)| TURN / metric.form(*x, s[1])[1]).collect();
+    let turn: Vec<f64> = x.iter().zip(&seam).map(|(x, s)| SEAM_TURN_SHARE / metric.form(*x, s[1])[1]).collect();
     let mut sides: [Vec<Track>; 2] = [Vec::new(), Vec::new()];
     for (end, (side, family)) in sides.iter_mut().zip([&first, &second]).enumerate() {
         for (k, front) in family.fronts.iter().step_by(2).enumerate() {

@@ -33,10 +33,10 @@ const NO_WIDTH: f64 = 1e-3;
 
 /// Times that lines are laid again where the ridges do not have the height that the metric predicts. The metric is
 /// correct to second order, and knows only the rounding at the contact of the cutter.
-const ROUNDS: usize = 4;
+const MAX_RELAYINGS: usize = 4;
 
 /// Share of the required height for which lines are laid: ridges are measured in some columns only.
-const BETWEEN: f64 = 0.99;
+const LAID_HEIGHT_SHARE: f64 = 0.99;
 
 /// Ratio of the target to the highest ridge up to which the height counts as well used.
 const NEARLY: f64 = 1.04;
@@ -260,16 +260,16 @@ pub(crate) fn refined<T>(
 ) -> Result<(T, Option<f64>), Aborted> {
     let (mut laid, mut ridge) = lay(target)?;
     let mut planned = target;
-    for _ in 1..ROUNDS {
+    for _ in 1..MAX_RELAYINGS {
         let Some(found) = ridge.filter(|r| *r > 0.0) else { break };
-        let ratio = BETWEEN * target / found;
+        let ratio = LAID_HEIGHT_SHARE * target / found;
         if (1.0..NEARLY).contains(&ratio) {
             break;
         }
         // Not all ridges follow the height: approach from above in slightly larger steps.
         planned *= if ratio < 1.0 { ratio * ratio.min(0.998) } else { ratio.min(MOST_GROWTH) };
         let next = lay(planned)?;
-        if ratio < 1.0 || next.1.is_some_and(|r| r <= BETWEEN * target) {
+        if ratio < 1.0 || next.1.is_some_and(|r| r <= LAID_HEIGHT_SHARE * target) {
             (laid, ridge) = next;
         } else {
             break;

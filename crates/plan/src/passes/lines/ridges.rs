@@ -79,10 +79,10 @@ fn around(line: &[CutterPose], x: f64) -> Option<&[CutterPose]> {
 }
 
 /// Contacts that share a box.
-const TOGETHER: usize = 12;
+const CONTACTS_PER_BOX: usize = 12;
 
 /// Rounding of distances, as a share.
-const ROUNDING: f64 = 1e-12;
+const DISTANCE_ROUNDING: f64 = 1e-12;
 
 /// A box about contacts: its least and its greatest corner.
 struct ContactBox([Point3<f64>; 2]);
@@ -97,7 +97,7 @@ impl ContactBox {
     fn distance(&self, p: &Point3<f64>) -> f64 {
         let [low, high] = &self.0;
         let off = (low - p).sup(&(p - high)).sup(&Vector3::zeros());
-        off.norm_squared() * (1.0 - ROUNDING)
+        off.norm_squared() * (1.0 - DISTANCE_ROUNDING)
     }
 }
 
@@ -105,27 +105,27 @@ impl ContactBox {
 struct NearLine<'a> {
     poses: &'a [CutterPose],
     whole: ContactBox,
-    /// One for each [`TOGETHER`] contacts.
+    /// One for each [`CONTACTS_PER_BOX`] contacts.
     pieces: Vec<ContactBox>,
 }
 
 impl<'a> NearLine<'a> {
     fn new(poses: &'a [CutterPose]) -> Self {
-        let pieces = poses.chunks(TOGETHER).map(ContactBox::about).collect();
+        let pieces = poses.chunks(CONTACTS_PER_BOX).map(ContactBox::about).collect();
         Self { poses, whole: ContactBox::about(poses), pieces }
     }
 
     /// The contact that is nearest to a point, where its distance is not greater than a limit: square of the distance, and pose.
     fn nearest(&self, p: &Point3<f64>, limit: f64) -> Option<(f64, usize)> {
         let mut best: Option<(f64, usize)> = None;
-        for (piece, (around, poses)) in self.pieces.iter().zip(self.poses.chunks(TOGETHER)).enumerate() {
+        for (piece, (around, poses)) in self.pieces.iter().zip(self.poses.chunks(CONTACTS_PER_BOX)).enumerate() {
             if around.distance(p) > best.map_or(limit, |(far, _)| far) {
                 continue;
             }
             for (k, pose) in poses.iter().enumerate() {
                 let far = (pose.contact - p).norm_squared();
                 if far <= limit && best.is_none_or(|(least, _)| far < least) {
-                    best = Some((far, piece * TOGETHER + k));
+                    best = Some((far, piece * CONTACTS_PER_BOX + k));
                 }
             }
         }

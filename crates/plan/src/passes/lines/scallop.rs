@@ -1,7 +1,7 @@
 //! Spacing of passes from the scallop height.
 
 /// Curvature of the surface, times the radius of the ball, that counts as none.
-const STRAIGHT: f64 = 1e-9;
+const ZERO_CURVATURE: f64 = 1e-9;
 
 /// Distance between passes of a ball on a flat surface that leaves ridges of height `h`: 2 sqrt(2 R h - h^2).
 pub fn flat_step(radius: f64, h: f64) -> f64 {
@@ -18,7 +18,7 @@ pub fn formula_9_step(radius: f64, h: f64) -> f64 {
 /// material. Two balls that touch the circle of radius 1/curvature meet at the height h over it.
 pub fn curved_step(radius: f64, h: f64, curvature: f64) -> f64 {
     // Below this value the circle and a line differ by less than rounding over the width of a pass.
-    if curvature.abs() * radius < STRAIGHT {
+    if curvature.abs() * radius < ZERO_CURVATURE {
         return flat_step(radius, h);
     }
     let rho = 1.0 / curvature;

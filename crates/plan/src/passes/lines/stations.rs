@@ -10,7 +10,7 @@ const BETWEEN_STATIONS: f64 = 0.1;
 const ALONG_LINE: f64 = 0.25;
 
 /// Times that the way between two stations is halved, at most.
-const HALVINGS: u32 = 6;
+const MAX_STATION_HALVINGS: u32 = 6;
 
 /// How far a ball may leave the straight line between two stations.
 #[derive(Clone, Copy, Debug)]
@@ -52,7 +52,7 @@ pub(super) fn straight(
     let mut dense: Vec<(f64, CcPoint)> = Vec::with_capacity(stations.len());
     for station in stations {
         // The way to the next stations, the nearest last, each with the halvings that are left.
-        let mut ahead = vec![(station, HALVINGS)];
+        let mut ahead = vec![(station, MAX_STATION_HALVINGS)];
         while let Some((next, left)) = ahead.pop() {
             let Some(before) = dense.last().filter(|_| left > 0) else {
                 dense.push(next);
@@ -111,6 +111,6 @@ mod tests {
             CcPoint { u: x, v: 0.0, w: 0.0, position: Point3::origin(), normal }
         };
         let dense = straight(vec![(0.0, point(0.0)), (1.0, point(1.0))], &point, Straightness::within(1e-3, 1.0));
-        assert!(dense.len() <= 2 + HALVINGS as usize, "{}", dense.len());
+        assert!(dense.len() <= 2 + MAX_STATION_HALVINGS as usize, "{}", dense.len());
     }
 }

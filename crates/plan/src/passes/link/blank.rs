@@ -6,7 +6,7 @@ use tool_stock::collide::ToolSolid;
 use wheel::part::{Clamping, Stock, TurnedProfile};
 
 /// Steps along the tool at which its distance to the blank is determined, mm.
-const HEIGHT_STEP: f64 = 1.0;
+const HEIGHT_STEP_MM: f64 = 1.0;
 
 /// The turned blank, its clamping, and a tool.
 pub(crate) struct Blank<'a> {
@@ -81,13 +81,13 @@ impl<'a> Blank<'a> {
 
 /// Balls that hold a tool, each from its height over the tip to the next height: heights and radii, mm.
 fn balls_along(tool: &ToolSolid) -> Vec<(f64, f64)> {
-    let count = (tool.length() / HEIGHT_STEP).ceil() as usize;
+    let count = (tool.length() / HEIGHT_STEP_MM).ceil() as usize;
     let ball = |k: usize| {
-        let s = k as f64 * HEIGHT_STEP;
+        let s = k as f64 * HEIGHT_STEP_MM;
         let sections = tool.shank.iter().chain(&tool.holder);
-        let body = sections.filter(|x| x.from <= s + HEIGHT_STEP && s <= x.to + HEIGHT_STEP);
+        let body = sections.filter(|x| x.from <= s + HEIGHT_STEP_MM && s <= x.to + HEIGHT_STEP_MM);
         let widest = body.map(|x| x.radius_from.max(x.radius_to)).fold(tool.radius(), f64::max);
-        (s, widest + HEIGHT_STEP)
+        (s, widest + HEIGHT_STEP_MM)
     };
     (0..=count).map(ball).collect()
 }

@@ -13,14 +13,14 @@ use nalgebra::Vector3;
 use tool_stock::collide::ToolSolid;
 
 /// Distance of the tool from blank and clamping where a rapid begins or ends, mm, and least distance between.
-const GAP: f64 = 2.0;
-const LEAST: f64 = 1.0;
+const RAPID_DISTANCE_MM: f64 = 2.0;
+const MIN_DISTANCE_MM: f64 = 1.0;
 
 /// Distances by which the tool goes out farther where the way is not free, mm.
 const RAISES: [f64; 5] = [0.0, 3.0, 8.0, 18.0, 40.0];
 
 /// Deviation of the chord from the way of the tip round the part over a step, mm, and longest turn of a step, radians.
-const CHORD: f64 = 0.5;
+const PATH_CHORD: f64 = 0.5;
 const MOST_STEP: f64 = 0.35;
 
 /// Places that are looked at: largest turn between two of them, radians, and longest way of the linear axes, mm.
@@ -52,7 +52,7 @@ impl<'a> ClearanceSurface<'a> {
         let mut height = self.sphere.exit(&from.tip, &from.axis);
         while height > 0.0 {
             // No point of the tool comes nearer by more than the tool moves.
-            let free = self.blank.distance(&at(height), &from.axis).least() - GAP;
+            let free = self.blank.distance(&at(height), &from.axis).least() - RAPID_DISTANCE_MM;
             if free <= HEIGHT {
                 break;
             }
@@ -116,7 +116,7 @@ impl<'a> ClearanceSurface<'a> {
     fn evenly(&self, [from, to]: &[RotaryPose; 2]) -> Vec<RotaryPose> {
         let xyz = [from, to].map(|p| self.machine.joints(&p.tip, p.rotary).xyz);
         let radius = [from, to].map(|p| p.tip.coords.norm()).into_iter().fold(0.0, f64::max);
-        let step = (8.0 * CHORD / radius.max(CHORD)).sqrt().min(MOST_STEP);
+        let step = (8.0 * PATH_CHORD / radius.max(PATH_CHORD)).sqrt().min(MOST_STEP);
         let count = (most_turn(from.rotary, to.rotary) / step).ceil() as usize;
         (1..count)
             .map(|i| {
@@ -135,7 +135,7 @@ impl<'a> ClearanceSurface<'a> {
     fn is_free(&self, path: &[RotaryPose]) -> bool {
         let distance = |p: &RotaryPose| self.blank.distance(&p.tip, &self.axis(p));
         let (Some(first), Some(last)) = (path.first(), path.last()) else { return true };
-        let clamping = LEAST.min(0.5 * distance(first).clamping.min(distance(last).clamping));
+        let clamping = MIN_DISTANCE_MM.min(0.5 * distance(first).clamping.min(distance(last).clamping));
         clamping > 0.0
             && path.windows(2).all(|w| {
                 let turn = most_turn(w[0].rotary, w[1].rotary);
@@ -144,7 +144,7 @@ impl<'a> ClearanceSurface<'a> {
                 let looks = (turn / LOOK_TURN).max(way / LOOK_WAY).ceil().max(1.0) as usize;
                 (0..=looks).all(|k| {
                     let found = distance(&w[0].towards(&w[1], k as f64 / looks as f64));
-                    found.blank >= LEAST && found.clamping >= clamping
+                    found.blank >= MIN_DISTANCE_MM && found.clamping >= clamping
                 })
             })
     }

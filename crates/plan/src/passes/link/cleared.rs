@@ -19,7 +19,7 @@ const ON_RIM: usize = 12;
 const RINGS: usize = 3;
 
 /// Distance of the heights at which points are looked at, as a share of the radius of the middle.
-const HEIGHT_STEP: f64 = 0.5;
+const RADIUS_HEIGHT_STEP: f64 = 0.5;
 
 /// Poses of cuts, sector by sector.
 #[derive(Default)]
@@ -53,7 +53,7 @@ impl Cleared {
     pub(super) fn holds(&self, program: &Program, sector: u32, at: &ClPoint, [middle, long]: [f64; 2]) -> bool {
         let profile = &program.stock.profile;
         let outside = |p: &Point3<f64>| profile.distance([libm::hypot(p.x, p.y), p.z]);
-        let step = HEIGHT_STEP * middle;
+        let step = RADIUS_HEIGHT_STEP * middle;
         let count = (long / step).ceil() as usize;
         let height = |k: usize| LAYER + k as f64 * step;
         let in_blank = |k: &usize| outside(&(at.tip + at.axis * height(*k))) <= libm::hypot(middle, step);

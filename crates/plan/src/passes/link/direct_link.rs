@@ -33,14 +33,14 @@ const OVER_REST: f64 = 0.2;
 const RIDGE: f64 = 0.1;
 
 /// Largest turn of a rotary axis on the link, radians.
-const MOST_TURN: f64 = 0.35;
+const MAX_LINK_TURN: f64 = 0.35;
 
 /// Largest turn of a rotary axis on a straight link through air, radians.
 const MOST_STRAIGHT_TURN: f64 = 1.5;
 
 /// Least way of the tip on a link, mm, ten steps of the words of NC text; and the largest turn per mm, radians: a feed is a
 /// speed of the tip.
-const LEAST_WAY: f64 = 1e-3;
+const MIN_LINK_WAY: f64 = 1e-3;
 const MOST_TURN_OF_WAY: f64 = 35.0;
 
 /// Height that the tool lifts by between two places that are nearer to each other, mm.
@@ -48,7 +48,7 @@ const SAME_PLACE_LIFT: f64 = 0.5;
 
 /// True where a block at feed can have a way of the tip with a turn.
 fn is_a_way(way: f64, turn: f64) -> bool {
-    way > LEAST_WAY && turn <= MOST_TURN_OF_WAY * way
+    way > MIN_LINK_WAY && turn <= MOST_TURN_OF_WAY * way
 }
 
 /// Direct links between passes of an operation.
@@ -89,12 +89,12 @@ impl<'a> DirectLinks<'a> {
     pub(crate) fn between(&self, from: &ClPoint, to: &ClPoint) -> Option<Vec<ClPoint>> {
         let angles = rotary(&self.machine.chain, [from.axis, to.axis].into_iter());
         let [start, end] = [angles[0], angles[1]];
-        if [0, 1].iter().any(|k: &usize| (end[*k] - start[*k]).abs() > MOST_TURN) {
+        if [0, 1].iter().any(|k: &usize| (end[*k] - start[*k]).abs() > MAX_LINK_TURN) {
             return None;
         }
         let turn = self.machine.turn(start, end);
         let moves = is_a_way((to.tip - from.tip).norm(), turn);
-        if !moves && turn <= LEAST_WAY {
+        if !moves && turn <= MIN_LINK_WAY {
             if from.tip == to.tip && from.axis == to.axis {
                 return Some(Vec::new());
             }

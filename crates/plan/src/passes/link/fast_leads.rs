@@ -16,10 +16,10 @@ use std::ops::Range;
 const OFF_BLANK: f64 = 0.5;
 
 /// Shortest way at link feed, mm: on a shorter way the change of feed gains no time.
-const LEAST_WAY: f64 = 1.0;
+const MIN_SLOW_WAY_MM: f64 = 1.0;
 
 /// Bisection steps for the place where a lead leaves the blank: a lead of 100 mm divided by 2^14 is less than 0.01 mm.
-const BISECTIONS: usize = 14;
+const BLANK_BISECTIONS: usize = 14;
 
 /// Marks the leads of all finishing passes.
 pub(crate) fn run(program: &Program, cl: &mut ClPlan) {
@@ -43,7 +43,7 @@ fn mark(blank: &Blank<'_>, chain: &Chain, pass: &mut ClPass) {
     let leaves = |inside: usize, out: usize, lead: Range<usize>| {
         let place = leaving(&outside, chain, [pass.points[inside], pass.points[out]]);
         let way = (place.tip - pass.points[out].tip).norm() + way(&pass.points[lead]);
-        (way >= LEAST_WAY).then_some(place)
+        (way >= MIN_SLOW_WAY_MM).then_some(place)
     };
     let behind = if last + 1 < count { leaves(last, last + 1, last + 1..count) } else { None };
     let before = if first > 0 { leaves(first, first - 1, 0..first) } else { None };
@@ -67,5 +67,5 @@ fn leaving(outside: &impl Fn(&ClPoint) -> bool, chain: &Chain, [inside, out]: [C
         let axis = if t >= 1.0 { out.axis } else { chain.tool_axis(between(angles[0], angles[1], t)) };
         ClPoint { tip: inside.tip + (out.tip - inside.tip) * t, axis, contact: None }
     };
-    at(Bracket { holds: 1.0, fails: 0.0 }.halved(BISECTIONS, |t| outside(&at(t))).holds)
+    at(Bracket { holds: 1.0, fails: 0.0 }.halved(BLANK_BISECTIONS, |t| outside(&at(t))).holds)
 }

@@ -51,7 +51,7 @@ pub(super) fn along(pass: &ClPass, index: u32, stations: std::ops::RangeInclusiv
 }
 
 /// Halvings in the search of the place in a block where the travel ends.
-const HALVINGS: usize = 52;
+const TRAVEL_BISECTIONS: usize = 52;
 
 /// A pass on a machine, for a tool of the given length, mm.
 struct PassWithin<'a> {
@@ -121,7 +121,7 @@ impl PassWithin<'_> {
     fn divided(&self, start: usize, behind: usize, at: Angles) -> Option<ClPass> {
         let reach = |branch: usize| {
             let mut found = None;
-            let border = Bracket { holds: 0.0, fails: 1.0 }.halved(HALVINGS, |share| {
+            let border = Bracket { holds: 0.0, fails: 1.0 }.halved(TRAVEL_BISECTIONS, |share| {
                 let within = Self { pass: self.with_station(behind, branch, share), ..*self };
                 let solved = within.solved(start, behind + 1, at).is_some();
                 if solved {

@@ -41,7 +41,7 @@ const LEAST_PAUSE: f64 = 8.0;
 const NEAR_AIR: f64 = 2.0;
 
 /// Least length of a ramp along the pass, mm, and the distances over or beside the pass at which it begins.
-const RAMP: f64 = 1.0;
+const MIN_RAMP_MM: f64 = 1.0;
 const RAMP_LIFTS: [f64; 3] = [0.5, 1.0, 2.0];
 
 /// Part of the reserve for samples that a ramp need not keep, mm; less with thin tools. The reserve of a way is the larger
@@ -363,7 +363,7 @@ impl Reduction<'_> {
             let mut run = 0.0;
             let long = steps.iter().filter(|i| {
                 run += length(line, **i);
-                run >= RAMP
+                run >= MIN_RAMP_MM
             });
             let Some(top) = long.chain(steps.last()).map(|i| (*i, over(*i))).find(|(_, place)| may(place)) else {
                 continue;

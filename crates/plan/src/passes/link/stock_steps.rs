@@ -6,7 +6,7 @@ use tool_stock::collide::ToolSolid;
 use tool_stock::stock::{Field, Step, StepKind};
 
 /// Longest tip motion in a step, mm; passes are cut to this accuracy.
-const STEP_LENGTH: f64 = 0.25;
+const STEP_LENGTH_MM: f64 = 0.25;
 
 /// Largest turn of a step, radians; limits the motion at the top of a cutter.
 const STEP_TURN: f64 = 0.5 * std::f64::consts::PI / 180.0;
@@ -36,7 +36,7 @@ pub(super) fn stations(machine: &Machine, pass: &ClPass) -> Vec<PathPoint> {
         if let Some(from) = found.last().copied() {
             let way = to.point.tip - from.point.tip;
             let turn = machine.turn(from.rotary, to.rotary);
-            let count = (turn / STEP_TURN).max(way.norm() / STEP_LENGTH).ceil().max(1.0);
+            let count = (turn / STEP_TURN).max(way.norm() / STEP_LENGTH_MM).ceil().max(1.0);
             found.extend((1..count as usize).map(|k| {
                 let t = k as f64 / count;
                 let rotary = between(from.rotary, to.rotary, t);

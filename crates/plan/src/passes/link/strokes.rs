@@ -21,7 +21,7 @@ use tool_stock::stock::{self, Field, StepKind};
 use wheel::operation::Allowances;
 
 /// Way by which a stroke moves off the material that it has cut, as a share of the radius, and its largest value, mm.
-const OFF: f64 = 0.1;
+const WITHDRAWAL: f64 = 0.1;
 const MOST_OFF: f64 = 0.3;
 
 /// Directions across the axis that are tried for this way.
@@ -32,7 +32,7 @@ const DIRECTIONS: usize = 12;
 const UNDER_MIDDLE: f64 = 0.02;
 
 /// Parts into which the last step of a stroke is divided, for its end: steps are a quarter of a millimetre long.
-const PARTS: usize = 16;
+const LAST_STEP_PARTS: usize = 16;
 
 /// Strokes of one operation.
 struct StrokeReduction<'a> {
@@ -67,7 +67,7 @@ pub(super) fn reduce(
         air: ThroughAir::new(program, direct, &tool.solid, field),
         middle: (toothless > 0.0).then(|| ToolSolid { cutter: Cutter::flat(toothless), ..cutter.clone() }),
         cutter,
-        off: (OFF * radius).min(MOST_OFF),
+        off: (WITHDRAWAL * radius).min(MOST_OFF),
         thickness: operation.rest.map_or(0.0, |t| t.get()),
     };
     let mut kept: Vec<ClPass> = Vec::new();
@@ -167,13 +167,13 @@ impl StrokeReduction<'_> {
         };
         let Some(step) = meets(line, field) else { return line.to_vec() };
         let [from, to] = [line[step].point, line[step + 1].point];
-        let points = (0..=PARTS).map(|k| {
-            let tip = from.tip + (to.tip - from.tip) * (k as f64 / PARTS as f64);
+        let points = (0..=LAST_STEP_PARTS).map(|k| {
+            let tip = from.tip + (to.tip - from.tip) * (k as f64 / LAST_STEP_PARTS as f64);
             ClPoint { tip, ..from }
         });
         let pass = ClPass { label: String::new(), sector: 0, points: points.collect(), air: Vec::new(), link: None };
         let fine = stations(machine, &pass);
-        let end = meets(&fine, field).unwrap_or(PARTS);
+        let end = meets(&fine, field).unwrap_or(LAST_STEP_PARTS);
         let mut short = line[..=step].to_vec();
         if end > 0 {
             short.push(fine[end]);

@@ -15,7 +15,7 @@ use wheel::operation::Allowances;
 
 /// Depth beyond the error between the rays up to which a cutter that slides along its own cut is in air, mm: the planned
 /// stations keep their lines to less.
-const ROUNDING: f64 = 0.02;
+const OWN_CUT_DEPTH_MM: f64 = 0.02;
 
 /// Distance that the cutter keeps from the known stock on a link, mm: cusps narrower than a cell stand between the rays.
 const LINK_FREE: f64 = 0.1;
@@ -31,10 +31,10 @@ const LIFTS: [f64; 8] = [0.5, 1.0, 2.0, 4.0, 6.0, 10.0, 18.0, 30.0];
 
 /// Time that a corner between straight ways costs, s: the tool stops there, since finishing rounds corners within the chord
 /// tolerance only. Some 50 ms with the jerk of usual axes.
-const CORNER: f64 = 0.05;
+const CORNER_TIME_S: f64 = 0.05;
 
 /// Straight pieces of a curved link: a turn of less than 30 deg lies between two of them.
-const PIECES: usize = 12;
+const LINK_PIECES: usize = 12;
 
 /// Looks for air around the tool of an operation.
 pub(super) struct ThroughAir<'a> {
@@ -68,7 +68,7 @@ impl<'a> ThroughAir<'a> {
         Self {
             machine: &program.machine,
             direct,
-            slivers: by + ROUNDING * direct.scale(),
+            slivers: by + OWN_CUT_DEPTH_MM * direct.scale(),
             cutting: EnlargedTool::new(tool, by),
             linking: EnlargedTool::new(tool, by + LINK_FREE * direct.scale()),
         }
@@ -114,7 +114,7 @@ impl<'a> ThroughAir<'a> {
                 let way = (w[1].tip - w[0].tip).norm() / feed;
                 if w[0].axis == w[1].axis { way } else { way.max(turns) }
             });
-            ways.sum::<f64>() + places.len() as f64 * CORNER
+            ways.sum::<f64>() + places.len() as f64 * CORNER_TIME_S
         };
         let found = LIFTS.iter().filter_map(|lift| self.lifted(end, start, *lift, field));
         let mut timed: Vec<(f64, Vec<ClPoint>)> = found.map(|places| (time(&places), places)).collect();
@@ -136,7 +136,7 @@ impl<'a> ThroughAir<'a> {
             let axis = self.machine.chain.tool_axis(between(angles[0], angles[1], t * t * (3.0 - 2.0 * t)));
             ClPoint { tip: tip.into(), axis, contact: None }
         };
-        let places: Vec<ClPoint> = (1..PIECES).map(|k| at(k as f64 / PIECES as f64)).collect();
+        let places: Vec<ClPoint> = (1..LINK_PIECES).map(|k| at(k as f64 / LINK_PIECES as f64)).collect();
         let (first, last) = (places.first()?, places.last()?);
         let leaves = [[*end, *first], [*last, *start]];
         let clear = places.windows(2).all(|w| self.clear(&[w[0], w[1]], field))

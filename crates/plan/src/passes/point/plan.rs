@@ -226,7 +226,7 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, surface: &VaneS
 const BORDER: usize = 60;
 
 /// Bisection steps for the lower border: down to a thousandth of the ruling.
-const HALVINGS: usize = 10;
+const BORDER_BISECTIONS: usize = 10;
 
 /// Lowest y at which the cutter stands on a face without cutting into fillet or hub. For a ball it is the edge of the
 /// fillet.
@@ -255,6 +255,6 @@ fn lowest(cx: &PassContext<'_>, operation: &Operation, surface: &VaneSurface<'_>
         let tip = solid.cutter.tip_at(&place.position, &place.normal, &axis);
         tip.is_some_and(|tip| cx.obstacles.cutter_inside(solid, &tip, &axis).is_none())
     };
-    let border = |x: f64| Bracket { holds: 1.0, fails: 0.0 }.halved(HALVINGS, |y| stands(x, y)).holds;
+    let border = |x: f64| Bracket { holds: 1.0, fails: 0.0 }.halved(BORDER_BISECTIONS, |y| stands(x, y)).holds;
     stations.collect::<Vec<f64>>().into_par_iter().map(border).collect()
 }

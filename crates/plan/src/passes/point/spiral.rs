@@ -20,10 +20,10 @@ use nalgebra::Vector3;
 use wheel::part::chart::{Chart, Shape};
 
 /// Levels at which the steps of a turn are computed.
-const LEVELS: usize = 400;
+const TURN_LEVELS: usize = 400;
 
 /// Places along a face at which the steps of a turn are computed.
-const PLACES: usize = 60;
+const TURN_PLACES: usize = 60;
 
 /// Stations of the roll about a corner of an edge, and of the path from corner to corner: 1.5 deg per step, over which
 /// a ball of some millimetres leaves its circle by 0.1 um.
@@ -48,24 +48,24 @@ pub(crate) struct Spiral {
 impl Around<'_> {
     /// Number of turns, and the level after each share of them; `density` gives the steps per unit of y on a face.
     fn levels(&self, density: &(dyn Fn(usize, f64, f64) -> f64 + Sync)) -> (usize, Vec<f64>) {
-        let y = |k: usize| 1.0 - (1.0 - self.low) * k as f64 / LEVELS as f64;
+        let y = |k: usize| 1.0 - (1.0 - self.low) * k as f64 / TURN_LEVELS as f64;
         let steepest = |y: f64| {
-            let places = (0..=PLACES).map(|i| i as f64 / PLACES as f64);
+            let places = (0..=TURN_PLACES).map(|i| i as f64 / TURN_PLACES as f64);
             places.flat_map(|x| [density(0, x, y), density(1, x, y)]).fold(0.0, f64::max)
         };
-        let at: Vec<f64> = (0..=LEVELS).map(|k| steepest(y(k))).collect();
+        let at: Vec<f64> = (0..=TURN_LEVELS).map(|k| steepest(y(k))).collect();
         let mut sum = vec![0.0];
-        for k in 0..LEVELS {
+        for k in 0..TURN_LEVELS {
             sum.push(sum[k] + 0.5 * (at[k] + at[k + 1]) * (y(k) - y(k + 1)));
         }
-        let turns = sum[LEVELS].ceil().max(1.0) as usize;
+        let turns = sum[TURN_LEVELS].ceil().max(1.0) as usize;
         let share = |t: f64| {
-            let wanted = t * sum[LEVELS];
-            let k = sum.partition_point(|s| *s <= wanted).clamp(1, LEVELS) - 1;
+            let wanted = t * sum[TURN_LEVELS];
+            let k = sum.partition_point(|s| *s <= wanted).clamp(1, TURN_LEVELS) - 1;
             let part = (wanted - sum[k]) / (sum[k + 1] - sum[k]).max(f64::MIN_POSITIVE);
             y(k) + (y(k + 1) - y(k)) * part
         };
-        (turns, (0..=LEVELS).map(|k| share(k as f64 / LEVELS as f64)).collect())
+        (turns, (0..=TURN_LEVELS).map(|k| share(k as f64 / TURN_LEVELS as f64)).collect())
     }
 
     /// Lays the spiral with leads of the given lengths, mm.
@@ -73,8 +73,8 @@ impl Around<'_> {
         let (turns, levels) = self.levels(density);
         // Level after a number of turns; the first and the last turn have constant levels.
         let level = |turn: f64| {
-            let at = ((turn - 1.0) / turns as f64).clamp(0.0, 1.0) * LEVELS as f64;
-            let k = (at as usize).min(LEVELS - 1);
+            let at = ((turn - 1.0) / turns as f64).clamp(0.0, 1.0) * TURN_LEVELS as f64;
+            let k = (at as usize).min(TURN_LEVELS - 1);
             levels[k] + (levels[k + 1] - levels[k]) * (at - k as f64)
         };
         let shares = self.shares();
@@ -116,8 +116,8 @@ impl Around<'_> {
     fn shares(&self) -> [f64; 4] {
         let middle = 0.5 * (1.0 + self.low);
         let along = |side: usize| {
-            let at = |i: usize| self.faces[side].contact(i as f64 / PLACES as f64, middle, 0.0).position;
-            (0..PLACES).map(|i| (at(i + 1) - at(i)).norm()).sum::<f64>()
+            let at = |i: usize| self.faces[side].contact(i as f64 / TURN_PLACES as f64, middle, 0.0).position;
+            (0..TURN_PLACES).map(|i| (at(i + 1) - at(i)).norm()).sum::<f64>()
         };
         let across = |end: usize| {
             (self.edges[end].place(middle, 1.0).position - self.edges[end].place(middle, 0.0).position).norm()

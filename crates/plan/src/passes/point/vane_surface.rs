@@ -15,16 +15,16 @@ use wheel::part::{
 };
 
 /// Layers of the metric across a surface.
-const LAYERS: usize = 25;
+const METRIC_LAYERS: usize = 25;
 
 /// Step of differences in the chart.
-const STEP: f64 = 1e-4;
+const CHART_STEP: f64 = 1e-4;
 
 /// Places along and across a surface at which its curvature is compared with that of the cutter.
-const LOOKS: [usize; 2] = [120, 12];
+const CURVATURE_PLACES: [usize; 2] = [120, 12];
 
 /// Places on each side of a contact, in a direction, at which the surface is compared with the cutter.
-const BESIDE: usize = 24;
+const CONTACT_PLACES: usize = 24;
 
 /// Share of a tip over which its middle gives the direction of a lead.
 const LEAD_CHORD: f64 = 0.1;
@@ -60,10 +60,10 @@ struct Local {
 
 impl VaneSurface<'_> {
     fn local(&self, x: f64, y: f64) -> Local {
-        let (x, y) = (x.clamp(STEP, 1.0 - STEP), y.clamp(STEP, 1.0 - STEP));
-        let [a, b, c, d] =
-            [(x - STEP, y), (x + STEP, y), (x, y - STEP), (x, y + STEP)].map(|(x, y)| self.chart.place(x, y));
-        let half = 0.5 / STEP;
+        let (x, y) = (x.clamp(CHART_STEP, 1.0 - CHART_STEP), y.clamp(CHART_STEP, 1.0 - CHART_STEP));
+        let [a, b, c, d] = [(x - CHART_STEP, y), (x + CHART_STEP, y), (x, y - CHART_STEP), (x, y + CHART_STEP)]
+            .map(|(x, y)| self.chart.place(x, y));
+        let half = 0.5 / CHART_STEP;
         let (px, py) = ((b.position - a.position) * half, (d.position - c.position) * half);
         let (nx, ny) = ((b.normal - a.normal) * half, (d.normal - c.normal) * half);
         let cross = 0.5 * (px.dot(&ny) + py.dot(&nx));
@@ -129,14 +129,17 @@ impl VaneSurface<'_> {
     /// In each direction the cutter is taken for the sphere of its curvature there. Depths are measured on the surface, so
     /// that a wave of a fraction of a micrometre counts for its depth, not for its radius.
     pub(crate) fn deepest_beside(&self, allowed: f64) -> CutBeside {
-        let places: Vec<[usize; 2]> = (0..=LOOKS[0]).flat_map(|i| (0..=LOOKS[1]).map(move |j| [i, j])).collect();
+        let places: Vec<[usize; 2]> =
+            (0..=CURVATURE_PLACES[0]).flat_map(|i| (0..=CURVATURE_PLACES[1]).map(move |j| [i, j])).collect();
         let worst = |a: CutBeside, b: CutBeside| CutBeside {
             sphere: a.sphere.min(b.sphere),
             ..if b.depth > a.depth { b } else { a }
         };
         places
             .into_par_iter()
-            .map(|[i, j]| self.beside([i as f64 / LOOKS[0] as f64, j as f64 / LOOKS[1] as f64], allowed))
+            .map(|[i, j]| {
+                self.beside([i as f64 / CURVATURE_PLACES[0] as f64, j as f64 / CURVATURE_PLACES[1] as f64], allowed)
+            })
             .reduce(|| CutBeside { depth: 0.0, sphere: f64::INFINITY, at: [0.5; 2] }, worst)
     }
 
@@ -154,9 +157,9 @@ impl VaneSurface<'_> {
                 continue;
             }
             let radius = 1.0 / curvature;
-            for k in (1..=BESIDE).flat_map(|k| [k as f64, -(k as f64)]) {
+            for k in (1..=CONTACT_PLACES).flat_map(|k| [k as f64, -(k as f64)]) {
                 // Steps grow with the distance: waves are short, and hollows as wide as the cutter.
-                let share = k / BESIDE as f64;
+                let share = k / CONTACT_PLACES as f64;
                 let step = way * (radius * share * share.abs() / length);
                 let [x, y] = [x + step.x, y + step.y];
                 if !((0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y)) {
@@ -278,7 +281,7 @@ impl DriveSurface for VaneSurface<'_> {
 
     fn metric(&self, height: f64) -> BandMetric {
         // On the leads the metric is constant.
-        BandMetric::over(([-0.02, 1.02], METRIC_STATIONS + 1), ([0.0, 1.0], LAYERS), |x, y| {
+        BandMetric::over(([-0.02, 1.02], METRIC_STATIONS + 1), ([0.0, 1.0], METRIC_LAYERS), |x, y| {
             let (form, _) = self.form(x, y, height);
             let across = form[(1, 1)].max(LEAST_ACROSS * LEAST_ACROSS);
             let skew = if across > LEAST_ACROSS { form[(0, 1)] / across } else { 0.0 };
@@ -294,13 +297,13 @@ impl DriveSurface for VaneSurface<'_> {
     }
 
     fn least_length(&self, height: f64) -> f64 {
-        let cell = 1.0 / (LOOKS[0] * LOOKS[1]) as f64;
+        let cell = 1.0 / (CURVATURE_PLACES[0] * CURVATURE_PLACES[1]) as f64;
         let mut sum = 0.0;
-        for i in 0..LOOKS[0] {
-            let x = (i as f64 + 0.5) / LOOKS[0] as f64;
+        for i in 0..CURVATURE_PLACES[0] {
+            let x = (i as f64 + 0.5) / CURVATURE_PLACES[0] as f64;
             let (low, high) = self.walls(x);
-            for j in 0..LOOKS[1] {
-                let y = low + high * (j as f64 + 0.5) / LOOKS[1] as f64;
+            for j in 0..CURVATURE_PLACES[1] {
+                let y = low + high * (j as f64 + 0.5) / CURVATURE_PLACES[1] as f64;
                 let (form, at) = self.form(x, y, height);
                 let least = least_against(&form, &at.first).0.max(0.0).sqrt();
                 sum += at.first.determinant().max(0.0).sqrt() * least * high * cell;

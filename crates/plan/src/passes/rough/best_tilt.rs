@@ -14,7 +14,7 @@ use rayon::prelude::*;
 const TRIED: [f64; 7] = [0.0, 3.0, 6.0, 9.0, 12.0, 15.0, 18.0];
 
 /// Places along the channel at which the reach is measured; between them the tilt changes evenly.
-const PLACES: usize = 40;
+const REACH_PLACES: usize = 40;
 
 /// Lowest levels at which the reach is measured: above them the walls are reached with any tilt.
 const LOWEST: usize = 3;
@@ -27,10 +27,10 @@ impl Roughing<'_> {
     /// Of a cancelled run the tilts are not those that the operation has.
     pub(super) fn tilted(&self, progress: &Progress) -> Self {
         let trials = TRIED.map(|tilt| self.with_tilt(WallTilt::even(tilt.to_radians())));
-        let places: Vec<[f64; 2]> = (0..=PLACES)
+        let places: Vec<[f64; 2]> = (0..=REACH_PLACES)
             .into_par_iter()
             .map(|i| {
-                let u = i as f64 / PLACES as f64;
+                let u = i as f64 / REACH_PLACES as f64;
                 let place = StationPlace::new(&self.chart, u);
                 let missed = trials.each_ref().map(|trial| {
                     // Nobody waits for the best tilt of a cancelled run. A trial takes some milliseconds.

@@ -269,9 +269,9 @@ impl<'a> RunLines<'a> {
     /// Places across the channel from one to another, without the last.
     fn across(&self, station: usize, from: f64, to: f64) -> Vec<(usize, f64)> {
         /// Width that is none, mm: there both legs are one place.
-        const NONE: f64 = 1e-3;
+        const ZERO_WIDTH_MM: f64 = 1e-3;
         let length = (to - from).abs() * across(self.roughing, self.run, self.run.stations[station].u);
-        let count = if length < NONE { 0 } else { (length / self.roughing.spacing).ceil() as usize };
+        let count = if length < ZERO_WIDTH_MM { 0 } else { (length / self.roughing.spacing).ceil() as usize };
         (0..count).map(|k| (station, from + (to - from) * k as f64 / count as f64)).collect()
     }
 }
@@ -279,12 +279,12 @@ impl<'a> RunLines<'a> {
 /// True when the second wall lies to the right of a tool that runs towards higher stations, seen along the axis from
 /// holder to tip.
 fn second_to_the_right(roughing: &Roughing<'_>, run: &LevelRun) -> bool {
-    const STEP: f64 = 1e-3;
+    const DIFFERENCE_STEP: f64 = 1e-3;
     let middle = &run.stations[run.stations.len() / 2];
     let at = |u: f64, w: f64| roughing.chart.point(u, run.level.v(&roughing.chart, u, w), w);
     let w = middle.middle();
-    let motion = at(middle.u + STEP, w) - at(middle.u, w);
-    let to_second = at(middle.u, w + STEP) - at(middle.u, w);
+    let motion = at(middle.u + DIFFERENCE_STEP, w) - at(middle.u, w);
+    let to_second = at(middle.u, w + DIFFERENCE_STEP) - at(middle.u, w);
     let axis = roughing.axis(middle.u, run.level.v(&roughing.chart, middle.u, w), w);
     motion.cross(&axis).dot(&to_second) > 0.0
 }

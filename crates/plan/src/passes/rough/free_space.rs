@@ -4,7 +4,7 @@
 //! intervals: above the tip the tool is beside the leading edge at the shroud, which lies ahead of that at the hub. The space
 //! behind that vane belongs to no other channel, so that it has to be cleared in this one.
 
-use super::layers::{BISECTIONS, Level, Roughing, StationPlace};
+use super::layers::{DISTANCE_BISECTIONS, Level, Roughing, StationPlace};
 use nurbs::bracket::Bracket;
 
 /// A free interval of w.
@@ -19,8 +19,8 @@ impl Roughing<'_> {
     /// The same at a place that is known.
     pub(super) fn room_at(&self, place: &StationPlace<'_>, level: Level) -> Option<Room> {
         // The middle first, then outward: the widest place of a twisted channel is near its middle.
-        const SEEDS: [f64; 9] = [0.5, 0.45, 0.55, 0.4, 0.6, 0.35, 0.65, 0.3, 0.7];
-        let seed = SEEDS.into_iter().find(|w| self.clear(place, level, *w))?;
+        const SEED_SHARES: [f64; 9] = [0.5, 0.45, 0.55, 0.4, 0.6, 0.35, 0.65, 0.3, 0.7];
+        let seed = SEED_SHARES.into_iter().find(|w| self.clear(place, level, *w))?;
         Some([0.0, 1.0].map(|wall| self.boundary(place, level, [seed, wall])))
     }
 
@@ -71,7 +71,7 @@ impl Roughing<'_> {
         let (width, step) = (place.width(place.v(level, seed)), self.step_across(place));
         let mut ends = Bracket { holds: seed, fails: wall };
         loop {
-            let free = ends.halved(BISECTIONS, |w| self.clear(place, level, w)).holds;
+            let free = ends.halved(DISTANCE_BISECTIONS, |w| self.clear(place, level, w)).holds;
             // The space need not be one up to the border that was found.
             let count = ((free - seed).abs() * width / step).ceil().max(1.0);
             let at = |k: f64| seed + (free - seed) * k / count;

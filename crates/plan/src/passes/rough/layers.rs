@@ -14,20 +14,20 @@ use wheel::operation::Allowances;
 use wheel::part::{BladeId, PassageId, Stock};
 
 /// Share of a layer that rounding may add to a whole number of layers.
-const WHOLE: f64 = 1e-9;
+const LAYER_ROUNDING: f64 = 1e-9;
 
 /// Spacing of the stations at which a layer is measured, mm. The walls turn slowly: over this distance they leave their
 /// chord by a few micrometres, well within the roughing allowance.
 const STATION_SPACING: f64 = 0.7;
 
 /// Shares of the way between two stations at which the distances are checked.
-const BETWEEN: [f64; 3] = [0.25, 0.5, 0.75];
+const CHECKED_SHARES: [f64; 3] = [0.25, 0.5, 0.75];
 
 /// Most that a border of the free space moves across the channel beside an edge, as a multiple of the way along it (60 deg).
 const EASY: f64 = 1.73;
 
 /// Bisection steps for wall distances and lifts: half a channel divided by 2^10 is about 0.02 mm.
-pub(super) const BISECTIONS: usize = 10;
+pub(super) const DISTANCE_BISECTIONS: usize = 10;
 
 /// Data and limits of a roughing operation.
 pub(crate) struct Roughing<'a> {
@@ -157,9 +157,9 @@ const HEIGHT_ERROR: f64 = 1e-3;
 /// grows along a ruling almost in proportion to the share. On a lead far beyond the end of the part the walls, which go straight
 /// on, may have no place at that distance: the share is then that of the nearest distance.
 fn at_height(height: f64, [mut a, mut b]: [f64; 2], distance: impl Fn(f64) -> f64) -> f64 {
-    const STEPS: usize = 8;
+    const LEVEL_STEPS: usize = 8;
     let (mut at_a, mut at_b) = (distance(a) - height, distance(b) - height);
-    for _ in 0..STEPS {
+    for _ in 0..LEVEL_STEPS {
         if at_b.abs() <= HEIGHT_ERROR || at_a == at_b {
             break;
         }
@@ -167,21 +167,21 @@ fn at_height(height: f64, [mut a, mut b]: [f64; 2], distance: impl Fn(f64) -> f6
         (a, at_a) = (b, at_b);
         (b, at_b) = (next, distance(next) - height);
     }
-    let found = at_b.abs() <= HEIGHT_ERROR && (SHARES[0]..=SHARES[1]).contains(&b);
+    let found = at_b.abs() <= HEIGHT_ERROR && (LEVEL_SHARES[0]..=LEVEL_SHARES[1]).contains(&b);
     if found { b } else { nearest_to_height(height, distance) }
 }
 
 /// Shares between which a level is sought.
-const SHARES: [f64; 2] = [-1.0, 2.0];
+const LEVEL_SHARES: [f64; 2] = [-1.0, 2.0];
 
 /// Share at which the distance from a surface is nearest to a given value.
 fn nearest_to_height(height: f64, distance: impl Fn(f64) -> f64) -> f64 {
-    const PLACES: usize = 24;
+    const LEVEL_PLACES: usize = 24;
     /// Each takes a third away: down to a millionth of a share.
     const NARROWINGS: usize = 30;
-    let step = (SHARES[1] - SHARES[0]) / PLACES as f64;
+    let step = (LEVEL_SHARES[1] - LEVEL_SHARES[0]) / LEVEL_PLACES as f64;
     let off = |v: f64| (distance(v) - height).abs();
-    let places = (0..=PLACES).map(|k| SHARES[0] + k as f64 * step);
+    let places = (0..=LEVEL_PLACES).map(|k| LEVEL_SHARES[0] + k as f64 * step);
     let best = places.map(|v| (v, off(v))).fold((0.0, f64::INFINITY), |a, b| if b.1 < a.1 { b } else { a }).0;
     let (mut low, mut high) = (best - step, best + step);
     for _ in 0..NARROWINGS {
@@ -321,7 +321,7 @@ impl<'a> Roughing<'a> {
 
     /// Number of layers from a level down to the hub.
     pub(crate) fn layer_count(&self, top: f64) -> f64 {
-        (self.chart.height() * top / self.depth - WHOLE).ceil().max(1.0)
+        (self.chart.height() * top / self.depth - LAYER_ROUNDING).ceil().max(1.0)
     }
 
     /// Layers from `top` (a level already cleared, 1 for the shroud) down, and the reason for their end. `name` is the
@@ -382,7 +382,7 @@ impl<'a> Roughing<'a> {
         }
         let ruling = (place.at.point(1.0, w) - place.at.point(0.0, w)).norm();
         let ends = Bracket { holds: level + (self.depth + self.keep.hub) / ruling, fails: level };
-        clear(ends.holds).then(|| ends.halved(BISECTIONS, clear).holds)
+        clear(ends.holds).then(|| ends.halved(DISTANCE_BISECTIONS, clear).holds)
     }
 
     /// True when the tool keeps all allowances at w of a level.
@@ -402,7 +402,7 @@ impl<'a> Roughing<'a> {
     /// inside of the part.
     pub(super) fn ends(&self, level: Level) -> [f64; 2] {
         /// Most steps to the outside of the blank.
-        const MOST: u32 = 200;
+        const MAX_OUTWARD_STEPS: u32 = 200;
         let free = self.free_ends();
         [0, 1].map(|end: usize| {
             let (u, outward) = (end as f64, if end == 0 { -1.0 } else { 1.0 });
@@ -413,7 +413,7 @@ impl<'a> Roughing<'a> {
             let step = outward * self.chart.lead(u, height(u), self.spacing);
             let at = |k: u32| u + step * f64::from(k);
             let inside = |k: &u32| self.blank.distance(&self.chart.point(at(*k), height(at(*k)), 0.5)) < 0.0;
-            at((0..MOST).take_while(inside).count() as u32)
+            at((0..MAX_OUTWARD_STEPS).take_while(inside).count() as u32)
         })
     }
 
@@ -443,7 +443,7 @@ impl<'a> Roughing<'a> {
     /// of the free space.
     pub(super) fn joined(&self, level: Level, stations: [&LayerStation; 2], side: usize) -> bool {
         let [from, to] = stations.map(|s| self.cc_point(s.u, level, s.room[side]));
-        BETWEEN.iter().all(|t| {
+        CHECKED_SHARES.iter().all(|t| {
             let tip = from.position + (to.position - from.position) * *t;
             let axis = (from.normal + (to.normal - from.normal) * *t).normalize();
             self.obstacles.walls_clear(self.solid, &tip, &axis, &self.between)

@@ -35,10 +35,10 @@ pub(crate) struct RoughLevel {
 }
 
 /// Places along the channel at which its height is measured.
-const PLACES: usize = 40;
+const HEIGHT_PLACES: usize = 40;
 
 /// Places across the channel at which its first level is measured.
-const ACROSS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
+const ACROSS_SHARES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
 /// Points on half of the rim of the cutter.
 const HALF_RIM: usize = 12;
@@ -50,11 +50,11 @@ const AT_BLANK: f64 = 1e-3;
 const FOUND_TO: f64 = 0.01;
 
 /// Share of a step down that rounding may add to a whole number of levels.
-const WHOLE: f64 = 1e-9;
+const LEVEL_ROUNDING: f64 = 1e-9;
 
 /// Most that a border of the free space moves across the channel from one station to the next, as a multiple of their
 /// distance along the channel.
-const STEEPEST: f64 = 2.0;
+const MAX_BORDER_SLOPE: f64 = 2.0;
 
 /// Most times that borders move inward beside an edge, by the tolerance of the path each time.
 const SETTLING: usize = 10;
@@ -78,7 +78,7 @@ impl Roughing<'_> {
     fn surfaces(&self, form: Levels) -> Vec<Level> {
         let height = self.highest();
         let lowest = self.hub_allowance().min(0.5 * height);
-        let steps = |way: f64| (way / self.depth - WHOLE).ceil().max(0.0) as usize;
+        let steps = |way: f64| (way / self.depth - LEVEL_ROUNDING).ceil().max(0.0) as usize;
         match form {
             Levels::Hub => {
                 let count = steps(height - lowest).max(1);
@@ -103,7 +103,9 @@ impl Roughing<'_> {
     /// Largest distance of the shroud from the hub, mm.
     fn highest(&self) -> f64 {
         let over = |u: f64, w: f64| self.chart.part().hub.distance(&self.chart.point(u, 1.0, w));
-        (0..=PLACES).flat_map(|i| [0.0, 0.5, 1.0].map(|w| over(i as f64 / PLACES as f64, w))).fold(0.0, f64::max)
+        (0..=HEIGHT_PLACES)
+            .flat_map(|i| [0.0, 0.5, 1.0].map(|w| over(i as f64 / HEIGHT_PLACES as f64, w)))
+            .fold(0.0, f64::max)
     }
 
     /// Distance of the first level from the shroud, mm, at most `largest`, at which the blank nowhere loads the tool more
@@ -111,8 +113,8 @@ impl Roughing<'_> {
     fn first(&self, largest: f64, level: impl Fn(f64) -> Level + Sync) -> f64 {
         let most = |under: f64| {
             let load = |u: f64, w: f64| self.load_in_blank(level(under), u, w);
-            let places = (0..=PLACES).into_par_iter().map(|i| i as f64 / PLACES as f64);
-            places.map(|u| ACROSS.iter().map(|w| load(u, *w)).fold(0.0, f64::max)).reduce(|| 0.0, f64::max)
+            let places = (0..=HEIGHT_PLACES).into_par_iter().map(|i| i as f64 / HEIGHT_PLACES as f64);
+            places.map(|u| ACROSS_SHARES.iter().map(|w| load(u, *w)).fold(0.0, f64::max)).reduce(|| 0.0, f64::max)
         };
         if most(largest) <= self.depth {
             return largest;
@@ -199,7 +201,7 @@ impl Roughing<'_> {
             let width = self.chart.width(u, level.v(&self.chart, u, 0.5));
             let moved = [0, 1].map(|side: usize| (to.room[side] - from.room[side]).abs() * width);
             from.room[0].max(to.room[0]) <= from.room[1].min(to.room[1])
-                && moved.iter().all(|mm| *mm <= STEEPEST * self.spacing)
+                && moved.iter().all(|mm| *mm <= MAX_BORDER_SLOPE * self.spacing)
                 && [0, 1].iter().all(|side| self.joined(level, [from, to], *side))
         };
         let breaks: Vec<usize> = (1..stations.len()).into_par_iter().filter(|k| !goes_on(k - 1)).collect();

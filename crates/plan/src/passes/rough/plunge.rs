@@ -33,16 +33,16 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// Places along the channel at which the free space is measured, for each step.
-const PLACES: f64 = 8.0;
+const PLACES_PER_STEP: f64 = 8.0;
 
 /// Steps between heights at which the end of a stroke is tried, as a share of the radius.
-const HEIGHT_STEP: f64 = 0.5;
+const STROKE_HEIGHT_STEP: f64 = 0.5;
 
 /// Step of the search for the height at which a stroke leaves the blank, mm.
 const UP: f64 = 0.5;
 
 /// Where the steps of a row are measured: beside both walls and in the middle.
-const ACROSS: [f64; 3] = [0.0, 0.5, 1.0];
+const ACROSS_SHARES: [f64; 3] = [0.0, 0.5, 1.0];
 
 /// Plans a plunge operation.
 ///
@@ -53,7 +53,7 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operat
     let tool = &cx.program.tools[operation.tool];
     let swept = tool.solid.swept_along_axis(2.0 * cx.program.stock.profile.iter().map(|p| p[0]).fold(0.0, f64::max));
     let program = cx.program.with_solid(operation.tool, &swept);
-    let depth = HEIGHT_STEP * tool.solid.radius();
+    let depth = STROKE_HEIGHT_STEP * tool.solid.radius();
     let (mut all, mut rows) = (Vec::new(), 0);
     for passage in cx.program.part.passages() {
         let within = (passage.id, cx.obstacles);
@@ -168,7 +168,7 @@ impl ChannelStrokes<'_> {
         let [from, to] = [ends[0] - chart.lead(0.0, 0.0, lead), ends[1] + chart.lead(1.0, 0.0, lead)];
         let length =
             [0.0, 1.0].map(|v| length_of(|u| chart.point(u, v, 0.5), from, to)).into_iter().fold(0.0, f64::max);
-        let count = (PLACES * length / self.step).ceil().max(8.0) as usize;
+        let count = (PLACES_PER_STEP * length / self.step).ceil().max(8.0) as usize;
         (0..=count).map(|i| from + (to - from) * i as f64 / count as f64).collect()
     }
 
@@ -311,7 +311,8 @@ impl ChannelStrokes<'_> {
 
     /// The rows of a part, every other one backwards: as far apart as the step permits, and the last at its end.
     fn rows(&self, part: &[Stand]) -> Vec<Vec<Stroke>> {
-        let probes: Vec<[Stroke; 3]> = part.par_iter().map(|s| ACROSS.map(|share| self.stroke(s, share))).collect();
+        let probes: Vec<[Stroke; 3]> =
+            part.par_iter().map(|s| ACROSS_SHARES.map(|share| self.stroke(s, share))).collect();
         let near = |i: usize, j: usize| probes[i].iter().zip(&probes[j]).all(|(a, b)| a.distance(b) <= self.step);
         let mut chosen = vec![0];
         while let Some(at) = chosen.last().copied().filter(|at| at + 1 < part.len()) {

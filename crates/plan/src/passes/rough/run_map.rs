@@ -9,13 +9,13 @@ use rayon::prelude::*;
 use std::ops::Range;
 
 /// Change of w over which tip and axis are measured on both sides of the middle.
-const BESIDE: f64 = 0.05;
+const DIFFERENCE_STEP: f64 = 0.05;
 
 /// Largest shift along the channel over a shift across it, on a line of constant u.
 const MOST_SLANT: f64 = 2.0;
 
 /// Bisection steps for the free space: half a channel divided by 2^8 is less than 0.1 mm.
-const BISECTIONS: usize = 8;
+const FREE_SPACE_BISECTIONS: usize = 8;
 
 /// A place of the chart: distance along the middle of the run, mm, and w.
 pub(super) type Place = [f64; 2];
@@ -37,7 +37,7 @@ struct StripStation {
     slant: f64,
     /// By how much farther apart lines are a step down above the tip, as a multiple; at least 1.
     widening: f64,
-    /// Tips of lines at w less than the middle by [`BESIDE`], in the middle, and as much beyond.
+    /// Tips of lines at w less than the middle by [`DIFFERENCE_STEP`], in the middle, and as much beyond.
     tips: [Point3<f64>; 3],
     /// Tool axis of a line in the middle.
     line_axis: Vector3<f64>,
@@ -93,7 +93,7 @@ impl<'a> RunMap<'a> {
             if clear(outermost) {
                 return outermost;
             }
-            Bracket { holds: s.middle(), fails: outermost }.halved(BISECTIONS, clear).holds
+            Bracket { holds: s.middle(), fails: outermost }.halved(FREE_SPACE_BISECTIONS, clear).holds
         };
         let borders: Vec<[f64; 2]> = (0..middles.len()).into_par_iter().map(|i| [border(i, 0), border(i, 1)]).collect();
         let distances: Vec<f64> = rows.iter().map(|row| row.along).collect();
@@ -115,8 +115,12 @@ impl<'a> RunMap<'a> {
             let v = run.level.v(&roughing.chart, u, w);
             (roughing.chart.point(u, v, w), roughing.axis(u, v, w))
         };
-        let tools: Vec<[(Point3<f64>, Vector3<f64>); 3]> =
-            run.stations.iter().zip(middles).map(|(s, w)| [w - BESIDE, *w, w + BESIDE].map(|w| tool(s.u, w))).collect();
+        let tools: Vec<[(Point3<f64>, Vector3<f64>); 3]> = run
+            .stations
+            .iter()
+            .zip(middles)
+            .map(|(s, w)| [w - DIFFERENCE_STEP, *w, w + DIFFERENCE_STEP].map(|w| tool(s.u, w)))
+            .collect();
         let mut along = vec![0.0];
         for pair in tools.windows(2) {
             along.push(along[along.len() - 1] + (pair[1][1].0 - pair[0][1].0).norm());
@@ -128,7 +132,7 @@ impl<'a> RunMap<'a> {
             let (before, next) = (i.saturating_sub(1), (i + 1).min(tools.len() - 1));
             let forward = (tools[next][1].0 - tools[before][1].0).normalize();
             let [low, middle, high] = tools[i];
-            let by_w = |above: f64| (high.0 + high.1 * above - low.0 - low.1 * above) / (2.0 * BESIDE);
+            let by_w = |above: f64| (high.0 + high.1 * above - low.0 - low.1 * above) / (2.0 * DIFFERENCE_STEP);
             let slant = by_w(0.0).dot(&forward);
             let square = |v: Vector3<f64>| (v - forward * v.dot(&forward)).norm().max(f64::MIN_POSITIVE);
             let across = square(by_w(0.0));
@@ -233,7 +237,7 @@ impl<'a> RunMap<'a> {
     fn tip(&self, [along, w]: Place) -> Point3<f64> {
         let (a, b, share) = self.between(along);
         let at = |row: &StripStation| {
-            let t = (w - row.middle) / BESIDE;
+            let t = (w - row.middle) / DIFFERENCE_STEP;
             let [p, q, r] = row.tips.map(|tip| tip.coords);
             q + (r - p) * (0.5 * t) + (p + r - q * 2.0) * (0.5 * t * t)
         };
@@ -297,7 +301,7 @@ fn least(low: f64, high: f64, holds: impl Fn(f64) -> bool) -> Option<f64> {
     if !holds(high) {
         return None;
     }
-    Some(Bracket { holds: high, fails: low }.halved(BISECTIONS + 1, holds).holds)
+    Some(Bracket { holds: high, fails: low }.halved(FREE_SPACE_BISECTIONS + 1, holds).holds)
 }
 
 /// A point shifted along an axis into the plane square to the axis through another point.

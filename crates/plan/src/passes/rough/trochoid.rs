@@ -31,13 +31,13 @@ const OPENED: f64 = 0.75;
 const LEAST: f64 = 0.2;
 
 /// Most by which a border of the strip of the loops moves outward along the channel, over the way along it.
-const GROWTH: f64 = 0.3;
+const MAX_BORDER_SLOPE: f64 = 0.3;
 
 /// Least and largest distance of two loops, in radii of the tool.
 const DISTANCES: [f64; 2] = [0.02, 1.0];
 
 /// Halvings of the interval of distances: to a hundredth of the radius.
-const HALVINGS: usize = 7;
+const DISTANCE_BISECTIONS: usize = 7;
 
 /// Share of `tolerance rough` by which chords of a loop leave it at its ends. Two chords as one would leave it by more than
 /// the tolerance everywhere, so that thinning keeps the chords for which the arc is computed.
@@ -115,7 +115,7 @@ impl OpenedSlot {
         let open = if forward > 0.0 { run.open } else { [run.open[1], run.open[0]] };
         let free = map.halves();
         let reached = order.iter().take_while(|i| free[**i] >= least && self.half[**i] == 0.0).count();
-        let reached = map.narrow(&order[..reached], [least, most], GROWTH);
+        let reached = map.narrow(&order[..reached], [least, most], MAX_BORDER_SLOPE);
         if !open[0] || reached < 2 {
             return;
         }
@@ -158,7 +158,7 @@ impl Loops<'_> {
         while (to - at) * self.forward > 0.0 {
             let longest = |goes_on: bool| {
                 let mut found = None;
-                let border = Bracket { holds: least, fails: most }.halved(HALVINGS, |distance| {
+                let border = Bracket { holds: least, fails: most }.halved(DISTANCE_BISECTIONS, |distance| {
                     let curve = self.next(at, distance, &before, goes_on);
                     let fits = curve.is_some();
                     found = curve.or(found.take());

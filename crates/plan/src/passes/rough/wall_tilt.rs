@@ -1,7 +1,7 @@
 //! Tilt of the tool axis of `rough` away from the walls of the channel.
 
 /// Neighbouring places whose mean is taken on both sides, so that the axis turns evenly.
-const BESIDE: usize = 2;
+const AVERAGED_NEIGHBOURS: usize = 2;
 
 /// Tilts away from both walls at places along the channel, radians; none for an axis along the rulings.
 #[derive(Clone, Debug, Default)]
@@ -27,7 +27,7 @@ impl WallTilt {
     /// Each tilt replaced by the mean of its neighbourhood.
     pub(super) fn smooth(places: &[[f64; 2]]) -> Self {
         let mean = |i: usize, side: usize| {
-            let near = &places[i.saturating_sub(BESIDE)..places.len().min(i + BESIDE + 1)];
+            let near = &places[i.saturating_sub(AVERAGED_NEIGHBOURS)..places.len().min(i + AVERAGED_NEIGHBOURS + 1)];
             near.iter().map(|tilts| tilts[side]).sum::<f64>() / near.len() as f64
         };
         Self { places: (0..places.len()).map(|i| [0, 1].map(|side| mean(i, side))).collect() }
