@@ -6,7 +6,7 @@ use impellerc::base::progress::Progress;
 use impellerc::diagnostics::Sink;
 use impellerc::five_axis::{Carried, CarriedKind};
 use impellerc::ir::{Motion, MoveKind, Program};
-use impellerc::verify::carried::{CarriedReport, check, report};
+use impellerc::verify::obstacles::{ObstacleReport, check, report};
 use nalgebra::Point3;
 use std::borrow::Cow;
 use std::f64::consts::FRAC_PI_2;
@@ -38,7 +38,7 @@ fn moved(to: [f64; 3], a: f64, kind: MoveKind, turn_axis: f64) -> (Program, Moti
 
 fn found(to: [f64; 3], a: f64, kind: MoveKind, turn_axis: f64) -> [(Cow<'static, str>, f64); 2] {
     let (program, motion) = moved(to, a, kind, turn_axis);
-    let found: Vec<CarriedReport> = check(&program, &motion, &Progress::default());
+    let found: Vec<ObstacleReport> = check(&program, &motion, &Progress::default());
     [0, 1].map(|k| (found[k].part.clone(), found[k].clearance.as_ref().map_or(f64::INFINITY, |c| c.distance)))
 }
 

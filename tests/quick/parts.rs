@@ -276,7 +276,7 @@ fn the_verifier_measures_the_splitter() {
         if face.blade != BladeId::MAIN {
             assert!(least < -0.5, "the paths go through the splitter: {least}");
             // A cut that is broken is not followed to its deepest place.
-            assert!(report.gouge.value < -surface::BROKEN, "{} {least}", report.gouge.value);
+            assert!(report.gouge.value < -surface::UNPROVED_GOUGE, "{} {least}", report.gouge.value);
         }
     }
 }

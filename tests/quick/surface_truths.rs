@@ -5,7 +5,7 @@ use impellerc::five_axis::{AxisLine, Carries, Chain, RotaryPose};
 use impellerc::nurbs::range::{CellThickness, Interval, Jet};
 use impellerc::tool_stock::collide::{Cutter, Kind, Section, ToolSolid};
 use impellerc::verify::proof::sweep::Sweep;
-use impellerc::verify::surface::{BROKEN, SLACK, SurfaceReport, certify_shape};
+use impellerc::verify::surface::{SLACK, SurfaceReport, UNPROVED_GOUGE, certify_shape};
 use impellerc::wheel::part::{
     PassageId, SurfaceId, SurfaceKind,
     chart::{Place, Shape},
@@ -172,12 +172,12 @@ fn cone_on_cone() {
 fn plunge_of_an_exact_depth() {
     const RADIUS: f64 = 3.0;
     for cutter in [Cutter::ball(RADIUS), Cutter::bull(RADIUS, 0.5), Cutter::flat(RADIUS)] {
-        for depth in [0.9 * BROKEN, 1.0] {
+        for depth in [0.9 * UNPROVED_GOUGE, 1.0] {
             let solid = tool(cutter, 20.0);
             let pose = |z: f64| RotaryPose { tip: Point3::new(5.3, 4.1, z), rotary: [0.0; 2] };
             let report = certify(&plane(10.0), &solid, &[pose(30.0), pose(-depth), pose(30.0)]);
             assert!((report.gouge.depth - depth).abs() < TENTH, "{} mm", report.gouge.depth);
-            let most = if depth > BROKEN { RADIUS } else { depth + SLACK };
+            let most = if depth > UNPROVED_GOUGE { RADIUS } else { depth + SLACK };
             assert!((depth - 1e-9..most + TENTH).contains(&report.gouge_bound), "{} mm", report.gouge_bound);
             assert_eq!(report.gouge.at.map(|at| at.index.min(1)), Some(1));
         }

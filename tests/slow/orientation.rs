@@ -16,7 +16,7 @@ use impellerc::ir::{Contract, Motion, MoveKind, OperationKind, Program};
 use impellerc::plan::passes::pipeline;
 use impellerc::tool_stock::collide::{Cloud, ToolSolid};
 use impellerc::verify::proof::{piece, sweep};
-use impellerc::verify::{carried, clearance, dynamics, surface};
+use impellerc::verify::{clearance, dynamics, obstacles, surface};
 use impellerc::wheel::contract::{ContractKind, Guarded};
 use impellerc::wheel::method::{AxisMethod, Flank, FlankMethod, Lines, Spacing};
 use impellerc::wheel::part::{BladeId, SurfaceKind, kept::MilledTurned, sample};
@@ -116,7 +116,7 @@ fn row(program: &Program, motion: &Motion) -> Row {
             turn = [0, 1].map(|k| turn[k].max((to[k] - from[k]).abs().to_degrees() / way));
         }
     }
-    let asked = [run.asked[3].value.0, run.asked[4].value.0];
+    let asked = [run.required_acceleration[3].value.0, run.required_acceleration[4].value.0];
     let cuts = motion.operations[0].moves.iter().filter(|m| m.kind == MoveKind::Cut);
     let at_feed = cuts.map(|m| m.time).sum();
     Row { turn, length, time: run.time[0], whole: run.time.iter().sum(), at_feed, asked }
@@ -377,7 +377,7 @@ fn axes_keep_clear_of_a_fixture() {
     let profile = [[0.0, -41.0], [72.0, -41.0], [72.0, TOP], [170.0, TOP], [170.0, -60.0], [0.0, -60.0]];
     clamped.machine.carried = vec![Carried { kind: CarriedKind::Fixture, profile: profile.to_vec() }];
     let least = |motion: &Motion| {
-        let found = carried::check(&clamped, motion, &Progress::default());
+        let found = obstacles::check(&clamped, motion, &Progress::default());
         println!("{:?}", found[0]);
         found[0].clearance.as_ref().map_or(20.0, |c| c.distance)
     };

@@ -49,12 +49,12 @@ pub fn check(program: &Program, motion: &Motion, progress: &Progress) -> Option<
     }
     let tolerance = program.tolerances.chord_rough.get();
     // Enough beyond the tolerance that the slack of the proof causes no failure.
-    let ceiling = tolerance + 2.0 * SLACK;
+    let cutoff = tolerance + 2.0 * SLACK;
     let mut shapes: Vec<Kept<'_>> = milled(&program.part);
     shapes.extend(kept(&program.part, &program.stock, MilledTurned::default()));
-    let (grids, covered) = cover(program, &shapes, &sweeps, ceiling);
-    let all = deepest(&covered, &grids, &sweeps, (ceiling, -tolerance), progress, "roughing against the finished part");
-    let bound = all.iter().map(|d| d.low).fold(ceiling, f64::min);
+    let (grids, covered) = cover(program, &shapes, &sweeps, cutoff);
+    let all = deepest(&covered, &grids, &sweeps, (cutoff, -tolerance), progress, "roughing against the finished part");
+    let bound = all.iter().map(|d| d.low).fold(cutoff, f64::min);
     let least = |d: &super::kept::Deepest| d.found.map_or(f64::INFINITY, |f| f.0);
     let nearest = covered.iter().zip(&all).filter(|(_, d)| least(d) < tolerance);
     let nearest = nearest.min_by(|a, b| least(a.1).total_cmp(&least(b.1))).map(|(c, d)| NearestRough {

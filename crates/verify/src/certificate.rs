@@ -1,11 +1,11 @@
 //! The figures of the proof.
 
 use super::allowance::AllowanceReport;
-use super::carried::CarriedReport;
 use super::clamping::ClampingReport;
 use super::clearance::Clearance;
 use super::kept::KeptSurfaces;
 use super::machine::MachineReport;
+use super::obstacles::ObstacleReport;
 use super::perimeter::PerimeterReport;
 use super::proof::piece::At;
 use super::rest::RestReport;
@@ -167,8 +167,8 @@ pub struct Certificate {
     /// The stock through the program; `None` when it could not be simulated.
     pub stock: Option<StockReport>,
     /// Nearest approach to table and fixtures; empty where the machine file has none.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub carried: Vec<CarriedReport>,
+    #[serde(rename = "carried", default, skip_serializing_if = "Vec::is_empty")]
+    pub obstacles: Vec<ObstacleReport>,
     /// Nearest approach to the space of chuck and table that the job states.
     pub clamping: ClampingReport,
     /// Contracts.
@@ -184,7 +184,7 @@ impl Certificate {
     }
 
     /// The most by which the control leaves the programmed motion, and the operation.
-    pub fn departure(&self) -> Option<(Mm, &str)> {
+    pub fn deviation(&self) -> Option<(Mm, &str)> {
         let all = self.operations.iter().zip(&self.machine.runs).map(|(o, run)| (run.contour.value, o.name.as_str()));
         all.max_by(|a, b| a.0.get().total_cmp(&b.0.get()))
     }

@@ -4,6 +4,7 @@
 //! The distance of two convex bodies is the largest gap between them along any direction. Each direction gives a lower
 //! bound, so that a positive gap proves clearance, independent of the quality of the search.
 
+use super::clearance::{PIECE_RESOLUTION, PIECES_PER_GROUP};
 use super::place::describe;
 use super::proof::piece::{self, At, Piece};
 use base::units::{Mm, length};
@@ -16,12 +17,6 @@ use std::borrow::Cow;
 use std::f64::consts::FRAC_PI_2;
 use tool_stock::collide::Body;
 use wheel::part::Clamping;
-
-/// Displacement of the farthest point of a body over a piece below which the piece is not halved any further, mm.
-const RESOLUTION: f64 = 1e-3;
-
-/// Pieces of a run: enough that a small distance found early in a run excludes most of the rest.
-const RUN: usize = 4096;
 
 /// The part of any tool nearest to the clamping.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -85,7 +80,8 @@ pub fn check(program: &Program, motion: &Motion) -> ClampingReport {
         let bodies = program.tools[program.operations[operation.operation].tool].solid.bodies();
         let pieces = piece::pieces(&program.machine, motion, o);
         let start = nearest.map_or(f64::INFINITY, |n| n.0);
-        let found: Vec<_> = pieces.par_chunks(RUN).filter_map(|run| least(clamping, &bodies, run, start)).collect();
+        let found: Vec<_> =
+            pieces.par_chunks(PIECES_PER_GROUP).filter_map(|run| least(clamping, &bodies, run, start)).collect();
         // Of equal distances the first.
         nearest = nearest.into_iter().chain(found).reduce(|a, b| if b.0 < a.0 { b } else { a });
     }
@@ -95,13 +91,13 @@ pub fn check(program: &Program, motion: &Motion) -> ClampingReport {
         diameter: clamping.radius.map(|r| Mm(2.0 * r.get())),
         by_default: clamping.by_default,
         part: part.into(),
-        distance: nearest.map(|n| Mm(n.0 - RESOLUTION)),
+        distance: nearest.map(|n| Mm(n.0 - PIECE_RESOLUTION)),
         tip,
         at: nearest.map(|n| n.3),
     }
 }
 
-/// Least distance below `start` over a run of pieces, exact to [`RESOLUTION`], with part, tip and move.
+/// Least distance below `start` over a run of pieces, exact to [`PIECE_RESOLUTION`], with part, tip and move.
 fn least(
     clamping: &Clamping,
     bodies: &[(&'static str, Body)],
@@ -125,7 +121,7 @@ fn least(
                     let tip = piece.middle().0;
                     (bound, best) = (found, Some((found, *name, [tip.x, tip.y, tip.z], piece.at)));
                 }
-                if moved > RESOLUTION {
+                if moved > PIECE_RESOLUTION {
                     stack.extend(piece.halves());
                 }
             }

@@ -8,17 +8,20 @@ use tool_stock::collide::{Cloud, ToolSolid};
 
 /// Displacement of the farthest tool point over a piece below which the piece is not halved any further, mm. The
 /// reported distance is exact to this.
-const RESOLUTION: f64 = 1e-3;
+pub(super) const PIECE_RESOLUTION: f64 = 1e-3;
+
+/// Pieces of a group: so many that the bound found early in the group excludes most of the others.
+pub(super) const PIECES_PER_GROUP: usize = 4096;
 
 /// Allowed error of the depth of a tool that is inside of a surface by more than this, mm: the exact depth of a
 /// collision does not matter.
-const INSIDE: f64 = 0.1;
+const COLLISION_DEPTH_ERROR: f64 = 0.1;
 
-/// Distance beyond the one asked for up to which samples are searched, mm: what is found excludes the next poses.
-const AHEAD: f64 = 1.0;
+/// Distance beyond the cutoff up to which samples are searched, mm: what is found excludes the next poses.
+const SEARCH_MARGIN: f64 = 1.0;
 
 /// Reserve for rounding, mm.
-const ROUNDING: f64 = 1e-9;
+const DISTANCE_ROUNDING: f64 = 1e-9;
 
 /// A pose for which no sample is nearer than `least`, mm.
 struct KnownPose {
@@ -30,7 +33,7 @@ struct KnownPose {
 impl KnownPose {
     /// Lower bound of the distance in another pose; no point of the tool is farther than `arm` from its tip.
     fn at(&self, tip: &Point3<f64>, axis: &Vector3<f64>, arm: f64) -> f64 {
-        self.least - (tip - self.tip).norm() - arm * (axis - self.axis).norm() - ROUNDING
+        self.least - (tip - self.tip).norm() - arm * (axis - self.axis).norm() - DISTANCE_ROUNDING
     }
 }
 
@@ -77,13 +80,13 @@ pub fn least(
             let (tip, axis) = piece.middle();
             let moved = piece.displacement(arm);
             // Places that are deeper by less than this are not searched.
-            let enough = if bound < -INSIDE { INSIDE } else { 0.0 };
+            let enough = if bound < -COLLISION_DEPTH_ERROR { COLLISION_DEPTH_ERROR } else { 0.0 };
             let cutoff = bound - enough + moved;
             let found = if known.as_ref().is_some_and(|known| known.at(tip, axis, arm) >= cutoff) {
                 None
             } else {
-                let found = cloud.nearest(tip, axis, |rho, s| distance(solid, rho, s), cutoff + AHEAD);
-                let least = found.map_or(cutoff + AHEAD, |f| f.0);
+                let found = cloud.nearest(tip, axis, |rho, s| distance(solid, rho, s), cutoff + SEARCH_MARGIN);
+                let least = found.map_or(cutoff + SEARCH_MARGIN, |f| f.0);
                 known = Some(KnownPose { tip: *tip, axis: *axis, least });
                 found.filter(|f| f.0 < cutoff)
             };
@@ -103,9 +106,9 @@ pub fn least(
                     tag: p.tag,
                 });
             }
-            if moved > RESOLUTION.max(enough) {
+            if moved > PIECE_RESOLUTION.max(enough) {
                 stack.extend(piece.halves());
-            } else if moved > RESOLUTION {
+            } else if moved > PIECE_RESOLUTION {
                 unseen = unseen.min(found - moved);
             }
         }

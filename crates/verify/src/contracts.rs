@@ -3,7 +3,7 @@
 use super::certificate::{AllowedReport, Certificate, ContractReport};
 use super::measure::{Figure, NarrowMeasure, Unmeasured, measure};
 use super::place::describe;
-use super::stock::DEEPEST_SLOT;
+use super::stock::MAX_SLOT_DEPTH;
 use super::surface::FAR;
 use base::entity::EntityId;
 use base::units::trim;
@@ -127,8 +127,8 @@ impl Judge<'_> {
                 && self.figure(c, &without).is_ok_and(|f| !c.kind.relation().holds(f.value, c.bound.value()))
         });
         // No contract of the job judges deep slots: the check of the load does.
-        let excuses =
-            excuses || (allowed.kind == ContractKind::Slot && figure.as_ref().is_some_and(|f| f.value > DEEPEST_SLOT));
+        let excuses = excuses
+            || (allowed.kind == ContractKind::Slot && figure.as_ref().is_some_and(|f| f.value > MAX_SLOT_DEPTH));
         let waives = allowed.scope.is_whole().then(|| allowed.kind.default_bound()).flatten();
         let excuses = excuses
             || waives

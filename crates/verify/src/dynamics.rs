@@ -38,10 +38,10 @@ use serde::{Deserialize, Serialize};
 
 /// Turn of a cell, radians: over this turn, the third derivative of a joint 300 mm from a rotary axis makes a deviation
 /// of 0.1 um.
-const CELL_TURN: f64 = std::f64::consts::PI / 90.0;
+const MAX_CELL_TURN: f64 = std::f64::consts::PI / 90.0;
 
 /// Most cells of a block; a block with a turn of 2000 deg needs no more.
-const MOST_CELLS: f64 = 1000.0;
+const MAX_CELLS_PER_BLOCK: f64 = 1000.0;
 
 /// A largest value and its place.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -89,7 +89,8 @@ pub struct Run {
     pub speed: [Peak<Share>; 5],
     /// Largest acceleration of the axes inside of blocks at the programmed feed, as a share of the limit: above 1 the
     /// control slows down.
-    pub asked: [Peak<Share>; 5],
+    #[serde(rename = "asked")]
+    pub required_acceleration: [Peak<Share>; 5],
     /// Largest jerk of the axes in the run, as a share of the limit; zero without a limit.
     pub jerk: [Peak<Share>; 5],
     /// Largest deviation of tip or flutes from the programmed corners at the reached speed. Rapids count neither
@@ -98,15 +99,15 @@ pub struct Run {
     /// Largest deviation of the tool from the path between two positions that the control gives to its drives.
     pub cycle: Peak<Mm>,
     /// Total deviation of tip or flutes from the programmed motion: the larger corner of a block plus its cycle.
-    pub contour: Departure<Mm>,
+    pub contour: Deviation<Mm>,
     /// Deviation of the tool axis from the programmed motion where corners are rounded. Inside of a block the
     /// rotary axes are linear in the path of the tip, so that the cycle does not tilt the axis.
-    pub orientation: Departure<Deg>,
+    pub orientation: Deviation<Deg>,
 }
 
 /// Largest deviation from the verified motion, with its place.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Departure<Q> {
+pub struct Deviation<Q> {
     /// Total deviation.
     pub value: Q,
     /// Share of the deviation from rounding a corner.
@@ -117,7 +118,7 @@ pub struct Departure<Q> {
     pub tip: [f64; 3],
 }
 
-impl<Q: Copy + From<f64> + Into<f64>> Departure<Q> {
+impl<Q: Copy + From<f64> + Into<f64>> Deviation<Q> {
     /// No deviation.
     pub fn none() -> Self {
         Self { value: Q::from(0.0), corner: Q::from(0.0), at: None, tip: [0.0; 3] }
@@ -235,18 +236,18 @@ struct MotionBlock {
     /// Jump of q' at its start, by the time of this block.
     jump: Joint5,
     /// q'' of the spline at its start, by the time of this block, where the block goes on without a corner.
-    bend: Option<Joint5>,
+    second: Option<Joint5>,
 }
 
 /// What a block has at its end, by the time of this block: the jump of q' there, and q'' of the spline where the next block
 /// goes on without a corner.
 struct BlockEnd {
     jump: Joint5,
-    bend: Option<Joint5>,
+    second: Option<Joint5>,
 }
 
 impl BlockEnd {
-    const STOP: Self = Self { jump: [0.0; 5], bend: None };
+    const STOP: Self = Self { jump: [0.0; 5], second: None };
 }
 
 impl Run {
@@ -261,12 +262,12 @@ impl Run {
             move_times: Vec::new(),
             slowest: Peak { value: Share(1.0), at: None },
             speed: [Peak::none(); 5],
-            asked: [Peak::none(); 5],
+            required_acceleration: [Peak::none(); 5],
             jerk: [Peak::none(); 5],
             corners: Peak::none(),
             cycle: Peak::none(),
-            contour: Departure::none(),
-            orientation: Departure::none(),
+            contour: Deviation::none(),
+            orientation: Deviation::none(),
         }
     }
 
@@ -317,7 +318,7 @@ impl Run {
     fn raise_shares(&mut self, limits: &RunLimits, cell: &MotionCell, part: &MovePart, at: At) {
         for k in 0..5 {
             self.speed[k].raise((part.peak.sqrt() * cell.rate[k] / limits.speed[k]).min(1.0), at);
-            self.asked[k].raise(cell.second[k] / limits.acceleration[k], at);
+            self.required_acceleration[k].raise(cell.second[k] / limits.acceleration[k], at);
             self.jerk[k].raise(part.jerk[k] / limits.jerk[k], at);
         }
     }
@@ -392,8 +393,8 @@ pub fn run(program: &Program, motion: &Motion, operation: usize, removal: &[f64]
             linuxcnc::Settings { machine, tolerance: t.chord.get(), height: limits.height, length: limits.length };
         by_linuxcnc::replace(&settings, (operation, &moves.moves), (&limits, &cells), &mut report, &mut errors);
     }
-    report.contour = Departure::largest(&errors, |e| [e.corner[0], e.cycle]).placed(machine, &moves.moves);
-    report.orientation = Departure::largest(&errors, |e| [e.corner[1], 0.0]).placed(machine, &moves.moves);
+    report.contour = Deviation::largest(&errors, |e| [e.corner[0], e.cycle]).placed(machine, &moves.moves);
+    report.orientation = Deviation::largest(&errors, |e| [e.corner[1], 0.0]).placed(machine, &moves.moves);
     report
 }
 
@@ -456,7 +457,7 @@ fn block(
         let tip = tips[0] + (tips[1] - tips[0]) * t;
         machine.travelled(&machine.joints(&tip, between(from.rotary, to.rotary, t)), length)
     };
-    let count = (machine.turn(from.rotary, to.rotary) / CELL_TURN).ceil().clamp(1.0, MOST_CELLS);
+    let count = (machine.turn(from.rotary, to.rotary) / MAX_CELL_TURN).ceil().clamp(1.0, MAX_CELLS_PER_BLOCK);
     let width = time / count;
     let first = cells.len();
     let mut ends = [[0.0; 5]; 2];
@@ -496,7 +497,7 @@ fn block(
         });
         q0 = end;
     }
-    MotionBlock { time, cells: first..cells.len(), ends, tip: (tips[1] - tips[0]) / time, jump: [0.0; 5], bend: None }
+    MotionBlock { time, cells: first..cells.len(), ends, tip: (tips[1] - tips[0]) / time, jump: [0.0; 5], second: None }
 }
 
 /// Sets the corner between two blocks, and finishes the first block. Where the block runs on along a spline there is no
@@ -533,9 +534,9 @@ fn join(
     if runs_on {
         // From the middle of the chord before to the middle of this one.
         let way = 0.5 * (before.time + block.time / ratio);
-        let bend = jump.map(|j| j / way);
-        (cell.runs_on, block.bend) = (true, Some(bend.map(|b| b / (ratio * ratio))));
-        return finish(limits, before, &BlockEnd { jump, bend: Some(bend) }, cells);
+        let second = jump.map(|j| j / way);
+        (cell.runs_on, block.second) = (true, Some(second.map(|b| b / (ratio * ratio))));
+        return finish(limits, before, &BlockEnd { jump, second: Some(second) }, cells);
     }
     cell.rounding = rounded * flutes / 8.0;
     cell.tilting = rounded * turn / 8.0;
@@ -546,15 +547,15 @@ fn join(
         cell.corner = cell.corner.min(limits.chord / cell.rounding);
     }
     cell.jump = block.jump;
-    finish(limits, before, &BlockEnd { jump, bend: None }, cells);
+    finish(limits, before, &BlockEnd { jump, second: None }, cells);
 }
 
 /// Curvature and largest y of a block.
 fn finish(limits: &RunLimits, block: &MotionBlock, end: &BlockEnd, cells: &mut [MotionCell]) {
     // Along a spline q'' runs from its value at one end to that at the other.
-    let bends = [block.bend.or(end.bend), end.bend.or(block.bend)];
+    let second_at = [block.second.or(end.second), end.second.or(block.second)];
     for cell in &mut cells[block.cells.clone()] {
-        if let [Some(start), Some(last)] = bends {
+        if let [Some(start), Some(last)] = second_at {
             let most: Joint5 = std::array::from_fn(|k| start[k].abs().max(last[k].abs()));
             for k in 0..5 {
                 cell.second[k] += most[k];
@@ -564,7 +565,7 @@ fn finish(limits: &RunLimits, block: &MotionBlock, end: &BlockEnd, cells: &mut [
         }
         for (k, (start, end)) in block.jump.iter().zip(&end.jump).enumerate() {
             // Both ends share curvature only where their jumps have the same sign.
-            if bends[0].is_none() {
+            if second_at[0].is_none() {
                 cell.second[k] += start.abs().min(end.abs()) / block.time;
                 if start * end > 0.0 {
                     cell.shared[k] = start.signum() * start.abs().min(end.abs());

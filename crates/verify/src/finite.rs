@@ -44,11 +44,11 @@ pub fn report(program: &Program, motion: &Motion, certificate: &Certificate, sin
 pub fn not_finite(value: &impl Serialize) -> Result<Vec<Vec<String>>, String> {
     let value = Value::serialized(value).map_err(|e| e.to_string())?;
     let mut found = Vec::new();
-    look(&value, &mut Vec::new(), &mut found);
+    visit(&value, &mut Vec::new(), &mut found);
     Ok(found)
 }
 
-fn look(value: &Value, path: &mut Vec<String>, found: &mut Vec<Vec<String>>) {
+fn visit(value: &Value, path: &mut Vec<String>, found: &mut Vec<Vec<String>>) {
     match value {
         Value::Float(number) if !number.is_finite() => found.push(path.clone()),
         Value::Array(values) => {
@@ -67,6 +67,6 @@ fn look(value: &Value, path: &mut Vec<String>, found: &mut Vec<Vec<String>>) {
 
 fn step(name: String, value: &Value, path: &mut Vec<String>, found: &mut Vec<Vec<String>>) {
     path.push(name);
-    look(value, path, found);
+    visit(value, path, found);
     path.pop();
 }

@@ -6,10 +6,10 @@
 
 use super::SPACING;
 use super::place::describe;
-use super::proof::cells::{Extreme, Goals, Looked, PatchTask, Proved};
+use super::proof::cells::{Extreme, Goals, PatchTask, Proved, SampledPatch};
 use super::proof::grid::{Grid, PlacedSurface};
 use super::proof::sweep::Sweep;
-use super::surface::{self, FAR, LEAST_SLACK, SLACK, Worst};
+use super::surface::{self, FAR, MIN_SLACK, SLACK, Worst};
 use base::progress::Progress;
 use base::units::{Mm, length};
 use diagnostics::{Diag, Sink, codes::verification};
@@ -137,14 +137,14 @@ pub(super) fn cover<'a>(
     (all, covered)
 }
 
-/// Least distance of cutters to each surface, where it is less than `ceiling`, with its proof. The bound is within
-/// [`surface::SLACK`] of the measured value, or `-limit` where this is closer. For a cut more than [`surface::BROKEN`]
+/// Least distance of cutters to each surface, where it is less than `cutoff`, with its proof. The bound is within
+/// [`surface::SLACK`] of the measured value, or `-limit` where this is closer. For a cut more than [`surface::UNPROVED_GOUGE`]
 /// beyond the limit, only the radius of the cutters is used as a bound.
 pub(super) fn deepest(
     covered: &[Covered<'_>],
     grids: &[Grid],
     sweeps: &[Sweep<'_>],
-    (ceiling, limit): (f64, f64),
+    (cutoff, limit): (f64, f64),
     progress: &Progress,
     stage: impl Into<Cow<'static, str>>,
 ) -> Vec<Deepest> {
@@ -158,36 +158,36 @@ pub(super) fn deepest(
         .collect();
     let work = progress.begin(stage, 2 * tasks.len());
     // Reserve for rounding: a distance equal to the cutoff is still evaluated.
-    let look = |task: &PatchTask<'_>| task.look_below(Some(ceiling + LEAST_SLACK));
-    let looked: Option<Vec<Looked>> =
-        tasks.par_iter().with_max_len(1).map(|(_, task)| work.do_step(|| look(task))).collect();
+    let sample = |task: &PatchTask<'_>| task.sample_below(Some(cutoff + MIN_SLACK));
+    let sampled: Option<Vec<SampledPatch>> =
+        tasks.par_iter().with_max_len(1).map(|(_, task)| work.do_step(|| sample(task))).collect();
     // A cancelled run has no value that anybody sees.
-    let Some(looked) = looked else { return Vec::new() };
+    let Some(sampled) = sampled else { return Vec::new() };
     let mut least = vec![FAR; covered.len()];
-    for ((s, _), looked) in tasks.iter().zip(&looked) {
-        least[*s] = least[*s].min(looked.range[0]);
+    for ((s, _), sampled) in tasks.iter().zip(&sampled) {
+        least[*s] = least[*s].min(sampled.range[0]);
     }
     let goal = |found: f64| {
         // The measured value plus the slack; less where the limit lies between.
-        let found = -found.min(ceiling);
-        if found > limit.max(0.0) + surface::BROKEN {
+        let found = -found.min(cutoff);
+        if found > limit.max(0.0) + surface::UNPROVED_GOUGE {
             return Goals { low: f64::NEG_INFINITY, high: f64::INFINITY };
         }
         let within = if found < limit { limit } else { f64::INFINITY };
-        Goals { low: -(found + SLACK).min(within).max(found + LEAST_SLACK), high: f64::INFINITY }
+        Goals { low: -(found + SLACK).min(within).max(found + MIN_SLACK), high: f64::INFINITY }
     };
     let proved: Option<Vec<Proved>> = tasks
         .par_iter()
-        .zip(&looked)
+        .zip(&sampled)
         .with_max_len(1)
         .map(|((s, task), l)| work.do_step(|| task.prove(l, goal(least[*s]))))
         .collect();
     let Some(proved) = proved else { return Vec::new() };
-    let mut all: Vec<Proved> = vec![Proved::NOTHING; covered.len()];
+    let mut all: Vec<Proved> = vec![Proved::NO_CELLS; covered.len()];
     for ((s, _), p) in tasks.iter().zip(&proved) {
         all[*s] = all[*s].join(p);
     }
-    all.into_iter().map(|p| Deepest { found: p.least.filter(|l| l.0 < FAR), low: p.low.min(ceiling) }).collect()
+    all.into_iter().map(|p| Deepest { found: p.least.filter(|l| l.0 < FAR), low: p.low.min(cutoff) }).collect()
 }
 
 /// Reports cuts into kept surfaces as errors, one per kind.

@@ -11,13 +11,13 @@ use tool_stock::stock::{Mesh, mesh::halves};
 use wheel::part::Sample;
 
 /// Longest side of a piece of the surface, mm; the middle of each piece is a sample.
-const SPACING: f64 = 0.25;
+const MAX_PIECE_SIDE: f64 = 0.25;
 
 /// Samples above which they lie farther apart.
-const MOST_SAMPLES: f64 = 4e6;
+const MAX_SAMPLES: f64 = 4e6;
 
 /// Depth below a surface of the part from which what lacks is reported, mm.
-const SHOWN: f64 = 0.1;
+const MIN_REPORTED_DEPTH: f64 = 0.1;
 
 /// What is left: samples of its surface, and its triangles over a grid in the plane of X and Y.
 pub struct Left<'a> {
@@ -35,7 +35,7 @@ impl<'a> Left<'a> {
         };
         let [area, way] = mesh.triangles.iter().map(size).fold([0.0; 2], |sum, t| [sum[0] + t[0], sum[1] + t[1]]);
         // Pieces of half a square each, and two to each side of a needle.
-        let spacing = SPACING.max((8.0 * area / MOST_SAMPLES).sqrt()).max(4.0 * way / MOST_SAMPLES);
+        let spacing = MAX_PIECE_SIDE.max((8.0 * area / MAX_SAMPLES).sqrt()).max(4.0 * way / MAX_SAMPLES);
         let points: Vec<CloudPoint> = mesh
             .triangles
             .par_iter()
@@ -61,7 +61,7 @@ impl<'a> Left<'a> {
         let outside = samples.par_iter().filter(|s| !self.columns.inside(&s.position));
         let lacks = outside.map(|s| (-self.depth(&s.position), s));
         let Some((depth, sample)) = lacks.reduce_with(|a, b| if b.0 > a.0 { b } else { a }) else { return };
-        if depth < SHOWN {
+        if depth < MIN_REPORTED_DEPTH {
             return;
         }
         let cell = super::stock::usual_cell(&program.stock.profile);

@@ -12,7 +12,7 @@
 //! | | does roughing keep clear of the part, deviations of the control included? | [`allowance`] |
 //! | | does roughing leave its allowance on the vanes? | [`vane_allowance`] |
 //! | | what is the clearance of shank and holder to the part, and of rapids to the stock? | [`clearance`] |
-//! | | what is the clearance of the tool to table and fixtures? | [`carried`] |
+//! | | what is the clearance of the tool to table and fixtures? | [`obstacles`] |
 //! | | what is the clearance of the tool to the clamping of the job? | [`clamping`] |
 //! | | what does roughing leave? | [`rest`] |
 //! | V3 | what does each block remove of the stock, and what touches the stock? | [`stock`] |
@@ -24,7 +24,6 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking"))]
 
 pub mod allowance;
-pub mod carried;
 pub mod certificate;
 pub mod clamping;
 pub mod clearance;
@@ -36,6 +35,7 @@ pub mod left;
 pub mod machine;
 mod measure;
 pub mod memory;
+pub mod obstacles;
 pub mod perimeter;
 pub mod place;
 pub mod proof;
@@ -72,10 +72,10 @@ const STOCK_SPACING: f64 = 0.5;
 
 /// Deepest allowed cut into kept surfaces in a job that allows gouge, or without a contract on gouge of the whole part,
 /// mm: larger than any tolerance of finishing.
-const KEPT_GOUGE: f64 = 0.1;
+const MAX_KEPT_GOUGE: f64 = 0.1;
 
 /// Search distance of shank, holder and rapids, mm; larger distances are not measured.
-const BODY_SEARCH: f64 = 5.0;
+const BODY_SEARCH_DISTANCE: f64 = 5.0;
 
 /// A value that the verifier accepted.
 #[derive(Clone, Debug)]
@@ -172,7 +172,7 @@ pub fn certify_with(
     let stock = unless_cancelled(progress, || stock::simulate(program, motion, settings, progress, sink))?;
     let measured = (samples.as_slice(), &design_cloud, left.as_ref());
     let rest = unless_cancelled(progress, || rest::reports(program, measured, &sweeps, &roughing, progress))?;
-    let carried = unless_cancelled(progress, || carried::check(program, motion, progress))?;
+    let obstacles = unless_cancelled(progress, || obstacles::check(program, motion, progress))?;
     let mut certificate = Certificate {
         name: program.name.clone(),
         machine_name: program.machine.name.clone(),
@@ -189,7 +189,7 @@ pub fn certify_with(
         machine: machine::check(program, motion, stock.as_ref()),
         rest,
         stock,
-        carried,
+        obstacles,
         clamping: clamping::check(program, motion),
         contracts: Vec::new(),
         allowed: Vec::new(),
@@ -205,7 +205,7 @@ pub fn certify_with(
     if let Some(found) = &certificate.allowance {
         allowance::report(program, motion, found, sink);
     }
-    carried::report(program, motion, &certificate.carried, sink);
+    obstacles::report(program, motion, &certificate.obstacles, sink);
     clamping::report(program, motion, &certificate.clamping, sink);
     if let Some(report) = &certificate.stock {
         stock::report(program, motion, report, sink);
@@ -220,8 +220,8 @@ pub fn certify_with(
 /// Takes the distance between curves and chords from the clearances to table, fixtures and clamping.
 fn nearer_surroundings(certificate: &mut Certificate, reports: &[Option<splines::SplineReport>]) {
     let by = reports.iter().flatten().map(|r| r.tool.get()).fold(0.0, f64::max);
-    for carried in &mut certificate.carried {
-        splines::nearer(&mut carried.clearance, by);
+    for obstacle in &mut certificate.obstacles {
+        splines::nearer(&mut obstacle.clearance, by);
     }
     certificate.clamping.distance = certificate.clamping.distance.map(|distance| Mm(distance.get() - by));
 }
@@ -236,18 +236,18 @@ fn limits(program: &Program) -> Limits {
 }
 
 /// Deepest allowed cut into kept surfaces, mm: the strictest contract on gouge of the whole part and program. Where the
-/// job allows gouge, which may extend over the border of a face, at least [`KEPT_GOUGE`].
+/// job allows gouge, which may extend over the border of a face, at least [`MAX_KEPT_GOUGE`].
 fn kept_gouge(program: &Program) -> f64 {
     let whole = program.contracts.iter().filter(|c| c.kind == ContractKind::Gouge && c.scope.is_whole());
-    let strictest = whole.map(|c| c.bound.value()).reduce(f64::min).unwrap_or(KEPT_GOUGE);
+    let strictest = whole.map(|c| c.bound.value()).reduce(f64::min).unwrap_or(MAX_KEPT_GOUGE);
     let allowed = program.allowed.iter().any(|a| a.kind == ContractKind::Gouge);
-    if allowed { strictest.max(KEPT_GOUGE) } else { strictest }
+    if allowed { strictest.max(MAX_KEPT_GOUGE) } else { strictest }
 }
 
 /// Search distance of shank, holder and rapids, mm: enough to judge every contract on clearance.
 pub fn search(program: &Program) -> f64 {
     let asked = program.contracts.iter().filter(|c| matches!(c.kind, ContractKind::Clearance(_)));
-    asked.map(|c| c.bound.value()).fold(BODY_SEARCH, f64::max)
+    asked.map(|c| c.bound.value()).fold(BODY_SEARCH_DISTANCE, f64::max)
 }
 
 /// Measures again for contracts on some operations or surfaces.
@@ -318,8 +318,6 @@ fn least_over(
     (half_spacing, search): (f64, f64),
     work: &Work,
 ) -> Option<clearance::Clearance> {
-    /// Pieces of a group: so many that the bound found early in the group excludes most of the others.
-    const RUN: usize = 4096;
     let least = |run: &[piece::Piece]| {
         if work.is_cancelled() {
             return None;
@@ -328,7 +326,7 @@ fn least_over(
         work.advance(run.len());
         found
     };
-    let found: Vec<Option<clearance::Clearance>> = pieces.par_chunks(RUN).map(least).collect();
+    let found: Vec<Option<clearance::Clearance>> = pieces.par_chunks(clearance::PIECES_PER_GROUP).map(least).collect();
     found.into_iter().flatten().min_by(|a, b| a.distance.total_cmp(&b.distance))
 }
 

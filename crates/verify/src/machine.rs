@@ -14,7 +14,7 @@ use std::f64::consts::FRAC_PI_2;
 
 /// Places inside a move at which the joints are checked. The tip runs straight and the rotary axes evenly. Between two
 /// of 16 places a linear joint therefore deviates from its chord by less than 1/256 of its sagitta over the whole move.
-const PLACES: usize = 16;
+const PLACES_PER_MOVE: usize = 16;
 
 /// Excess over a travel that counts as rounding of the conversion from joints to the part and back, mm and radians.
 const TRAVEL_ROUNDING: f64 = 1e-9;
@@ -213,7 +213,7 @@ impl Positions<'_> {
             used: self.used.map(&unit),
             travel: self.travel.iter().all(|x| x.is_finite()).then(|| self.travel.map(&unit)),
             speed_share: most(|run| &run.speed),
-            acceleration_share: most(|run| &run.asked),
+            acceleration_share: most(|run| &run.required_acceleration),
             jerk_share: most(|run| &run.jerk),
         }
     }
@@ -263,9 +263,9 @@ fn path(machine: &Machine, from: &Joints, to: &Joints, moves: bool, length: f64)
         return vec![machine.positions(to, length)];
     }
     let tips: [Point3<f64>; 2] = [machine.forward(from).tip, machine.forward(to).tip];
-    (0..=PLACES)
+    (0..=PLACES_PER_MOVE)
         .map(|k| {
-            let t = k as f64 / PLACES as f64;
+            let t = k as f64 / PLACES_PER_MOVE as f64;
             let tip = tips[0] + (tips[1] - tips[0]) * t;
             machine.positions(&machine.joints(&tip, between(from.rotary, to.rotary, t)), length)
         })

@@ -2,7 +2,7 @@
 
 use super::certificate::Certificate;
 use super::clearance::Clearance;
-use super::dynamics::{Departure, Run};
+use super::dynamics::{Deviation, Run};
 use super::proof::piece::At;
 use super::stock::{OperationStock, Peak, StockReport};
 use super::surface::SurfaceReport;
@@ -81,8 +81,8 @@ pub(super) fn measure(
         ContractKind::Clearance(body) => Ok(clearance(certificate, narrow, body, region)),
         ContractKind::Time => Ok(time(certificate, region)),
         ContractKind::AxisSpeed => Ok(axis_speed(certificate, region)),
-        ContractKind::ContourError => Ok(departure(certificate, region, contour)),
-        ContractKind::OrientationError => Ok(departure(certificate, region, orientation)),
+        ContractKind::ContourError => Ok(deviation(certificate, region, contour)),
+        ContractKind::OrientationError => Ok(deviation(certificate, region, orientation)),
         ContractKind::Rest => rest(certificate, region, after),
         ContractKind::Air => air(stock()?, region),
         // The stock has mm3/s.
@@ -272,10 +272,10 @@ fn axis_speed(certificate: &Certificate, region: &Region) -> Figure {
 }
 
 /// Largest deviation from the verified motion over the operations of a region, and its cause in words.
-fn departure<Q: Copy + Into<f64>>(
+fn deviation<Q: Copy + Into<f64>>(
     certificate: &Certificate,
     region: &Region,
-    pick: fn(&Run) -> (Departure<Q>, String),
+    pick: fn(&Run) -> (Deviation<Q>, String),
 ) -> Figure {
     let chosen = region.operations();
     let runs = certificate.machine.runs.iter().enumerate().filter(|(o, _)| chosen.get(*o) == Some(&true));
@@ -294,7 +294,7 @@ fn departure<Q: Copy + Into<f64>>(
     }
 }
 
-fn contour(run: &Run) -> (Departure<Mm>, String) {
+fn contour(run: &Run) -> (Deviation<Mm>, String) {
     let d = run.contour;
     let what = format!(
         "rounding a corner {}, control cycle {}",
@@ -304,7 +304,7 @@ fn contour(run: &Run) -> (Departure<Mm>, String) {
     (d, what)
 }
 
-fn orientation(run: &Run) -> (Departure<Deg>, String) {
+fn orientation(run: &Run) -> (Deviation<Deg>, String) {
     (run.orientation, "rounding a corner".to_owned())
 }
 

@@ -13,7 +13,7 @@
 //! | reduced | 785 | 8259 | 389 | 177 MB | 183 MB |
 //! | wei2021 | 133 713 | 336 291 | 13 310 | 657 MB | 685 MB |
 
-use super::proof::piece::{self, PIECE_LENGTH};
+use super::proof::piece::{self, MAX_PIECE_LENGTH};
 use super::{SPACING, stock};
 use base::units;
 use diagnostics::{Aborted, Diag, Sink, codes::verification};
@@ -22,28 +22,28 @@ use ir::{Motion, Program};
 use wheel::part::sample;
 
 /// Memory of the part, bytes.
-const PART: f64 = 2e7;
+const PART_BYTES: f64 = 2e7;
 
 /// Memory of a sample of the design surfaces with its share of the samples of the stock, bytes.
-const SAMPLE: f64 = 170.0;
+const SAMPLE_BYTES: f64 = 170.0;
 
 /// Memory of a block, bytes.
-const BLOCK: f64 = 500.0;
+const BLOCK_BYTES: f64 = 500.0;
 
 /// Memory of a piece of a block, bytes.
-const PIECE: f64 = 600.0;
+const PIECE_BYTES: f64 = 600.0;
 
 /// Memory of a block during the run of the axes through its operation, bytes.
-const RUN: f64 = 1500.0;
+const RUN_BYTES_PER_BLOCK: f64 = 1500.0;
 
 /// Memory of a change of speed during the run, bytes: the run has many knots around it.
-const CHANGE_OF_SPEED: f64 = 4.2e4;
+const SPEED_CHANGE_BYTES: f64 = 4.2e4;
 
 /// Least change of speed that counts, as a share of the larger speed.
-const CHANGED: f64 = 0.3;
+const MIN_SPEED_CHANGE: f64 = 0.3;
 
 /// Radius with which turns are converted to lengths, mm.
-const ARM: f64 = 50.0;
+const ROTARY_RADIUS: f64 = 50.0;
 
 /// Counts that determine the memory of an operation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -62,12 +62,12 @@ impl Counted {
             counted.pieces += piece::piece_count(&program.machine.chain, &ends);
             let [from, to] = &ends;
             let way = to.tip - from.tip;
-            let turns = [0, 1].map(|k| ARM * (to.rotary[k] - from.rotary[k]));
+            let turns = [0, 1].map(|k| ROTARY_RADIUS * (to.rotary[k] - from.rotary[k]));
             let time = motion.operations[operation].moves[at.index as usize].time;
             let speed = [way.x, way.y, way.z, turns[0], turns[1]].map(|way| way / time);
             let size = |v: &[f64; AXES]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
             let change: [f64; AXES] = std::array::from_fn(|k| speed[k] - before[k]);
-            counted.changes += f64::from(u8::from(size(&change) > CHANGED * size(&speed).max(size(&before))));
+            counted.changes += f64::from(u8::from(size(&change) > MIN_SPEED_CHANGE * size(&speed).max(size(&before))));
             before = speed;
         });
         counted
@@ -75,21 +75,21 @@ impl Counted {
 
     /// Memory that is used until the end, bytes.
     fn kept(&self) -> f64 {
-        BLOCK * self.blocks + PIECE * self.pieces
+        BLOCK_BYTES * self.blocks + PIECE_BYTES * self.pieces
     }
 
     /// Memory during the run of the axes through the operation, bytes.
     fn run(&self) -> f64 {
-        RUN * self.blocks + CHANGE_OF_SPEED * self.changes
+        RUN_BYTES_PER_BLOCK * self.blocks + SPEED_CHANGE_BYTES * self.changes
     }
 }
 
 /// Peak memory of [`certify`](super::certify) for the moves of all operations, bytes.
 fn peak(program: &Program, counted: &[Counted]) -> f64 {
-    let samples = SAMPLE * sample::estimate(&program.part, SPACING);
+    let samples = SAMPLE_BYTES * sample::estimate(&program.part, SPACING);
     // The operations run one after the other.
     let run = counted.iter().map(Counted::run).fold(0.0, f64::max);
-    PART + samples + stock::memory(program) + counted.iter().map(Counted::kept).sum::<f64>() + run
+    PART_BYTES + samples + stock::memory(program) + counted.iter().map(Counted::kept).sum::<f64>() + run
 }
 
 fn counted(program: &Program, motion: &Motion) -> Vec<Counted> {
@@ -127,7 +127,7 @@ pub fn check(program: &Program, motion: &Motion, sink: &mut Sink) -> Result<(), 
     let largest = motion.operations.iter().zip(&counted).max_by(|a, b| size(a.1).total_cmp(&size(b.1)));
     if let Some((operation, most)) = largest {
         diag = diag.label(program.operations[operation.operation].span, "most of it for this operation").note(format!(
-            "{:.0} blocks, which count as {:.0} pieces of at most {PIECE_LENGTH} mm and 1 deg, and {:.0} changes of speed",
+            "{:.0} blocks, which count as {:.0} pieces of at most {MAX_PIECE_LENGTH} mm and 1 deg, and {:.0} changes of speed",
             most.blocks, most.pieces, most.changes
         ));
     }

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
 /// Difference of heights that counts as rounding, mm.
-const ROUNDING: f64 = 1e-6;
+const HEIGHT_ROUNDING: f64 = 1e-6;
 
 /// Heights in the machine frame, mm.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -70,7 +70,7 @@ fn lowest(program: &Program, operation: &MotionOperation, joints: &Joints) -> f6
 
 /// Reports a tool that does not stand high enough as an error.
 pub(super) fn report(program: &Program, motion: &Motion, found: &PerimeterReport, sink: &mut Sink) {
-    let Some(at) = found.at.filter(|_| found.clearance < Mm(found.required.get() - ROUNDING)) else { return };
+    let Some(at) = found.at.filter(|_| found.clearance < Mm(found.required.get() - HEIGHT_ROUNDING)) else { return };
     let Some(operation) = motion.operations.get(at.operation as usize) else { return };
     let declared = &program.operations[operation.operation];
     let tool = &program.tools[declared.tool];

@@ -17,13 +17,13 @@ use tool_stock::collide::Cloud;
 use wheel::part::{Sample, SurfaceId};
 
 /// Spacing of the grid, mm: an island that the grid misses is thinner than this.
-const GRID: f64 = 1.0;
+const MIN_GRID_SPACING: f64 = 1.0;
 
 /// Most points of the grid; on a larger part they are farther apart.
-const MOST_POINTS: f64 = 4e6;
+const MAX_GRID_POINTS: f64 = 4e6;
 
 /// Every n-th sample is tested: with 0.25 mm between samples, rows stay 0.25 mm apart, columns nearly 3 mm.
-const STRIDE: usize = 11;
+const SAMPLE_STRIDE: usize = 11;
 
 /// Rest after an operation and all earlier ones.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -79,7 +79,7 @@ fn void(program: &Program, design: &Cloud, progress: &Progress) -> Vec<(Point3<f
     for p in profile.iter() {
         (r_max, low, high) = (r_max.max(p[0]), low.min(p[1]), high.max(p[1]));
     }
-    let grid = GRID.max(libm::cbrt(4.0 * r_max * r_max * (high - low) / MOST_POINTS));
+    let grid = MIN_GRID_SPACING.max(libm::cbrt(4.0 * r_max * r_max * (high - low) / MAX_GRID_POINTS));
     let steps = |length: f64| (length / grid).floor() as i64;
     let n = steps(r_max);
     let levels = steps(high - low);
@@ -144,7 +144,7 @@ pub fn reports(
     if progress.is_cancelled() {
         return Vec::new();
     }
-    let at_surface: Vec<&Sample> = samples.iter().filter(|s| s.surface.milled()).step_by(STRIDE).collect();
+    let at_surface: Vec<&Sample> = samples.iter().filter(|s| s.surface.milled()).step_by(SAMPLE_STRIDE).collect();
     let far = super::surface::FAR;
     let thickness = |p: &Point3<f64>| start.map_or(far, |start| start.depth(p).min(far));
     let mut left: Vec<f64> = at_surface.par_iter().map(|s| thickness(&s.position)).collect();

@@ -17,7 +17,7 @@ use nurbs::bezier;
 use serde::{Deserialize, Serialize};
 
 /// Distance beyond which the chords are not those of their curve, mm.
-const NOT_OF_CURVE: f64 = 1e-3;
+const MAX_CHORD_DEVIATION: f64 = 1e-3;
 
 /// Spline blocks of an operation.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -52,9 +52,9 @@ impl SplineReport {
             }
             free = spline.last + 1;
             report.chords += count;
-            let [tip, axis] = departure(machine, operation, spline);
+            let [tip, axis] = deviation(machine, operation, spline);
             let flutes = tip + axis * tool.solid.flute_length;
-            if !flutes.is_finite() || flutes > NOT_OF_CURVE {
+            if !flutes.is_finite() || flutes > MAX_CHORD_DEVIATION {
                 return Err(format!("spline block {k} leaves its chords by {flutes} mm"));
             }
             report.flutes = Mm(report.flutes.get().max(flutes));
@@ -85,7 +85,7 @@ pub fn reports(program: &Program, motion: &Motion, sink: &mut Sink) -> Option<Ve
 }
 
 /// Bounds of the distance of the tip (mm) and of the angle of the axis (radians) between a block and its chords.
-fn departure(machine: &Machine, operation: &MotionOperation, spline: &SplineBlock) -> [f64; 2] {
+fn deviation(machine: &Machine, operation: &MotionOperation, spline: &SplineBlock) -> [f64; 2] {
     let pose = |index: usize| {
         let joints = &operation.moves[index].joints;
         RotaryPose { tip: machine.forward(joints).tip, rotary: joints.rotary }

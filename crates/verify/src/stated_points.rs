@@ -66,16 +66,18 @@ fn distance(blade: &Blade, p: &Point3<f64>) -> f64 {
 
 /// The point of an end of a face that is nearest to a point.
 fn on_end(face: &FaceSurface, u: f64, p: &Point3<f64>) -> Point3<f64> {
-    /// Places from which the nearest one is looked for, and divisions by two of the distance between them.
-    const PLACES: [u32; 2] = [64, 40];
+    /// Intervals of the face, at whose ends the search begins.
+    const INTERVALS: u32 = 64;
+    /// Halvings of the interval around the nearest place.
+    const HALVINGS: u32 = 40;
     let from = |v: f64| (face.point(u, v) - p).norm_squared();
-    let mut step = 1.0 / f64::from(PLACES[0]);
-    let places = (0..=PLACES[0]).map(|k| f64::from(k) * step);
+    let mut step = 1.0 / f64::from(INTERVALS);
+    let places = (0..=INTERVALS).map(|k| f64::from(k) * step);
     let mut v = places.min_by(|a, b| from(*a).total_cmp(&from(*b))).unwrap_or(0.0);
-    for _ in 0..PLACES[1] {
+    for _ in 0..HALVINGS {
         step *= 0.5;
-        let beside = [v - step, v, v + step].map(|v| v.clamp(0.0, 1.0));
-        v = beside.into_iter().min_by(|a, b| from(*a).total_cmp(&from(*b))).unwrap_or(v);
+        let neighbours = [v - step, v, v + step].map(|v| v.clamp(0.0, 1.0));
+        v = neighbours.into_iter().min_by(|a, b| from(*a).total_cmp(&from(*b))).unwrap_or(v);
     }
     face.point(u, v)
 }

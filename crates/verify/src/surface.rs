@@ -9,8 +9,8 @@
 //! A cell counts as the biquadratic through nine of its points with a thickness ([`nurbs::range::CellThickness`]), which
 //! follows from the ranges of the derivatives of the surface over the cell.
 
-pub use super::proof::cells::{CORNER_SLACK, FAR, LEAST_SLACK, PatchCorners, SLACK};
-use super::proof::cells::{Extreme, Goals, Looked, PatchTask, Proved, deviation};
+pub use super::proof::cells::{CORNER_SLACK, FAR, MIN_SLACK, PatchCorners, SLACK};
+use super::proof::cells::{Extreme, Goals, PatchTask, Proved, SampledPatch, deviation};
 use super::proof::grid::{Grid, PlacedSurface};
 use super::proof::piece::At;
 use super::proof::sweep::Sweep;
@@ -25,14 +25,14 @@ use wheel::part::{
 };
 
 /// Least distance between two probed places, mm: shares are divided by it.
-const LEAST_WAY: f64 = 1e-6;
+const MIN_PROBE_DISTANCE: f64 = 1e-6;
 
 /// The same for the excess, as a share of the excess, where this is more.
-const SLACK_SHARE: f64 = 0.02;
+const EXCESS_SLACK_SHARE: f64 = 0.02;
 
 /// Gouge beyond the widest contract, mm, from which on only the radius of the cutters is used as a proved bound. The
 /// measured value is then sufficient, and a proof would have to evaluate each of the cutters that overlap there.
-pub const BROKEN: f64 = 0.2;
+pub const UNPROVED_GOUGE: f64 = 0.2;
 
 /// g from which a place counts as not reached, mm: finishing leaves less than 0.1 mm.
 pub const NOT_REACHED: f64 = 0.1;
@@ -94,7 +94,7 @@ pub(crate) fn unknown() -> SurfaceId {
 }
 
 /// Share of the area of a surface that is left where the operations do not machine the surface.
-const UNTOUCHED: f64 = 0.999;
+const UNMACHINED_SHARE: f64 = 0.999;
 
 impl SurfaceReport {
     /// Area that is left over [`NOT_REACHED`], as a share of the surface.
@@ -104,7 +104,7 @@ impl SurfaceReport {
 
     /// Whether the operations machine the surface.
     pub fn is_machined(&self) -> bool {
-        self.left_share() < UNTOUCHED
+        self.left_share() < UNMACHINED_SHARE
     }
 }
 
@@ -149,7 +149,7 @@ fn grids(shape: &dyn Shape, spacing: f64) -> Vec<Grid> {
 
 /// Least number of patches of whole surfaces in memory at a time: enough for all threads. A patch of a surface that no
 /// operation mills has hundreds of pieces at about the same distance.
-const TOGETHER: usize = 128;
+const PATCHES_IN_MEMORY: usize = 128;
 
 fn prove(
     surfaces: &[(&[Grid], PlacedSurface<'_>)],
@@ -164,7 +164,7 @@ fn prove(
     while !rest.is_empty() && !work.is_cancelled() {
         let mut patches = 0;
         let few = |(grids, _): &&(&[Grid], PlacedSurface<'_>)| {
-            let few = patches < TOGETHER;
+            let few = patches < PATCHES_IN_MEMORY;
             patches += grids.len();
             few
         };
@@ -187,23 +187,23 @@ fn prove_together(
         .enumerate()
         .flat_map(|(s, (grids, surface))| grids.iter().map(move |grid| (s, PatchTask { surface, grid, sweeps })))
         .collect();
-    let looked = tasks.par_iter().with_max_len(1).map(|(_, task)| work.do_step(|| task.look()));
-    let looked = looked.collect::<Option<Vec<Looked>>>()?;
+    let sampled = tasks.par_iter().with_max_len(1).map(|(_, task)| work.do_step(|| task.sample()));
+    let sampled = sampled.collect::<Option<Vec<SampledPatch>>>()?;
     let mut ranges = vec![[FAR, -FAR]; surfaces.len()];
-    for ((s, _), looked) in tasks.iter().zip(&looked) {
-        ranges[*s] = [ranges[*s][0].min(looked.range[0]), ranges[*s][1].max(looked.range[1])];
+    for ((s, _), sampled) in tasks.iter().zip(&sampled) {
+        ranges[*s] = [ranges[*s][0].min(sampled.range[0]), ranges[*s][1].max(sampled.range[1])];
     }
     let goals: Vec<Goals> =
         ranges.iter().zip(surfaces).map(|(range, (_, s))| goals(*range, s.id.kind.class(), limits)).collect();
     let proved: Option<Vec<Proved>> = tasks
         .par_iter()
-        .zip(&looked)
+        .zip(&sampled)
         .with_max_len(1)
         .map(|((s, task), l)| work.do_step(|| task.prove(l, goals[*s])))
         .collect();
     let proved = proved?;
-    let all: Vec<(usize, &PatchTask<'_>, &Looked, &Proved)> =
-        tasks.iter().zip(&looked).zip(&proved).map(|(((s, task), l), p)| (*s, task, l, p)).collect();
+    let all: Vec<(usize, &PatchTask<'_>, &SampledPatch, &Proved)> =
+        tasks.iter().zip(&sampled).zip(&proved).map(|(((s, task), l), p)| (*s, task, l, p)).collect();
     Some(all.par_chunk_by(|a, b| a.0 == b.0).map(|of_one| report(of_one, sweeps)).collect())
 }
 
@@ -241,21 +241,21 @@ fn next_over(limits: &[Limit], surface: SurfaceClass, found: f64) -> f64 {
 fn goals([least, most]: [f64; 2], surface: SurfaceClass, limits: &Limits) -> Goals {
     // The measured value plus the slack; less where a limit lies between.
     let beyond = |found: f64, slack: f64, limits: &[Limit]| {
-        (found + slack).min(next_over(limits, surface, found)).max(found + LEAST_SLACK)
+        (found + slack).min(next_over(limits, surface, found)).max(found + MIN_SLACK)
     };
     let allowed = on(&limits.gouge, surface).fold(0.0, f64::max);
     Goals {
-        low: if -least > allowed + BROKEN { f64::NEG_INFINITY } else { -beyond(-least, SLACK, &limits.gouge) },
-        high: beyond(most, SLACK.max(SLACK_SHARE * most), &limits.excess),
+        low: if -least > allowed + UNPROVED_GOUGE { f64::NEG_INFINITY } else { -beyond(-least, SLACK, &limits.gouge) },
+        high: beyond(most, SLACK.max(EXCESS_SLACK_SHARE * most), &limits.excess),
     }
 }
 
 /// The figures of a surface, from the results of its patches.
-fn report(patches: &[(usize, &PatchTask<'_>, &Looked, &Proved)], sweeps: &[Sweep<'_>]) -> SurfaceReport {
+fn report(patches: &[(usize, &PatchTask<'_>, &SampledPatch, &Proved)], sweeps: &[Sweep<'_>]) -> SurfaceReport {
     let surface = patches[0].1.surface;
-    let all = patches.iter().fold(Proved::NOTHING, |all, p| all.join(p.3));
+    let all = patches.iter().fold(Proved::NO_CELLS, |all, p| all.join(p.3));
     let cells: Vec<(f64, f64, Option<At>)> =
-        patches.iter().flat_map(|(_, task, looked, _)| looked.cells(task)).collect();
+        patches.iter().flat_map(|(_, task, sampled, _)| sampled.cells(task)).collect();
     let gouge = extreme(surface, all.least, -1.0, sweeps);
     let excess = extreme(surface, all.most, 1.0, sweeps);
     let area: f64 = cells.iter().map(|c| c.1).sum();
@@ -275,7 +275,7 @@ fn report(patches: &[(usize, &PatchTask<'_>, &Looked, &Proved)], sweeps: &[Sweep
         gouge,
         excess,
         id: surface.id,
-        corners: patches.iter().map(|(_, task, looked, _)| looked.values(task)).collect(),
+        corners: patches.iter().map(|(_, task, sampled, _)| sampled.values(task)).collect(),
     }
 }
 
@@ -311,7 +311,7 @@ fn nearest_there(cells: &[(f64, f64, Option<At>)]) -> Vec<(Option<u32>, f64)> {
 pub(super) fn extreme(surface: &PlacedSurface<'_>, found: Extreme, sign: f64, sweeps: &[Sweep<'_>]) -> Worst {
     let (value, start) = found.unwrap_or((FAR, [0.5; 2]));
     // Only for a cut deeper than any tolerance can the depth along the normal exceed the distance.
-    let deep = sign < 0.0 && value < -DEEP;
+    let deep = sign < 0.0 && value < -MIN_DEEP_CUT;
     let mut known = Known { sweeps, last: None };
     let measure = |xy: [f64; 2]| {
         let (p, normal, _) = place(surface, xy);
@@ -323,7 +323,7 @@ pub(super) fn extreme(surface: &PlacedSurface<'_>, found: Extreme, sign: f64, sw
             sign * known.deviation(&p)
         }
     };
-    let finest = if value < -WRECKED { COARSE } else { FINEST };
+    let finest = if value < -COARSE_SEARCH_DEPTH { COARSE_SEARCH_STEP } else { FINEST_SEARCH_STEP };
     let (best, most) = if value < FAR { climb(surface, start, finest, measure) } else { (start, FAR) };
     let (p, _, parameters) = place(surface, best);
     let (value, at) = deviation(&p, sweeps, FAR);
@@ -339,7 +339,7 @@ struct Known<'a> {
 
 impl Known<'_> {
     fn deviation(&mut self, p: &Point3<f64>) -> f64 {
-        let cutoff = self.last.map_or(FAR, |(q, g)| g + (p - q).norm() + LEAST_SLACK);
+        let cutoff = self.last.map_or(FAR, |(q, g)| g + (p - q).norm() + MIN_SLACK);
         let (g, _) = deviation(p, self.sweeps, cutoff.min(FAR));
         self.last = Some((*p, g));
         g
@@ -352,36 +352,36 @@ fn place(surface: &PlacedSurface<'_>, [x, y]: [f64; 2]) -> (Point3<f64>, Vector3
 }
 
 /// Depth of a cut from which on the depth along the normal is computed, mm.
-const DEEP: f64 = 0.1;
+const MIN_DEEP_CUT: f64 = 0.1;
 
 /// Steps of [`depth`]; each goes to the far border of the cutter that reaches deepest.
-const DEPTH_STEPS: usize = 400;
+const MAX_DEPTH_STEPS: usize = 400;
 
 /// Length of the path from a surface point against its normal that lies inside of swept cutters.
 fn depth(p: &Point3<f64>, normal: &Vector3<f64>, sweeps: &[Sweep<'_>]) -> f64 {
     let mut depth = 0.0;
     let mut cutoff = FAR;
-    for _ in 0..DEPTH_STEPS {
+    for _ in 0..MAX_DEPTH_STEPS {
         let (g, _) = deviation(&(p - normal * depth), sweeps, cutoff);
         if g > -1e-7 {
             break;
         }
         depth -= g;
         // g changes no faster than the point moves.
-        cutoff = LEAST_SLACK;
+        cutoff = MIN_SLACK;
     }
     depth
 }
 
 /// Step at which the search for the worst place ends, mm: over this step g changes by far less than 1 um.
-const FINEST: f64 = 1e-4;
+const FINEST_SEARCH_STEP: f64 = 1e-4;
 
 /// Depth of a cut for which micrometres do not matter, and the step at which the search for its worst place ends, mm.
-const WRECKED: f64 = 0.5;
-const COARSE: f64 = 0.02;
+const COARSE_SEARCH_DEPTH: f64 = 0.5;
+const COARSE_SEARCH_STEP: f64 = 0.02;
 
 /// Rounds of this search: about twenty down to the finest step, and moves over some millimetres.
-const ROUNDS: usize = 100;
+const MAX_SEARCH_STEPS: usize = 100;
 
 /// Maximises a measure over a surface by a pattern search in its chart, down to a step.
 fn climb(
@@ -390,15 +390,15 @@ fn climb(
     finest: f64,
     mut measure: impl FnMut([f64; 2]) -> f64,
 ) -> ([f64; 2], f64) {
-    const PROBE: f64 = 0.02;
+    const PROBE_SHARE: f64 = 0.02;
     // Shares of the chart per millimetre.
     let unit = [0, 1].map(|k| {
         let mut other = start;
-        other[k] += if start[k] > 0.5 { -PROBE } else { PROBE };
-        PROBE / (surface.point(start) - surface.point(other)).norm().max(LEAST_WAY)
+        other[k] += if start[k] > 0.5 { -PROBE_SHARE } else { PROBE_SHARE };
+        PROBE_SHARE / (surface.point(start) - surface.point(other)).norm().max(MIN_PROBE_DISTANCE)
     });
     let (mut best, mut most, mut step) = (start, measure(start), 0.1);
-    for _ in 0..ROUNDS {
+    for _ in 0..MAX_SEARCH_STEPS {
         if step <= finest {
             break;
         }

@@ -14,7 +14,7 @@ use proptest::prelude::*;
 fn figures(run: &Run) -> Vec<f64> {
     let limits = run.limits.iter().flat_map(|l| l.time);
     let times = [run.time, run.within_accelerations, run.programmed].concat().into_iter().chain(limits);
-    let peaks = [run.speed, run.asked, run.jerk].concat();
+    let peaks = [run.speed, run.required_acceleration, run.jerk].concat();
     let others = [run.slowest.value.get(), run.corners.value.get(), run.cycle.value.get()];
     let contour = [run.contour.value, run.contour.corner].map(Mm::get);
     let orientation = [run.orientation.value, run.orientation.corner].map(Deg::get);

@@ -25,7 +25,7 @@ pub fn details(program: &Program, motion: &Motion, certificate: &Certificate) ->
     }
     let um = |mm: f64| format!("{} um", Form::UM.of(mm));
     if let Some(last) = tables.last_mut() {
-        last.notes.extend(machine::departure(certificate, um, "at most"));
+        last.notes.extend(machine::deviation(certificate, um, "at most"));
     }
     if !certificate.allowed.is_empty() {
         tables.push(contracts::allowed(Text::Details, certificate));

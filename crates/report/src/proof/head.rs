@@ -15,7 +15,7 @@ pub fn lines(certificate: &Certificate) -> Vec<String> {
     lines.push(format!("machined: {made} of {sectors} sectors"));
     lines.extend(not_machined(certificate));
     lines.extend(not_checked(certificate).map(str::to_owned));
-    let solids: String = certificate.carried.iter().map(|c| format!(", {}", c.solid)).collect();
+    let solids: String = certificate.obstacles.iter().map(|c| format!(", {}", c.solid)).collect();
     lines.push(format!(
         "checked: whole tool against part, stock{solids}; travel and speed of all axes; contracts below"
     ));

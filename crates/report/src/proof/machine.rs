@@ -6,10 +6,10 @@ use base::units::{Share, length};
 use ir::{Motion, Program};
 use std::collections::BTreeMap;
 use verify::Certificate;
-use verify::carried::SEARCH;
 use verify::certificate::OperationReport;
 use verify::dynamics::{ActiveLimit, MotionLimit, Run};
 use verify::machine::{Axes, AxisRange, OtherRules};
+use verify::obstacles::SEARCH_DISTANCE;
 use verify::place::describe;
 use wheel::contract::clock;
 
@@ -127,12 +127,12 @@ pub(super) fn surroundings(program: &Program, motion: &Motion, certificate: &Cer
         let place = describe(program, motion, Some(at));
         lines.push(format!("no tool enters the clamping ({space}): the {part} stays {distance} away: {place}"));
     }
-    lines.extend(certificate.carried.iter().map(|c| match &c.clearance {
+    lines.extend(certificate.obstacles.iter().map(|c| match &c.clearance {
         Some(found) => {
             let (distance, place) = (length(found.distance), describe(program, motion, Some(found.at)));
             format!("the {} comes within {distance} of the {}: {place}", c.part, c.solid)
         }
-        None => format!("no tool comes within {SEARCH} mm of the {}", c.solid),
+        None => format!("no tool comes within {SEARCH_DISTANCE} mm of the {}", c.solid),
     }));
     lines
 }
@@ -165,8 +165,8 @@ pub(super) fn runs(program: &Program, certificate: &Certificate) -> Table {
 }
 
 /// How far the control departs from the programmed motion at most, and in which operation.
-pub(super) fn departure(certificate: &Certificate, length: fn(f64) -> String, at_most: &str) -> Option<String> {
-    let (most, name) = certificate.departure()?;
+pub(super) fn deviation(certificate: &Certificate, length: fn(f64) -> String, at_most: &str) -> Option<String> {
+    let (most, name) = certificate.deviation()?;
     Some(format!(
         "of the programmed motion; the control departs from it by {at_most} {}, in {name}",
         length(most.get())

@@ -77,7 +77,7 @@ pub(super) fn arcs(stock: &StockReport) -> Table {
             time if time > 0.0 => clock(time),
             _ => "-".to_owned(),
         };
-        figures(Form::WHOLE.of((k + 1) as f64 * arcs::CLASS), 7, Form::WHOLE, time)
+        figures(Form::WHOLE.of((k + 1) as f64 * arcs::CLASS_WIDTH), 7, Form::WHOLE, time)
     }));
     let title = "time at feed by the arc of engagement, h:mm:ss: in air, cutting, and of it up to the arc, deg";
     Table::new(title, &stock.operations, columns)

@@ -79,7 +79,7 @@ pub(super) fn not_verified(certificate: &Certificate) -> impl Iterator<Item = St
 
 /// What the proof does not know of the machine, in words; `None` where the machine file has table or fixtures.
 pub(crate) fn not_checked(certificate: &Certificate) -> Option<&'static str> {
-    certificate.carried.is_empty().then_some("not checked: table and fixtures, of which the machine file has none")
+    certificate.obstacles.is_empty().then_some("not checked: table and fixtures, of which the machine file has none")
 }
 
 /// Verdict and contracts; the contracts that fail come first.
@@ -135,7 +135,7 @@ fn remarks(certificate: &Certificate) -> Vec<String> {
         let air = Form::PERCENT.of(stock.air_share());
         lines.push(format!("shank and holder with the stock: {hits}; in air {air} of the time"));
     }
-    lines.extend(machine::departure(certificate, length, "<=").map(|line| format!("figures are those {line}")));
+    lines.extend(machine::deviation(certificate, length, "<=").map(|line| format!("figures are those {line}")));
     lines.extend(not_checked(certificate).map(str::to_owned));
     lines.push(NOT_COVERED.to_owned());
     lines

@@ -142,7 +142,7 @@ pub(super) fn worst(program: &Program, motion: &Motion, certificate: &Certificat
         let (found, place) = (figure(s.gouge.depth), describe(program, motion, s.gouge.at));
         let loose = |s: &SurfaceReport| s.gouge_bound > s.gouge.depth + 2.0 * surface::SLACK;
         if all.iter().any(loose) {
-            let broken = length(surface::BROKEN);
+            let broken = length(surface::UNPROVED_GOUGE);
             lines.push(format!("deepest gouge found {found} on {}: {place}", s.surface));
             lines.push(format!(
                 "a cut over {broken} deeper than its contract has no closer bound than the radius of the cutter"

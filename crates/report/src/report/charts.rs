@@ -6,7 +6,7 @@ use crate::proof::machine::{LimitRow, limit_rows};
 use crate::table::{Figure, Form, Table, figures, words};
 use std::fmt::Write as _;
 use verify::stock::ArcTimes;
-use verify::stock::arcs::CLASS;
+use verify::stock::arcs::CLASS_WIDTH;
 use wheel::contract::{ContractKind, clock};
 
 /// Share of a bar in percent from which a part has its name in it.
@@ -136,9 +136,9 @@ fn bound(input: &Input<'_>, operation: usize) -> Option<f64> {
 fn write_histogram(out: &mut String, name: &str, arcs: &ArcTimes, bound: Option<f64>) -> std::fmt::Result {
     let [width, height] = AREA;
     let [left, top, bottom] = MARGIN;
-    let (floor, column) = (top + height, width / 180.0 * CLASS);
+    let (floor, column) = (top + height, width / 180.0 * CLASS_WIDTH);
     let start = left + column + GAP;
-    let x = |arc: f64| start + arc / CLASS * column;
+    let x = |arc: f64| start + arc / CLASS_WIDTH * column;
     let most = arcs.time.iter().copied().fold(arcs.air[0], f64::max).max(f64::MIN_POSITIVE);
     let (whole, size) = (arcs.cutting() + arcs.air[0], [x(180.0) + 22.0, floor + bottom]);
     write!(
@@ -166,7 +166,7 @@ fn write_histogram(out: &mut String, name: &str, arcs: &ArcTimes, bound: Option<
     };
     bar(left, arcs.air[0], arcs.air[1], "air", "air")?;
     for (k, (time, way)) in arcs.time.iter().zip(arcs.way).enumerate() {
-        let (from, to) = (k as f64 * CLASS, (k + 1) as f64 * CLASS);
+        let (from, to) = (k as f64 * CLASS_WIDTH, (k + 1) as f64 * CLASS_WIDTH);
         // A class that begins at the bound lies beyond it.
         let class = if bound.is_some_and(|b| from >= b) { "beyond" } else { "arc" };
         bar(x(from), *time, way, class, &format!("{from:.0} to {to:.0} deg"))?;

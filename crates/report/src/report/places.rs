@@ -257,7 +257,7 @@ impl Places {
         for c in &input.certificate.contracts {
             let place = c.point.map(|p| {
                 let value = proved(c);
-                self.asked(input, c.name(), value, (&c.place, p, c.at), !c.holds)
+                self.contract_place(input, c.name(), value, (&c.place, p, c.at), !c.holds)
             });
             self.contracts.push(place);
         }
@@ -267,14 +267,15 @@ impl Places {
     fn add_allowed(&mut self, input: &Input<'_>) {
         for a in &input.certificate.allowed {
             let name = format!("allowed: {} {}", a.kind.name(), a.scope);
-            let place =
-                a.point.map(|p| self.asked(input, name, with_symbols(&allowed_figure(a)), (&a.place, p, a.at), false));
+            let place = a.point.map(|p| {
+                self.contract_place(input, name, with_symbols(&allowed_figure(a)), (&a.place, p, a.at), false)
+            });
             self.allowed.push(place);
         }
     }
 
     /// Adds the place that decides a contract, with the move at which the check found it.
-    fn asked(
+    fn contract_place(
         &mut self,
         input: &Input<'_>,
         name: String,

@@ -15,11 +15,11 @@ use std::collections::BTreeMap;
 /// Least pace of the process feed at which it is active. In the run the speed of the joints as a whole is constant over a
 /// corner, and that of the tip is not: where all blocks have one feed, the tip falls a few percent below it before a block
 /// in which the joints move less.
-const AT_FEED: f64 = 0.95;
+const MIN_FEED_PACE: f64 = 0.95;
 
 /// Least pace of any other limit at which it is active. The run is not the fastest: where it begins to speed up again it
 /// takes half of the jerk, a pace of 0.79, and its bounds hold over whole pieces of the path.
-const ACTIVE: f64 = 0.75;
+const MIN_ACTIVE_PACE: f64 = 0.75;
 
 /// Kind of a limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -188,11 +188,11 @@ fn nearest(moments: &[Moment]) -> Vec<Option<LimitOfAxis>> {
 /// The active limit, and its axis.
 pub(super) fn active(limits: &RunLimits, run: &Pace) -> LimitOfAxis {
     let cell = run.cell;
-    if cell.feed * run.rate >= AT_FEED {
+    if cell.feed * run.rate >= MIN_FEED_PACE {
         return (MotionLimit::Feed, None);
     }
-    let none = if run.rate >= AT_FEED { MotionLimit::BlockFeed } else { MotionLimit::Rest };
-    let mut most = (ACTIVE, (none, None));
+    let none = if run.rate >= MIN_FEED_PACE { MotionLimit::BlockFeed } else { MotionLimit::Rest };
+    let mut most = (MIN_ACTIVE_PACE, (none, None));
     let mut raise = |pace: f64, limit: LimitOfAxis| {
         if pace > most.0 {
             most = (pace, limit);

@@ -8,7 +8,7 @@ use ir::{JointMove, MoveKind};
 use std::ops::Range;
 
 /// Share of its programmed speed below which an axis limits a line: the rest is rounding.
-const PROGRAMMED: f64 = 0.999;
+const MIN_LIMITING_SHARE: f64 = 0.999;
 
 /// Replaces times, active limits, corners and speeds by those of LinuxCNC.
 pub(super) fn replace(
@@ -71,7 +71,7 @@ fn add(
         let acceleration = cell.second.map(|q| q * rate * rate);
         let jerk = jerk::twist(cells, i).map(|q| q * rate.powi(3));
         let by_joints = active(limits, &Pace { cell, rate, acceleration, jerk, corner: NO_CORNER });
-        let limited = matches!(by_joints.0, MotionLimit::Rest | MotionLimit::BlockFeed) && rate < PROGRAMMED;
+        let limited = matches!(by_joints.0, MotionLimit::Rest | MotionLimit::BlockFeed) && rate < MIN_LIMITING_SHARE;
         let active = if limited { (MotionLimit::Speed, Some(speed)) } else { by_joints };
         let time = ran.steady * cell.width / whole;
         times.add(index, active, kind, time);

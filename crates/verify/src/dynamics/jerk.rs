@@ -20,13 +20,13 @@ use five_axis::feedrate::{self as feedrate};
 use nurbs::bracket::Bracket;
 
 /// Share by which a sum that meets its bound may exceed it by rounding.
-const AT_BOUND: f64 = 1e-9;
+const SUM_ROUNDING: f64 = 1e-9;
 
 /// Halvings in the search of the speed at which a corner can be rounded.
-const HALVINGS: usize = 40;
+const CORNER_SPEED_HALVINGS: usize = 40;
 
 /// Largest ratio of two scales in a run.
-const WIDEST: f64 = 16_777_216.0;
+const MAX_SCALE_RATIO: f64 = 16_777_216.0;
 
 /// A cell or a part of a cell, by a parameter whose rate is continuous over corners.
 #[derive(Clone)]
@@ -116,7 +116,7 @@ fn corner(limits: &RunLimits, before: &MotionCell, cell: &MotionCell) -> f64 {
     if fits(most) {
         return most;
     }
-    let Bracket { holds, fails } = Bracket { holds: 0.0, fails: most }.halved(HALVINGS, fits);
+    let Bracket { holds, fails } = Bracket { holds: 0.0, fails: most }.halved(CORNER_SPEED_HALVINGS, fits);
     // The result is never a stop: below the resolution of the search every y fits.
     holds.max(0.5 * (fails - holds))
 }
@@ -183,7 +183,7 @@ impl Rows for JerkRows<'_> {
         let share = |found: &Joint5, limit: &Joint5| (0..5).map(|k| found[k] / limit[k]).fold(0.0, f64::max);
         let all = [share(&acceleration, &self.limits.acceleration), share(&jerk, &self.limits.jerk)];
         // Sums that meet their bound do so to the last digits only.
-        all.map(|s| if s < 1.0 + AT_BOUND { s.min(1.0) } else { s })
+        all.map(|s| if s < 1.0 + SUM_ROUNDING { s.min(1.0) } else { s })
     }
 }
 
@@ -196,7 +196,7 @@ pub(super) fn run(limits: &RunLimits, cells: &[MotionCell]) -> Vec<MovePart> {
         let ends = |i: &usize| {
             scale /= cells[*i].ratio;
             (least, most) = (least.min(scale), most.max(scale));
-            cells[*i].ratio <= 0.0 || most > WIDEST * least
+            cells[*i].ratio <= 0.0 || most > MAX_SCALE_RATIO * least
         };
         let stop = (first + 1..cells.len()).find(ends).unwrap_or(cells.len());
         let start = parts.len();
@@ -239,13 +239,13 @@ fn within_accelerations(limits: &RunLimits, spans: &[JerkSpan], knots: &[f64]) -
 }
 
 /// The cells from one stop to the next.
-struct Stretch {
+struct SpanChain {
     spans: Vec<JerkSpan>,
     /// Largest y at the knots, corners included.
     knots: Vec<f64>,
 }
 
-impl Stretch {
+impl SpanChain {
     /// Each cell as a span, by a parameter whose rate is continuous over corners.
     fn new(limits: &RunLimits, axes: &feedrate::Limits, cells: &[MotionCell], range: std::ops::Range<usize>) -> Self {
         let mut spans: Vec<JerkSpan> = Vec::with_capacity(range.len());
@@ -302,7 +302,7 @@ impl Stretch {
     }
 
     /// Upper bound of y of each span within the accelerations.
-    fn ceiling(&self, limits: &RunLimits) -> Vec<f64> {
+    fn upper_bounds(&self, limits: &RunLimits) -> Vec<f64> {
         let Self { spans, knots } = self;
         let y = within_accelerations(limits, spans, knots);
         let mean = |i: usize| 0.5 * (y[i] + y[i + 1]);
@@ -313,13 +313,13 @@ impl Stretch {
 /// The run from one stop to the next.
 fn moving(limits: &RunLimits, cells: &[MotionCell], range: std::ops::Range<usize>, parts: &mut Vec<MovePart>) {
     let axes = feedrate::Limits { speed: limits.speed, acceleration: limits.acceleration, jerk: limits.jerk };
-    let (stretch, at, ramps) = Stretch::new(limits, &axes, cells, range).divided(limits);
-    let ceiling = stretch.ceiling(limits);
-    let guess = ramp::guess(&at, &ceiling, &ramps);
-    let whole = stretch.spans;
+    let (chain, at, ramps) = SpanChain::new(limits, &axes, cells, range).divided(limits);
+    let bounds = chain.upper_bounds(limits);
+    let guess = ramp::guess(&at, &bounds, &ramps);
+    let whole = chain.spans;
     let n = whole.len();
     // Start from rest, and stop.
-    let slowest = 0.9 * ceiling.iter().copied().fold(f64::INFINITY, f64::min).sqrt();
+    let slowest = 0.9 * bounds.iter().copied().fold(f64::INFINITY, f64::min).sqrt();
     let half = if n == 1 { 0.25 } else { 0.5 };
     let mut spans = whole.clone();
     for still in [false, true] {
@@ -332,7 +332,7 @@ fn moving(limits: &RunLimits, cells: &[MotionCell], range: std::ops::Range<usize
         let widths: Vec<f64> = spans.iter().map(|s| s.width).collect();
         let rows = JerkRows { spans: &spans, limits: axes };
         let accelerations = [ends[0].acceleration, ends[1].acceleration];
-        let Some(c) = jerk::limit(&widths, &ceiling, &guess, rate * rate, accelerations, &rows) else { continue };
+        let Some(c) = jerk::limit(&widths, &bounds, &guess, rate * rate, accelerations, &rows) else { continue };
         parts.extend((0..n).map(|i| rows.part(i, jerk::over_span(&widths, &c, i))));
         // The factor by which the run was slowed down applies to both ends as well.
         let slower = rate / c[0].sqrt();

@@ -11,7 +11,7 @@ use nalgebra::{Point3, Vector3};
 use wheel::part::chart::Patch;
 
 /// Reserve for rounding among distances, mm.
-const ROUNDING: f64 = 1e-9;
+const BOUND_ROUNDING: f64 = 1e-9;
 
 /// Distance beyond which a place counts as out of reach of all cutters, mm; searches end there.
 pub const FAR: f64 = 20.0;
@@ -20,7 +20,7 @@ pub const FAR: f64 = 20.0;
 pub const SLACK: f64 = 5e-4;
 
 /// The least of these distances, used where a limit lies close by, mm.
-pub const LEAST_SLACK: f64 = 2e-5;
+pub const MIN_SLACK: f64 = 2e-5;
 
 /// g at the corners of the cells of a patch.
 #[derive(Clone, Debug)]
@@ -32,16 +32,16 @@ pub struct PatchCorners {
 }
 
 /// Largest number of times that a cell is halved: from 0.25 mm to 1 um.
-const DEEPEST: i32 = 8;
+const MAX_HALVINGS: i32 = 8;
 
 /// The same for cells across the border of the part: the strip that is left out is narrower than a twentieth of a cell.
-const BORDER_DEPTH: i32 = 4;
+const MAX_BORDER_HALVINGS: i32 = 4;
 
 /// Allowed error of g at a corner, mm. It is small enough for the upper bound; the lower bound does not depend on it.
 pub const CORNER_SLACK: f64 = 1e-3;
 
 /// Upper bound of g over a block below which no further search is made, mm.
-const NEAR: f64 = 0.06;
+const SEARCH_CUTOFF: f64 = 0.06;
 
 /// A piece of a sweep that may be nearest somewhere.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -69,7 +69,7 @@ struct Corner {
 }
 
 /// Result of the evaluation of the corners of a patch.
-pub(crate) struct Looked {
+pub(crate) struct SampledPatch {
     /// Blocks of cells, each with the pieces that can be nearest in it.
     blocks: Vec<(CellBlock, Vec<Near>)>,
     corners: Vec<Corner>,
@@ -110,7 +110,7 @@ pub(crate) struct Proved {
 
 impl Proved {
     /// Result without any cell.
-    pub(crate) const NOTHING: Self =
+    pub(crate) const NO_CELLS: Self =
         Self { least: None, most: None, low: f64::INFINITY, high: f64::NEG_INFINITY, points: 0 };
 
     fn take_least(&mut self, value: f64, at: [f64; 2]) {
@@ -161,12 +161,12 @@ impl<'h> Narrowing<'h> {
     }
 
     fn take(&mut self, sweep: &Sweep<'_>, candidate: PieceCandidate) {
-        let Some(look) = sweep.look(candidate.piece, self.hull, self.most) else { return };
-        if look.value < self.least {
-            self.least = look.value;
-            self.most = self.most.min(sweep.farthest(candidate.piece, self.hull, look.t));
+        let Some(query) = sweep.query(candidate.piece, self.hull, self.most) else { return };
+        if query.value < self.least {
+            self.least = query.value;
+            self.most = self.most.min(sweep.farthest(candidate.piece, self.hull, query.t));
         }
-        self.found.push(Near { candidate, value: look.value, bound: look.bound, tangent: look.tangent });
+        self.found.push(Near { candidate, value: query.value, bound: query.bound, tangent: query.tangent });
     }
 
     /// The remaining candidates, nearest first.
@@ -214,21 +214,22 @@ impl PatchTask<'_> {
 
     /// True for a cell that may be divided when its bounds are not sufficient.
     fn divides(&self, cell: &Cell, hull: &Hull, lies: Lies) -> bool {
-        let deepest = if lies == Lies::Inside || self.surface.holds(&hull.centre) { DEEPEST } else { BORDER_DEPTH };
+        let deepest =
+            if lies == Lies::Inside || self.surface.holds(&hull.centre) { MAX_HALVINGS } else { MAX_BORDER_HALVINGS };
         cell.depth < deepest
     }
 
     /// g at the corners of all cells.
-    pub(crate) fn look(&self) -> Looked {
-        self.look_below(None)
+    pub(crate) fn sample(&self) -> SampledPatch {
+        self.sample_below(None)
     }
 
     /// g at the corners of all cells, as far as it lies below a cutoff. Pieces that are nowhere below the cutoff are
     /// not evaluated, and corners without a nearby piece are [`FAR`]. Without a cutoff all corners are evaluated.
-    pub(crate) fn look_below(&self, cutoff: Option<f64>) -> Looked {
+    pub(crate) fn sample_below(&self, cutoff: Option<f64>) -> SampledPatch {
         let patch = &self.grid.patch;
         let count = (patch.columns + 1) * (patch.rows + 1);
-        let mut looked = Looked {
+        let mut sampled = SampledPatch {
             blocks: Vec::new(),
             corners: vec![Corner { value: f64::NAN, by: None }; count],
             inside: vec![true; count],
@@ -238,29 +239,29 @@ impl PatchTask<'_> {
         let milled = |i: usize, j: usize| self.surface.shape.is_milled(&self.grid.point(i, j));
         for i in 0..=patch.columns {
             for j in 0..=patch.rows {
-                looked.inside[i * (patch.rows + 1) + j] = milled(2 * i, 2 * j);
+                sampled.inside[i * (patch.rows + 1) + j] = milled(2 * i, 2 * j);
             }
         }
         for i in 0..patch.columns {
             for j in 0..patch.rows {
                 let k = i * (patch.rows + 1) + j;
-                let corners = [k, k + 1, k + patch.rows + 1, k + patch.rows + 2].map(|k| looked.inside[k]);
+                let corners = [k, k + 1, k + patch.rows + 1, k + patch.rows + 2].map(|k| sampled.inside[k]);
                 let on = corners.into_iter().chain([milled(2 * i + 1, 2 * j + 1)]).filter(|on| *on).count();
-                looked.lies.push(Lies::by(on));
+                sampled.lies.push(Lies::by(on));
             }
         }
-        self.look_at(&mut looked, cutoff);
-        for (corner, _) in looked.corners.iter().zip(&looked.inside).filter(|(_, on)| **on) {
-            looked.range = [looked.range[0].min(corner.value), looked.range[1].max(corner.value)];
+        self.sample_blocks(&mut sampled, cutoff);
+        for (corner, _) in sampled.corners.iter().zip(&sampled.inside).filter(|(_, on)| **on) {
+            sampled.range = [sampled.range[0].min(corner.value), sampled.range[1].max(corner.value)];
         }
-        looked
+        sampled
     }
 
     /// Divides the patch into blocks, and computes g at the corners of the blocks on the part.
-    fn look_at(&self, looked: &mut Looked, cutoff: Option<f64>) {
+    fn sample_blocks(&self, sampled: &mut SampledPatch, cutoff: Option<f64>) {
         let (columns, rows) =
             (CellBlock::runs([0, self.grid.patch.columns]), CellBlock::runs([0, self.grid.patch.rows]));
-        let on_part = |b: &CellBlock| b.cells().any(|c| looked.lies_of(&c, self.grid.patch.rows) != Lies::Outside);
+        let on_part = |b: &CellBlock| b.cells().any(|c| sampled.lies_of(&c, self.grid.patch.rows) != Lies::Outside);
         let places = (0..columns.len()).flat_map(|i| (0..rows.len()).map(move |j| (i, j)));
         let blocks = places.map(|(i, j)| ((i, j), CellBlock { x: columns[i], y: rows[j] })).filter(|(_, b)| on_part(b));
         let (places, blocks): (Vec<_>, Vec<_>) = blocks.map(|(place, b)| (place, (b, self.hull(&b)))).unzip();
@@ -288,13 +289,13 @@ impl PatchTask<'_> {
             for i in block.x[0]..=block.x[1] {
                 for j in block.y[0]..=block.y[1] {
                     let k = i * stride + j;
-                    if looked.corners[k].value.is_nan() {
+                    if sampled.corners[k].value.is_nan() {
                         let p = self.surface.turn * self.grid.point(2 * i, 2 * j);
-                        looked.corners[k] = self.corner(&p, &near);
+                        sampled.corners[k] = self.corner(&p, &near);
                     }
                 }
             }
-            looked.blocks.push((*block, near));
+            sampled.blocks.push((*block, near));
         }
     }
 
@@ -313,7 +314,7 @@ impl PatchTask<'_> {
             let first = last.map(|l| l.0);
             let others = (0..self.sweeps.len()).rev().filter(|k| Some(*k) != first);
             for k in first.into_iter().chain(others) {
-                if most <= NEAR {
+                if most <= SEARCH_CUTOFF {
                     break;
                 }
                 let sweep = &self.sweeps[k];
@@ -324,7 +325,7 @@ impl PatchTask<'_> {
                 }
             }
             // Reserve for rounding: pieces that are equally near are kept.
-            most + ROUNDING
+            most + BOUND_ROUNDING
         };
         blocks.iter().map(most).collect()
     }
@@ -377,33 +378,33 @@ impl PatchTask<'_> {
     }
 
     /// Proves bounds of g over the patch.
-    pub(crate) fn prove(&self, looked: &Looked, goals: Goals) -> Proved {
-        let mut proved = Proved::NOTHING;
+    pub(crate) fn prove(&self, sampled: &SampledPatch, goals: Goals) -> Proved {
+        let mut proved = Proved::NO_CELLS;
         let patch = &self.grid.patch;
         for i in 0..=patch.columns {
             for j in 0..=patch.rows {
                 let k = i * (patch.rows + 1) + j;
-                if looked.inside[k] {
+                if sampled.inside[k] {
                     let at = [mix(patch.x, i, patch.columns), mix(patch.y, j, patch.rows)];
-                    proved.take(looked.corners[k].value, at);
+                    proved.take(sampled.corners[k].value, at);
                 }
             }
         }
-        proved.points += looked.corners.len();
-        for (block, near) in &looked.blocks {
+        proved.points += sampled.corners.len();
+        for (block, near) in &sampled.blocks {
             if self.is_certain(goals.low, &mut proved) {
                 break;
             }
-            self.below(block, near, looked, goals.low, &mut proved);
+            self.below(block, near, sampled, goals.low, &mut proved);
         }
         // Without an upper goal no upper bound is proved.
-        let above = looked.blocks.iter().filter(|_| goals.high < f64::INFINITY);
+        let above = sampled.blocks.iter().filter(|_| goals.high < f64::INFINITY);
         for (block, near) in above {
             for cell in block.cells() {
-                let lies = looked.lies_of(&cell, patch.rows);
+                let lies = sampled.lies_of(&cell, patch.rows);
                 if lies != Lies::Outside {
                     let hull = self.hull(&cell);
-                    let at = |i: usize, j: usize| looked.corners[i * (patch.rows + 1) + j];
+                    let at = |i: usize, j: usize| sampled.corners[i * (patch.rows + 1) + j];
                     let ([i, i1], [j, j1]) = (cell.x, cell.y);
                     let corners = [at(i, j), at(i, j1), at(i1, j), at(i1, j1)];
                     self.above(&self.cell(&cell), &hull, lies, corners, near, goals.high, &mut proved);
@@ -426,7 +427,7 @@ impl PatchTask<'_> {
     /// Proves that g stays above a goal over a block. Pieces that were not kept for the block are nowhere nearer than
     /// the kept pieces, so that only the kept pieces need a proof.
     /// Bounds of g that are to be proved.
-    fn below(&self, block: &CellBlock, near: &[Near], looked: &Looked, goal: f64, proved: &mut Proved) {
+    fn below(&self, block: &CellBlock, near: &[Near], sampled: &SampledPatch, goal: f64, proved: &mut Proved) {
         let hull = self.hull(block);
         let mut left: Vec<PieceCandidate> = Vec::new();
         for Near { bound, candidate: c, .. } in near {
@@ -444,7 +445,7 @@ impl PatchTask<'_> {
             return;
         }
         for cell in block.cells() {
-            let lies = looked.lies_of(&cell, self.grid.patch.rows);
+            let lies = sampled.lies_of(&cell, self.grid.patch.rows);
             self.below_cell(&self.cell(&cell), &self.hull(&cell), lies, &left, goal, proved);
         }
     }
@@ -484,7 +485,7 @@ impl PatchTask<'_> {
             }
         }
         let goal = lower_goal(goal, proved.least);
-        if low >= goal || (cell.depth >= DEEPEST && self.surface.holds(&hull.centre)) {
+        if low >= goal || (cell.depth >= MAX_HALVINGS && self.surface.holds(&hull.centre)) {
             proved.low = proved.low.min(low);
         } else if self.divides(cell, hull, lies) {
             for quarter in cell.quarters(self.surface.shape) {
@@ -508,7 +509,7 @@ impl PatchTask<'_> {
     ) {
         let goal = higher_goal(goal, proved.most);
         let high = self.over(hull, &corners, goal);
-        if high <= goal || (cell.depth >= DEEPEST && self.surface.holds(&hull.centre)) {
+        if high <= goal || (cell.depth >= MAX_HALVINGS && self.surface.holds(&hull.centre)) {
             proved.high = proved.high.max(high);
             return;
         }
@@ -567,22 +568,22 @@ impl PatchTask<'_> {
                 bounds.push(bound);
             }
         }
-        high.min(under(&bounds, enough, BOUND_DEPTH)).min(FAR)
+        high.min(under(&bounds, enough, MAX_UPPER_BOUND_HALVINGS)).min(FAR)
     }
 }
 
 /// The lower goal changes only when a smaller value than the goal is measured.
 fn lower_goal(goal: f64, least: Extreme) -> f64 {
-    least.map_or(goal, |l| if l.0 - LEAST_SLACK < goal { l.0 - SLACK } else { goal })
+    least.map_or(goal, |l| if l.0 - MIN_SLACK < goal { l.0 - SLACK } else { goal })
 }
 
 /// The upper goal changes only when a greater value than the goal is measured.
 fn higher_goal(goal: f64, most: Extreme) -> f64 {
-    most.map_or(goal, |m| if m.0 + LEAST_SLACK > goal { m.0 + SLACK } else { goal })
+    most.map_or(goal, |m| if m.0 + MIN_SLACK > goal { m.0 + SLACK } else { goal })
 }
 
 /// Largest number of times that a cell is halved to combine upper bounds.
-const BOUND_DEPTH: u32 = 3;
+const MAX_UPPER_BOUND_HALVINGS: u32 = 3;
 
 /// Upper bound over a cell of the least of several upper bounds; the search ends at `enough`. On the ridge between two
 /// passes the mean of two bounds is used, since their slopes compensate each other.
@@ -624,7 +625,7 @@ pub(crate) fn deviation(p: &Point3<f64>, sweeps: &[Sweep<'_>], cutoff: f64) -> (
     best
 }
 
-impl Looked {
+impl SampledPatch {
     /// Position of a cell relative to the part, in a patch with a number of rows.
     fn lies_of(&self, cell: &CellBlock, rows: usize) -> Lies {
         self.lies[cell.x[0] * rows + cell.y[0]]

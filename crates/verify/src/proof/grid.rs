@@ -9,7 +9,7 @@ use wheel::part::{
 };
 
 /// Cells along the side of a block, whose corners share their candidates.
-const BLOCK: usize = 2;
+const CELLS_PER_BLOCK_SIDE: usize = 2;
 
 /// A surface of one sector.
 pub(crate) struct PlacedSurface<'a> {
@@ -83,8 +83,9 @@ impl Grid {
     fn thickness(&self, block: &CellBlock) -> CellThickness {
         match block.longest() {
             1 => self.cells[block.x[0] * self.patch.rows + block.y[0]],
-            longest if longest <= BLOCK => {
-                self.blocks[block.x[0] / BLOCK * self.patch.rows.div_ceil(BLOCK) + block.y[0] / BLOCK]
+            longest if longest <= CELLS_PER_BLOCK_SIDE => {
+                self.blocks[block.x[0] / CELLS_PER_BLOCK_SIDE * self.patch.rows.div_ceil(CELLS_PER_BLOCK_SIDE)
+                    + block.y[0] / CELLS_PER_BLOCK_SIDE]
             }
             _ => self.whole,
         }
@@ -136,9 +137,9 @@ impl CellBlock {
         (self.x[0]..self.x[1]).flat_map(move |i| (from..to).map(move |j| Self { x: [i, i + 1], y: [j, j + 1] }))
     }
 
-    /// Divides a range into runs of [`BLOCK`] cells.
+    /// Divides a range into runs of [`CELLS_PER_BLOCK_SIDE`] cells.
     pub(crate) fn runs([from, to]: [usize; 2]) -> Vec<[usize; 2]> {
-        (from..to).step_by(BLOCK).map(|k| [k, (k + BLOCK).min(to)]).collect()
+        (from..to).step_by(CELLS_PER_BLOCK_SIDE).map(|k| [k, (k + CELLS_PER_BLOCK_SIDE).min(to)]).collect()
     }
 }
 

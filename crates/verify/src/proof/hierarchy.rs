@@ -17,25 +17,25 @@ use nalgebra::{Point3, Vector3};
 use tool_stock::collide::ToolSolid;
 
 /// Length of a vector below which any direction serves for the box of a node, mm.
-const NO_DIRECTION: f64 = 1e-12;
+const MIN_VECTOR_LENGTH: f64 = 1e-12;
 
 /// Length of a sum of axes below which they have no mean.
-const NO_MEAN: f64 = 1e-9;
+const MIN_AXIS_SUM: f64 = 1e-9;
 
 /// Pieces in a leaf.
-const LEAF: usize = 4;
+const PIECES_PER_LEAF: usize = 4;
 
 /// Length that weighs directions against positions when pieces are grouped: about half an engaged cutter, mm.
-const ARM: f64 = 15.0;
+const DIRECTION_WEIGHT: f64 = 15.0;
 
 /// Number of pieces from which on both halves of a node are built on several threads.
-const APART: usize = 4096;
+const MIN_PARALLEL_PIECES: usize = 4096;
 
 /// Approximate number of pieces of a node from which the directions of its box are derived.
-const SOME: usize = 128;
+const BOX_DIRECTION_PIECES: usize = 128;
 
 /// Reserve of a box of centres for rounding, mm.
-const ROUNDING: f64 = 1e-9;
+const CENTRE_ROUNDING: f64 = 1e-9;
 
 /// A node: the tools of all of its pieces are near one pose.
 #[derive(Clone, Copy, Debug)]
@@ -111,12 +111,12 @@ impl Hierarchy {
 
 /// Number of nodes below a node with a number of pieces.
 fn below(count: usize) -> usize {
-    if count <= LEAF { 0 } else { 2 + below(count / 2) + below(count - count / 2) }
+    if count <= PIECES_PER_LEAF { 0 } else { 2 + below(count / 2) + below(count - count / 2) }
 }
 
 /// Bounds of a run of pieces; `start` is the index of its first piece.
 fn node(legs: &[PieceLeg], start: usize) -> Node {
-    let axis = legs.iter().map(|l| l.axis).sum::<Vector3<f64>>().try_normalize(NO_MEAN).unwrap_or_else(Vector3::z);
+    let axis = legs.iter().map(|l| l.axis).sum::<Vector3<f64>>().try_normalize(MIN_AXIS_SUM).unwrap_or_else(Vector3::z);
     // The chord of unit vectors is shorter than the angle; the half turns of the pieces are added to the chord.
     let turn = legs.iter().map(|l| (l.axis - axis).norm() + l.turn).fold(0.0, f64::max);
     let (centre, sides) = bounding_box(legs);
@@ -128,13 +128,13 @@ fn node(legs: &[PieceLeg], start: usize) -> Node {
 /// A box about the centres of pieces. Its first direction points from their mean to the farthest centre, its second to
 /// the centre farthest across the first. A selection of many pieces gives the directions; the box holds all of them.
 fn bounding_box(legs: &[PieceLeg]) -> (Point3<f64>, [Vector3<f64>; 3]) {
-    let some = || legs.iter().step_by(legs.len().div_ceil(SOME).max(1)).flat_map(|leg| leg.ends);
+    let some = || legs.iter().step_by(legs.len().div_ceil(BOX_DIRECTION_PIECES).max(1)).flat_map(|leg| leg.ends);
     let mean = some().sum::<Vector3<f64>>() / some().count().max(1) as f64;
     let longer = |a: Vector3<f64>, b: Vector3<f64>| if b.norm_squared() > a.norm_squared() { b } else { a };
     let farthest = some().map(|c| c - mean).fold(Vector3::zeros(), longer);
-    let x = farthest.try_normalize(NO_DIRECTION).unwrap_or_else(Vector3::x);
+    let x = farthest.try_normalize(MIN_VECTOR_LENGTH).unwrap_or_else(Vector3::x);
     let across = some().map(|c| c - mean).map(|w| w - x * x.dot(&w)).fold(Vector3::zeros(), longer);
-    let y = across.try_normalize(NO_DIRECTION).unwrap_or_else(|| {
+    let y = across.try_normalize(MIN_VECTOR_LENGTH).unwrap_or_else(|| {
         let other = if x.x.abs() < 0.7 { Vector3::x() } else { Vector3::y() };
         x.cross(&other).normalize()
     });
@@ -144,7 +144,7 @@ fn bounding_box(legs: &[PieceLeg]) -> (Point3<f64>, [Vector3<f64>; 3]) {
     let flaw = legs.iter().map(|l| l.flaw).fold(0.0, f64::max);
     let middle: Vector3<f64> = (0..3).map(|k| axes[k] * (0.5 * (ranges[k][0] + ranges[k][1]))).sum();
     // The axes are orthogonal unit vectors apart from rounding, for which the box has a reserve.
-    let sides = std::array::from_fn(|k| axes[k] * (0.5 * (ranges[k][1] - ranges[k][0]) + flaw + ROUNDING));
+    let sides = std::array::from_fn(|k| axes[k] * (0.5 * (ranges[k][1] - ranges[k][0]) + flaw + CENTRE_ROUNDING));
     (Point3::from(mean + middle), sides)
 }
 
@@ -167,7 +167,7 @@ fn build(legs: &mut [PieceLeg], start: usize, own: &mut Node, rest: &mut [Node],
     let [left, right, rest @ ..] = rest else { return };
     own.child = u32::try_from(first).unwrap_or(u32::MAX);
     let keys = |l: &PieceLeg| {
-        let (p, a) = (&l.middle, l.axis * ARM);
+        let (p, a) = (&l.middle, l.axis * DIRECTION_WEIGHT);
         [p.x, p.y, p.z, a.x, a.y, a.z]
     };
     let widths = ranges(legs.iter().map(keys)).map(|[low, high]| high - low);
@@ -182,7 +182,7 @@ fn build(legs: &mut [PieceLeg], start: usize, own: &mut Node, rest: &mut [Node],
     let next_right = next + below_left.len();
     let mut one = || build(low, start, left, below_left, next);
     let mut other = || build(high, start + half, right, below_right, next_right);
-    if count < APART {
+    if count < MIN_PARALLEL_PIECES {
         one();
         other();
     } else {

@@ -66,23 +66,25 @@ impl Hull {
     pub(crate) fn least_curved(&self, at: [f64; 2], gradient: &Vector3<f64>, across: &Vector3<f64>, most: f64) -> f64 {
         const PLACE: [f64; 3] = [-1.0, 0.0, 1.0];
         const SQUARE: [f64; 3] = [1.0, -1.0, 1.0];
-        const SHARES: usize = 4;
+        const CURVATURE_SHARES: usize = 4;
         let along = self.at(at).dot(gradient);
         // e . (p - from) is linear apart from the bulge.
         let (a, b) = (across.dot(&self.sides[0]), across.dot(&self.sides[1]));
         let c = -a * at[0] - b * at[1];
         let widest = a.abs() + b.abs() + c.abs();
-        let mut stray = 0.0_f64;
+        let mut deviation = 0.0_f64;
         let parts: [(f64, f64); 9] = std::array::from_fn(|n| {
             let (i, j) = (n / 3, n % 3);
             let (x, y) = (PLACE[i], PLACE[j]);
             let square = a * a * SQUARE[i] + b * b * SQUARE[j] + c * c + 2.0 * (a * b * x * y + c * (a * x + b * y));
-            stray = stray.max((across.dot(&self.control[n]) - a * x - b * y).abs());
+            deviation = deviation.max((across.dot(&self.control[n]) - a * x - b * y).abs());
             (self.control[n].dot(gradient) - along, square)
         });
-        let strayed = 2.0 * widest * (stray + self.thickness);
-        let least = |k: f64| least_of(parts.map(|p| p.0 + k * p.1)) - k * strayed;
-        let best = (0..=SHARES).map(|n| least(most * n as f64 / SHARES as f64)).fold(f64::NEG_INFINITY, f64::max);
+        let loss = 2.0 * widest * (deviation + self.thickness);
+        let least = |k: f64| least_of(parts.map(|p| p.0 + k * p.1)) - k * loss;
+        let best = (0..=CURVATURE_SHARES)
+            .map(|n| least(most * n as f64 / CURVATURE_SHARES as f64))
+            .fold(f64::NEG_INFINITY, f64::max);
         best - self.thickness
     }
 

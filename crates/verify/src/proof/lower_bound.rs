@@ -18,19 +18,19 @@ use nalgebra::{Point3, Vector3};
 use tool_stock::collide::tool::tool_coordinates;
 
 /// Length of a cross product below which it has no direction: zero is a sound bound there.
-const NO_DIRECTION: f64 = 1e-9;
+const MIN_CROSS_PRODUCT: f64 = 1e-9;
 
 /// Slope over a cell, mm, below which the tangent counts as level.
-const LEVEL: f64 = 2e-6;
+const LEVEL_SLOPE: f64 = 2e-6;
 
 /// Rounds of the search for the joint minimum; for cylinders and balls the second round is exact.
-const ROUNDS: usize = 4;
+const JOINT_MINIMUM_ROUNDS: usize = 4;
 
 /// Loss of a bound through the second derivative of a piece above which the piece is halved, mm.
-const BEND_SLACK: f64 = 1e-4;
+const CURVATURE_SLACK: f64 = 1e-4;
 
 /// Distance beyond its goal up to which a bound by the curvature of a ball is evaluated, mm.
-const BEYOND: f64 = 1e-3;
+const BALL_BOUND_MARGIN: f64 = 1e-3;
 
 /// Lower bound for a cell and a piece.
 #[derive(Clone, Copy, Debug)]
@@ -158,7 +158,7 @@ impl Sweep<'_> {
     }
 
     /// First evaluation of a cell; `None` where the cutter is nowhere in the cell nearer than `enough`.
-    pub(crate) fn look(&self, index: u32, hull: &Hull, enough: f64) -> Option<BoundQuery> {
+    pub(crate) fn query(&self, index: u32, hull: &Hull, enough: f64) -> Option<BoundQuery> {
         if let Some((ball, capsule, foot)) = self.bearing_ball(index, &hull.centre) {
             let tangent = Tangent::to_ball(hull.centre, &foot, ball, capsule);
             if tangent.value - hull.radius >= enough {
@@ -235,7 +235,7 @@ impl Sweep<'_> {
                 continue;
             }
             let loss = curved.map_or_else(|| piece.drift(&touch, 2.0 * hull.radius).loss(&touch, span), |c| c.1);
-            if loss > BEND_SLACK && spans.halve(span) {
+            if loss > CURVATURE_SLACK && spans.halve(span) {
                 continue;
             }
             result.bound = result.bound.min(third);
@@ -311,13 +311,13 @@ fn above_tangent(
     way: &Vector3<f64>,
     goal: f64,
 ) -> f64 {
-    let enough = goal + BEYOND;
+    let enough = goal + BALL_BOUND_MARGIN;
     // Beyond this distance from the line, the cutter is farther away than `enough`.
     let most = ball.radius + enough + loss;
     if most <= 0.0 {
         return f64::NEG_INFINITY;
     }
-    let across = gradient.cross(way).try_normalize(NO_DIRECTION).unwrap_or_else(Vector3::zeros);
+    let across = gradient.cross(way).try_normalize(MIN_CROSS_PRODUCT).unwrap_or_else(Vector3::zeros);
     (value - loss + hull.least_curved(at, gradient, &across, 0.5 / most)).min(enough)
 }
 
@@ -334,13 +334,13 @@ fn joint_minimum<T: Copy>(
         let (gradient, _) = slope(t);
         [gradient.dot(&hull.sides[0]), gradient.dot(&hull.sides[1])]
     };
-    for _ in 0..ROUNDS {
+    for _ in 0..JOINT_MINIMUM_ROUNDS {
         let own = along_sides(&found);
         let mut down = [0.0; 2];
         let mut way = f64::INFINITY;
         for k in 0..2 {
             let blocked = if own[k] > 0.0 { at[k] <= -1.0 } else { at[k] >= 1.0 };
-            if !blocked && own[k].abs() > LEVEL {
+            if !blocked && own[k].abs() > LEVEL_SLOPE {
                 down[k] = -own[k];
                 way = way.min((1.0 - at[k] * down[k].signum()) / down[k].abs());
             }

@@ -2,18 +2,15 @@
 
 use super::cutoff::Cutoff;
 use super::hierarchy::Node;
-use super::sweep::{Nearest, Sweep, TURN_SLACK};
+use super::sweep::{MIN_AXIS_DISTANCE, Nearest, Sweep, TURN_SLACK};
 use nalgebra::{Point3, Vector3};
 use tool_stock::collide::Slope;
 
-/// Least distance from the tool axis that is divided by, mm.
-const ON_AXIS: f64 = 1e-12;
-
 /// Largest error of the distance that [`Sweep::near`] finds, mm.
-const ENOUGH: f64 = 5e-3;
+const NEAR_ERROR: f64 = 5e-3;
 
 /// Size of the stack of nodes: a binary tree over at most 2^32 pieces.
-const DEPTH: usize = 64;
+const STACK_DEPTH: usize = 64;
 
 /// Lower bound of the distance to all poses of a node near a point: `value` at the point, with the gradient `slope`.
 struct NodeBound {
@@ -35,16 +32,16 @@ impl Sweep<'_> {
         best
     }
 
-    /// A piece nearest to a point up to [`ENOUGH`], by one evaluation per piece, with the share and the distance there;
+    /// A piece nearest to a point up to [`NEAR_ERROR`], by one evaluation per piece, with the share and the distance there;
     /// `None` where no piece is nearer than `cutoff`.
     pub(crate) fn near(&self, p: &Point3<f64>, cutoff: f64) -> Option<(u32, f64, f64)> {
         let mut best = None;
-        self.descend(p, cutoff - ENOUGH, |index, least| {
+        self.descend(p, cutoff - NEAR_ERROR, |index, least| {
             let (t, value) = self.quick_distance(index, p);
-            if value - ENOUGH < least {
+            if value - NEAR_ERROR < least {
                 best = Some((index, t, value));
             }
-            value - ENOUGH
+            value - NEAR_ERROR
         });
         best
     }
@@ -63,7 +60,7 @@ impl Sweep<'_> {
     /// `visit` receives the least distance so far and returns a new one.
     fn descend(&self, p: &Point3<f64>, mut least: f64, mut visit: impl FnMut(u32, f64) -> f64) {
         let nodes = &self.hierarchy.nodes;
-        let mut stack = [(0, 0.0); DEPTH];
+        let mut stack = [(0, 0.0); STACK_DEPTH];
         stack[0] = (0, self.floor(&nodes[0], p, 0.0, least).value);
         let mut top = 1;
         while top > 0 {
@@ -95,7 +92,7 @@ impl Sweep<'_> {
         let hull = cutoff.hull();
         let enough = cutoff.highest() + hull.radius;
         let nodes = &self.hierarchy.nodes;
-        let mut stack = [0; DEPTH];
+        let mut stack = [0; STACK_DEPTH];
         let mut top = 1;
         while top > 0 {
             top -= 1;
@@ -123,12 +120,12 @@ impl Sweep<'_> {
     fn floor(&self, node: &Node, p: &Point3<f64>, radius: f64, enough: f64) -> NodeBound {
         let out = p - node.centre;
         let length = out.norm();
-        let stray = |slope: &Vector3<f64>| -> f64 { node.sides.iter().map(|side| side.dot(slope).abs()).sum() };
+        let half_width = |slope: &Vector3<f64>| -> f64 { node.sides.iter().map(|side| side.dot(slope).abs()).sum() };
         let mut support = NodeBound { value: f64::NEG_INFINITY, slope: Vector3::zeros() };
         if length > 0.0 {
             let slope = out / length;
             let upmost = slope.dot(&node.axis) + node.turn;
-            let least = length - stray(&slope);
+            let least = length - half_width(&slope);
             if let Some(ball) = self.ball().filter(|ball| upmost <= ball.upper) {
                 return NodeBound { value: least - ball.radius, slope };
             }
@@ -142,12 +139,12 @@ impl Sweep<'_> {
         let radial = out - node.axis * s;
         let rho = radial.norm();
         let Slope { value, rho: outward, s: upward } = self.solid().cutter_slope(rho, s + self.hierarchy.size.height);
-        let slope = radial * (outward / rho.max(ON_AXIS)) + node.axis * upward;
+        let slope = radial * (outward / rho.max(MIN_AXIS_DISTANCE)) + node.axis * upward;
         // The angle of a chord of at most one exceeds the chord by less than a twentieth.
         let turn = if node.turn <= 1.0 { 1.05 * node.turn } else { std::f64::consts::PI };
         let lever = (rho * upward - s * outward).abs() + node.reach + radius;
         let second = 0.5 * turn * turn * (length + node.reach + radius);
-        let value = value - stray(&slope) - turn * lever - second;
+        let value = value - half_width(&slope) - turn * lever - second;
         if value > support.value { NodeBound { value, slope } } else { support }
     }
 }
@@ -248,7 +245,7 @@ mod tests {
                 let found = sweep.nearest(&p, f64::INFINITY).unwrap().distance;
                 assert!((found - least).abs() <= TURN_SLACK, "{:?}: {found} for {least}", solid.cutter);
                 let (_, _, near) = sweep.near(&p, f64::INFINITY).unwrap();
-                assert!((near - least).abs() < 2.0 * ENOUGH, "{:?}: {near} for {least}", solid.cutter);
+                assert!((near - least).abs() < 2.0 * NEAR_ERROR, "{:?}: {near} for {least}", solid.cutter);
             }
         }
     }

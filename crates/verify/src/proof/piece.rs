@@ -6,10 +6,10 @@ use ir::{Motion, MoveKind};
 use nalgebra::{Point3, Vector3};
 
 /// Largest turn of a piece when the rotary axes are at a right angle, radians: 1 deg.
-const PIECE_TURN: f64 = std::f64::consts::PI / 180.0;
+const MAX_PIECE_TURN: f64 = std::f64::consts::PI / 180.0;
 
 /// Longest tip motion in a piece, mm: a long link would lie in one node with everything that it passes.
-pub(crate) const PIECE_LENGTH: f64 = 3.0;
+pub(crate) const MAX_PIECE_LENGTH: f64 = 3.0;
 
 /// A place in the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize, serde::Deserialize)]
@@ -69,7 +69,7 @@ impl<'a> Piece<'a> {
     }
 
     /// Tip and axis at a share of the piece, and the derivative of the axis by the share. The axis is the parabola
-    /// through its ends and its middle, for pieces of at most [`PIECE_TURN`]; it deviates from the true curve by at
+    /// through its ends and its middle, for pieces of at most [`MAX_PIECE_TURN`]; it deviates from the true curve by at
     /// most [`Self::parabola_error`].
     pub(crate) fn quick_pose(&self, t: f64) -> (Point3<f64>, Vector3<f64>, Vector3<f64>) {
         let [start, slope, second] = &self.curve;
@@ -194,8 +194,8 @@ pub(crate) fn piece_count(chain: &Chain, [from, to]: &[RotaryPose; 2]) -> f64 {
     // At a sharper angle of the rotary axes the same turn curves the path of the tool axis more; more pieces keep the
     // error.
     let sharper = libm::cbrt(chain.turning().third / Turning::RIGHT_ANGLE.third);
-    let turns = chain.turn(from.rotary, to.rotary) / PIECE_TURN * sharper;
-    turns.max((to.tip - from.tip).norm() / PIECE_LENGTH).ceil().max(1.0)
+    let turns = chain.turn(from.rotary, to.rotary) / MAX_PIECE_TURN * sharper;
+    turns.max((to.tip - from.tip).norm() / MAX_PIECE_LENGTH).ceil().max(1.0)
 }
 
 /// Divides a move into pieces.
@@ -284,16 +284,16 @@ impl Drift {
 
 /// Intervals of shares that are still to be searched; halving an interval needs at most one more place.
 pub struct Spans {
-    open: [(f64, f64); Self::MOST],
+    open: [(f64, f64); Self::MAX_OPEN],
     count: usize,
 }
 
 impl Spans {
-    const MOST: usize = 24;
+    const MAX_OPEN: usize = 24;
 
     /// The whole piece.
     pub fn whole() -> Self {
-        Self { open: [(0.0, 1.0); Self::MOST], count: 1 }
+        Self { open: [(0.0, 1.0); Self::MAX_OPEN], count: 1 }
     }
 
     /// The next interval.
@@ -304,7 +304,7 @@ impl Spans {
 
     /// Adds both halves of an interval. False when the intervals have become too short.
     pub fn halve(&mut self, (from, to): (f64, f64)) -> bool {
-        if self.count + 2 > Self::MOST {
+        if self.count + 2 > Self::MAX_OPEN {
             return false;
         }
         let middle = 0.5 * (from + to);

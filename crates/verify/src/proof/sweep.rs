@@ -19,20 +19,20 @@ use rayon::prelude::*;
 use tool_stock::collide::{Slope, ToolSolid};
 
 /// Distance from the tool axis at which a point counts as on it, mm.
-const ON_AXIS: f64 = 1e-12;
+pub(super) const MIN_AXIS_DISTANCE: f64 = 1e-12;
 
 /// Share of a piece at which the search for the nearest time ends.
-const INSTANT: f64 = 1e-9;
+const TIME_RESOLUTION: f64 = 1e-9;
 
 /// Allowed error of the search for the nearest time through the turn of a piece, mm; pieces are halved until they meet
 /// it.
 pub(crate) const TURN_SLACK: f64 = 2e-5;
 
 /// Slope, in mm over a piece, below which the distance counts as constant.
-const FLAT: f64 = 1e-6;
+const MIN_SLOPE: f64 = 1e-6;
 
 /// Largest number of iterations of the search for a minimum; bisection alone would need 30.
-const STEPS: usize = 60;
+const MAX_MINIMUM_STEPS: usize = 60;
 
 /// The cutter of one tool over all pieces of one operation.
 #[derive(Clone, Debug)]
@@ -105,10 +105,10 @@ impl<'a> Sweep<'a> {
         let rho = radial.norm();
         let Slope { value, rho: out, s: up } = self.solid.cutter_slope(rho, s);
         // On the axis any radial direction is valid; the slope across the axis is zero there by symmetry.
-        let gradient = if rho > ON_AXIS { radial * (out / rho) + axis * up } else { axis * up };
+        let gradient = if rho > MIN_AXIS_DISTANCE { radial * (out / rho) + axis * up } else { axis * up };
         let travel = piece.tips[1] - piece.tips[0];
         let ds = d.dot(&turning) - travel.dot(&axis);
-        let drho = if rho > ON_AXIS { -(radial.dot(&travel) + s * radial.dot(&turning)) / rho } else { 0.0 };
+        let drho = if rho > MIN_AXIS_DISTANCE { -(radial.dot(&travel) + s * radial.dot(&turning)) / rho } else { 0.0 };
         Touch { t, value, gradient, rate: out * drho + up * ds, rho, s }
     }
 
@@ -147,23 +147,23 @@ impl<'a> Sweep<'a> {
     /// The least distance between two shares, if there is one minimum between them: a root of its rate by secants
     /// between brackets that never grow.
     pub(crate) fn minimum(&self, piece: &Piece, start: Touch, p: &Point3<f64>, (from, to): (f64, f64)) -> Touch {
-        if start.rate.abs() <= FLAT {
+        if start.rate.abs() <= MIN_SLOPE {
             return start;
         }
         let falls = start.rate < 0.0;
         let end = self.touch(piece, if falls { to } else { from }, p);
-        if (end.rate < 0.0) == falls || end.rate.abs() <= FLAT {
+        if (end.rate < 0.0) == falls || end.rate.abs() <= MIN_SLOPE {
             return end;
         }
         // Rates at the brackets: negative at the low end, positive at the high end.
         let (mut low, mut high) = if falls { (start, end) } else { (end, start) };
         let (mut weight_low, mut weight_high) = (low.rate, high.rate);
         let mut last_low = None;
-        for _ in 0..STEPS {
+        for _ in 0..MAX_MINIMUM_STEPS {
             let t = (low.t * weight_high - high.t * weight_low) / (weight_high - weight_low);
             let t = if t > low.t && t < high.t { t } else { 0.5 * (low.t + high.t) };
             let next = self.touch(piece, t, p);
-            if next.rate.abs() <= FLAT || high.t - low.t < INSTANT {
+            if next.rate.abs() <= MIN_SLOPE || high.t - low.t < TIME_RESOLUTION {
                 return next;
             }
             // Halving the weight of an end that does not move keeps the secants from stalling (Illinois).

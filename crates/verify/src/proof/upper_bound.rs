@@ -12,7 +12,7 @@ use nalgebra::{Point3, Vector3};
 use tool_stock::collide::tool::tool_coordinates;
 
 /// Excess of the distance to the tip ball over that to the cutter up to which the ball serves for upper bounds, mm.
-const ON_BALL: f64 = 1e-5;
+const MAX_BALL_EXCESS: f64 = 1e-5;
 
 /// An upper bound of the distance over a cell: the control values of a biquadratic, x by x.
 #[derive(Clone, Copy, Debug)]
@@ -68,7 +68,7 @@ impl Sweep<'_> {
                 let (tip, axis) = pair.piece(*later).quick_axis(foot.t);
                 let (rho, s) = tool_coordinates(corner, &tip, &axis);
                 s - ball.radius <= ball.upper * foot.length
-                    || foot.length - ball.radius <= self.solid().cutter_distance(rho, s) + ON_BALL
+                    || foot.length - ball.radius <= self.solid().cutter_distance(rho, s) + MAX_BALL_EXCESS
             });
             if on_ball {
                 return pair.bound_of_ball(ball, &near.map(|(later, foot)| (later, foot.t)), hull);
@@ -198,13 +198,13 @@ fn bilinear([a, b, c, d]: [f64; 4]) -> [f64; 9] {
 }
 
 /// Places of [`Hull::bulge`] among nine control points.
-const BULGE: [usize; 5] = [1, 3, 5, 7, 4];
+const BULGE_PLACES: [usize; 5] = [1, 3, 5, 7, 4];
 
 /// F at the means of corners and their times is at most the mean of F; the bulge adds its component along the
 /// gradients.
 fn bound_of_cutter(touches: &[Touch; 4], hull: &Hull, swing: f64, error: f64) -> UpperBound {
     let mut control = bilinear(touches.map(|t| t.value));
-    for (b, place) in hull.bulge.iter().zip(BULGE) {
+    for (b, place) in hull.bulge.iter().zip(BULGE_PLACES) {
         let along = touches.iter().map(|t| t.gradient.dot(b)).fold(f64::NEG_INFINITY, f64::max);
         control[place] += (along + swing * b.norm()).min(b.norm());
     }
@@ -226,15 +226,15 @@ fn bound_of_ball(radius: f64, centres: &[Point3<f64>; 4], hull: &Hull, error: f6
     let (across_x, across_y) = (variance(&x), variance(&y));
     let falls = [across_y, across_x, across_x, across_y, across_x + across_y];
     // |mean w|^2 = mean |w|^2 - variance, and corners deviate from their mean by at most this.
-    let stray = x.norm() + y.norm() + twist;
-    let shortest = (least * least - stray * stray).max(0.0).sqrt();
+    let deviation = x.norm() + y.norm() + twist;
+    let shortest = (least * least - deviation * deviation).max(0.0).sqrt();
     let mut extra = error + hull.thickness;
     if shortest <= 0.0 {
         return UpperBound { control: control.map(|c| c + extra + 2.0 * hull.radius) };
     }
     // mean d^2 exceeds (mean d)^2 by the variance of d.
     extra += (most - least) * (most - least) / (8.0 * shortest);
-    for ((b, place), fall) in hull.bulge.iter().zip(BULGE).zip(falls) {
+    for ((b, place), fall) in hull.bulge.iter().zip(BULGE_PLACES).zip(falls) {
         let along = w.iter().map(|v| v.dot(b)).fold(f64::NEG_INFINITY, f64::max);
         let out = if along > 0.0 { along / shortest } else { along / most };
         control[place] += out + b.norm_squared() / (2.0 * shortest) - fall;

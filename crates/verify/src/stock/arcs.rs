@@ -1,7 +1,7 @@
 //! Arc of engagement: the arc of the circle of the cutter that meets stock, with an upper bound; slots; time and way at
 //! feed over the arc.
 
-use super::{FULL_ARC, StepPlace, StepRemoval};
+use super::{MIN_FULL_ARC, StepPlace, StepRemoval};
 use crate::proof::piece::At;
 use ir::MoveKind;
 use rayon::prelude::*;
@@ -10,16 +10,16 @@ use std::ops::RangeInclusive;
 use tool_stock::stock::{BlockCut, END_ERROR, Lune, SLICES, Sides, Slices};
 
 /// Width of a class, degrees.
-pub const CLASS: f64 = 15.0;
+pub const CLASS_WIDTH: f64 = 15.0;
 
 /// Number of classes, from 0 to 180 degrees.
 pub const CLASSES: usize = 12;
 
 /// Arc of a slot, degrees.
-const HALF_TURN: f64 = 180.0;
+const SLOT_ARC: f64 = 180.0;
 
 /// Cosine of the turn of the direction of feed from which earlier steps show another engagement, 30 degrees.
-const SAME_DIRECTION: f64 = 0.866;
+const MIN_FEED_COSINE: f64 = 0.866;
 
 /// Largest upper bound of the arc over some steps.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -75,7 +75,7 @@ impl Circle {
 
     /// For each slice the slices at whose heights material lies that can belong to chips which the rays show in it, or
     /// which they do not show although it lies in the slice.
-    fn beside(&self) -> Vec<RangeInclusive<usize>> {
+    fn neighbours(&self) -> Vec<RangeInclusive<usize>> {
         let at = |height: f64| self.slices.at(height);
         let unseen = self.unseen();
         (0..SLICES).map(|k| at(self.slices.edge(k) - unseen)..=at(self.slices.edge(k + 1) + unseen)).collect()
@@ -116,7 +116,7 @@ pub(super) fn of_steps(
             *cut = Some(c);
         }
     }
-    let beside = circle.beside();
+    let neighbours = circle.neighbours();
     let at_feed = |i: usize| places[i].kind != MoveKind::Rapid;
     let arc = |i: usize| {
         if !at_feed(i) || !removal.cuts[i] {
@@ -126,7 +126,7 @@ pub(super) fn of_steps(
         let mut lune = None::<Lune>;
         let mut way = 0.0;
         for k in (0..=i).rev() {
-            let turned = places[k].step.dot(&places[i].step) < SAME_DIRECTION * places[k].way * places[i].way;
+            let turned = places[k].step.dot(&places[i].step) < MIN_FEED_COSINE * places[k].way * places[i].way;
             if !at_feed(k) || turned {
                 break;
             }
@@ -145,7 +145,7 @@ pub(super) fn of_steps(
         }
         match lune {
             Some(lune) => StepArc::about_axis(&lune, circle),
-            None => StepArc::new(&sides, heights, circle, &beside),
+            None => StepArc::new(&sides, heights, circle, &neighbours),
         }
     };
     let mut arcs: Vec<StepArc> = (0..places.len()).into_par_iter().map(arc).collect();
@@ -163,27 +163,27 @@ impl StepArc {
     }
 
     /// `heights`: between which material is removed, mm.
-    fn new(sides: &Sides, heights: [f64; 2], circle: &Circle, beside: &[RangeInclusive<usize>]) -> Self {
+    fn new(sides: &Sides, heights: [f64; 2], circle: &Circle, neighbours: &[RangeInclusive<usize>]) -> Self {
         let unseen = circle.unseen();
         let rim = circle.radius - unseen;
         let mut arc = Self { depth: (heights[1] - heights[0]).max(0.0), ..Self::default() };
         let mut last = Sides::NONE.over(0..=0);
-        for (k, beside) in beside.iter().enumerate() {
+        for (k, neighbours) in neighbours.iter().enumerate() {
             let [from, to] = sides.over(k..=k);
             if from <= to {
                 let found = circle.arc([from, to]);
                 let [low, high] = [circle.slices.edge(k).max(heights[0]), circle.slices.edge(k + 1).min(heights[1])];
                 let thickness = (high - low).max(0.0);
-                arc.load += found / HALF_TURN * thickness;
-                arc.full_depth += if found >= FULL_ARC { thickness } else { 0.0 };
+                arc.load += found / SLOT_ARC * thickness;
+                arc.full_depth += if found >= MIN_FULL_ARC { thickness } else { 0.0 };
                 arc.found = arc.found.max(found);
                 arc.full |= rim > 0.0 && from <= -rim && to >= rim;
             }
-            let wide = sides.over(beside.clone());
+            let wider = sides.over(neighbours.clone());
             // Neighbours with the same sides have the same bound.
-            if wide[0] <= wide[1] && (wide[0] < last[0] || wide[1] > last[1]) {
-                arc.bound = arc.bound.max(circle.arc([wide[0] - unseen, wide[1] + unseen]));
-                last = wide;
+            if wider[0] <= wider[1] && (wider[0] < last[0] || wider[1] > last[1]) {
+                arc.bound = arc.bound.max(circle.arc([wider[0] - unseen, wider[1] + unseen]));
+                last = wider;
             }
         }
         arc
@@ -228,7 +228,7 @@ impl ArcTimes {
             if arcs[i].slot {
                 add(&mut found.slots);
             }
-            let class = ((arcs[i].found / CLASS).ceil() as usize).clamp(1, CLASSES) - 1;
+            let class = ((arcs[i].found / CLASS_WIDTH).ceil() as usize).clamp(1, CLASSES) - 1;
             found.time[class] += place.time;
             found.way[class] += place.way;
         }
@@ -255,7 +255,7 @@ mod tests {
             let mut sides = Sides::NONE;
             sides.add(&slices, [[floor, 1.0], [floor, 2.0]]);
             sides.add(&slices, [[wall, -2.0], [wall, -1.0]]);
-            StepArc::new(&sides, [floor.min(wall), floor.max(wall)], &circle, &circle.beside())
+            StepArc::new(&sides, [floor.min(wall), floor.max(wall)], &circle, &circle.neighbours())
         };
         let apart = arc(0.1, 5.0);
         assert!((apart.found - 60.0).abs() < 1e-3 && apart.bound > 60.0 && apart.bound < 65.0, "{apart:?}");

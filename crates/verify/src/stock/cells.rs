@@ -5,28 +5,28 @@ use tool_stock::stock::field::MOST_RAYS;
 use wheel::contract::ContractKind;
 
 /// Largest cell of an impeller of up to 200 mm, mm.
-pub(super) const USUAL: f64 = 1.0;
+pub(super) const MAX_CELL: f64 = 1.0;
 
 /// Most cells across a stock with the largest cells.
-const MOST_USUAL: f64 = 200.0;
+const MAX_CELLS_ACROSS: f64 = 200.0;
 
 /// Cells in the radius of the smallest cutter. Material that the rays do not show may reach 18 % of the radius farther.
-const IN_RADIUS: f64 = 8.0;
+const CELLS_IN_RADIUS: f64 = 8.0;
 
 /// The same for cutters whose engagement the job limits: 7 % of the radius, 6 deg where an arc ends 45 deg from the
 /// direction of feed.
-const IN_JUDGED_RADIUS: f64 = 20.0;
+const CELLS_IN_JUDGED_RADIUS: f64 = 20.0;
 
 /// Memory of a ray with its intervals and its share of the maps, bytes.
-const RAY: f64 = 70.0;
+const RAY_BYTES: f64 = 70.0;
 
 /// Share of the memory of the program that the rays may take.
-const SHARE: f64 = 0.25;
+const MEMORY_SHARE: f64 = 0.25;
 
 /// Largest cell of a stock with a profile of (r, z) points, mm: larger ones could miss a collision of the shank.
 pub fn usual_cell(profile: &[[f64; 2]]) -> f64 {
     let [across, height] = size(profile);
-    USUAL.max(across.max(height) / MOST_USUAL)
+    MAX_CELL.max(across.max(height) / MAX_CELLS_ACROSS)
 }
 
 /// Default cell of a program, mm: a share of the radius of the smallest cutter, as far as the memory permits.
@@ -39,13 +39,13 @@ pub fn default_cell(program: &Program) -> f64 {
 /// Largest cell that shows the engagement of the cutter of an operation, mm.
 pub(super) fn cell_of(program: &Program, operation: OperationId) -> f64 {
     let solid = &program.tools[program.operations[operation].tool].solid;
-    let cells = if is_judged(program, operation) { IN_JUDGED_RADIUS } else { IN_RADIUS };
+    let cells = if is_judged(program, operation) { CELLS_IN_JUDGED_RADIUS } else { CELLS_IN_RADIUS };
     solid.cutter.widest_below(solid.flute_length) / cells
 }
 
 /// Memory of the rays with the default cell, bytes.
 pub fn memory(program: &Program) -> f64 {
-    RAY * rays(program) / default_cell(program).powi(2)
+    RAY_BYTES * rays(program) / default_cell(program).powi(2)
 }
 
 /// Whether the job limits the engagement of an operation.
@@ -56,7 +56,7 @@ fn is_judged(program: &Program, operation: OperationId) -> bool {
 
 /// Least cell whose rays fit into their share of the memory, mm.
 fn least_cell(program: &Program) -> f64 {
-    let most = MOST_RAYS.min(SHARE * program.memory / RAY);
+    let most = MOST_RAYS.min(MEMORY_SHARE * program.memory / RAY_BYTES);
     // A twentieth is the reserve for whole numbers of cells.
     1.05 * (rays(program) / most).sqrt()
 }

@@ -4,8 +4,8 @@
 //! Findings are errors where the tool breaks, otherwise remarks. The limits come from the tool and the job.
 
 use super::cells::{cell_of, default_cell};
-use super::strokes::INTO_MIDDLE;
-use super::{DEEPEST_SLOT, FULL_ARC, OperationStock, Peak};
+use super::strokes::MAX_RUBBING_DEPTH;
+use super::{MAX_SLOT_DEPTH, MIN_FULL_ARC, OperationStock, Peak};
 use crate::place::describe;
 use crate::proof::piece::At;
 use base::units::{MmPerMin, Rpm, length, trim};
@@ -16,10 +16,10 @@ use std::collections::BTreeSet;
 use tool_stock::stock::lune::RIDGE;
 
 /// Depth of a slot from which finishing in full material gives a remark, as a share of the diameter of the cutter.
-const FULL_DEPTH: f64 = 0.25;
+const SLOT_REMARK_DEPTH: f64 = 0.25;
 
 /// Excess over the largest chip or the largest angle of a ramp that rounding may add, as a share.
-const ROUNDING: f64 = 1e-3;
+const LOAD_ROUNDING: f64 = 1e-3;
 
 /// Findings of one operation, with the cells of the stock, mm.
 pub(super) fn report(program: &Program, motion: &Motion, o: &OperationStock, cell: f64, sink: &mut Sink) {
@@ -33,7 +33,7 @@ pub(super) fn report(program: &Program, motion: &Motion, o: &OperationStock, cel
     let operation = motion.operations.get(o.operation as usize);
     let fine = operation.map_or(f64::INFINITY, |operation| cell_of(program, operation.operation));
     // Cells of a field are a little smaller or larger than required.
-    if cell > fine * (1.0 + COARSER) {
+    if cell > fine * (1.0 + MAX_CELL_EXCESS) {
         // The default shows what the cutters of all operations do.
         let fine = default_cell(program);
         of_stock.change_all(|diag| with_cells(diag, cell, fine));
@@ -43,7 +43,7 @@ pub(super) fn report(program: &Program, motion: &Motion, o: &OperationStock, cel
 }
 
 /// Share by which cells may be larger than those that show the engagement of a cutter.
-const COARSER: f64 = 0.05;
+const MAX_CELL_EXCESS: f64 = 0.05;
 
 /// Says of a finding that the cells of the stock are too coarse for it.
 fn with_cells(mut diag: Diag, cell: f64, fine: f64) -> Diag {
@@ -60,7 +60,7 @@ fn with_cells(mut diag: Diag, cell: f64, fine: f64) -> Diag {
 
 /// Finding on material in the middle of the end, which has no teeth, of a tool that goes down along its axis.
 fn report_middle(program: &Program, motion: &Motion, o: &OperationStock, sink: &mut Sink) {
-    let found = o.middle.filter(|middle| middle.value > INTO_MIDDLE);
+    let found = o.middle.filter(|middle| middle.value > MAX_RUBBING_DEPTH);
     let Some((middle, operation)) = found.zip(motion.operations.get(o.operation as usize)) else { return };
     let declared = &program.operations[operation.operation];
     let tool = &program.tools[declared.tool];
@@ -92,7 +92,7 @@ fn report_ramp(program: &Program, motion: &Motion, o: &OperationStock, sink: &mu
     let declared = &program.operations[operation.operation];
     let tool = &program.tools[declared.tool];
     let limit = tool.ramp.deg();
-    if ramp.value <= limit * (1.0 + ROUNDING) {
+    if ramp.value <= limit * (1.0 + LOAD_ROUNDING) {
         return;
     }
     let new = if tool.ramp_stated { Diag::error } else { Diag::remark };
@@ -158,8 +158,8 @@ fn report_depth(program: &Program, motion: &Motion, o: &OperationStock, sink: &m
     let limit = tool.max_depth.get();
     let over = cut.value > limit;
     // A slot of finishing that is deeper than the diameter has its own finding.
-    let found = o.slot.is_some_and(|p| p.value > DEEPEST_SLOT);
-    if !over && (found || cut.value <= 2.0 * DEEPEST_SLOT * tool.solid.cutter.nominal_radius()) {
+    let found = o.slot.is_some_and(|p| p.value > MAX_SLOT_DEPTH);
+    if !over && (found || cut.value <= 2.0 * MAX_SLOT_DEPTH * tool.solid.cutter.nominal_radius()) {
         return;
     }
     let new = if over { Diag::error } else { Diag::remark };
@@ -224,13 +224,14 @@ fn report_removal(program: &Program, motion: &Motion, o: &OperationStock, sink: 
 }
 
 /// Share of the limit that a feed in a message leaves: the stock is cut in steps, whose places depend on the feed.
-const USED: f64 = 0.95;
+const USED_FEED_SHARE: f64 = 0.95;
 
 /// A feed, in whole mm/min, with which no cut removes more than tool and spindle take. `shares` has the feed of each move as a share of
 /// the feed at which one of them reaches its limit.
 fn feed_within(operation: &MotionOperation, shares: &[f64]) -> Option<MmPerMin> {
-    let over = operation.moves.iter().zip(shares).filter(|(m, share)| m.kind == MoveKind::Cut && **share > USED);
-    let least = over.filter_map(|(m, share)| Some(USED * m.feed? / share)).reduce(f64::min)?;
+    let over =
+        operation.moves.iter().zip(shares).filter(|(m, share)| m.kind == MoveKind::Cut && **share > USED_FEED_SHARE);
+    let least = over.filter_map(|(m, share)| Some(USED_FEED_SHARE * m.feed? / share)).reduce(f64::min)?;
     (least >= 1.0).then(|| MmPerMin(least.floor()))
 }
 
@@ -246,7 +247,7 @@ fn report_chip(program: &Program, motion: &Motion, o: &OperationStock, sink: &mu
     let Some(operation) = motion.operations.get(o.operation as usize) else { return };
     let declared = &program.operations[operation.operation];
     let tool = &program.tools[declared.tool];
-    let limit = tool.max_chip.get() * (1.0 + ROUNDING);
+    let limit = tool.max_chip.get() * (1.0 + LOAD_ROUNDING);
     let chip = thickest_chip(declared, operation).map(|(turn, i)| (turn / f64::from(tool.flutes), i));
     let Some((chip, index)) = chip.filter(|(chip, _)| *chip > limit) else {
         return report_turned_chip(program, motion, o, limit, sink);
@@ -324,11 +325,11 @@ fn share(tool: &Tool, mm: f64) -> String {
 
 /// Finding on finishing in full material. A slot deeper than the diameter is an error, unless the job allows it by name.
 fn report_full(program: &Program, motion: &Motion, o: &OperationStock, sink: &mut Sink) {
-    let found = o.slot.filter(|p| p.value > FULL_DEPTH);
+    let found = o.slot.filter(|p| p.value > SLOT_REMARK_DEPTH);
     let Some((full, operation)) = found.zip(motion.operations.get(o.operation as usize)) else { return };
     let declared = &program.operations[operation.operation];
     let tool = &program.tools[declared.tool];
-    let deep = full.value > DEEPEST_SLOT;
+    let deep = full.value > MAX_SLOT_DEPTH;
     let allowed = program.allowed.iter().find(|a| allows_slot(a, operation.operation)).filter(|_| deep);
     let new = if deep && allowed.is_none() { Diag::error } else { Diag::remark };
     let depth = full.value * 2.0 * tool.solid.cutter.nominal_radius();
@@ -345,8 +346,8 @@ fn report_full(program: &Program, motion: &Motion, o: &OperationStock, sink: &mu
         .place(describe(program, motion, Some(full.at)), Point3::from(full.tip))
         .block(full.at.operation, full.at.index)
         .note(format!(
-            "engaged over at least {FULL_ARC:.0} deg, over more than {:.0} % of the diameter{chip}",
-            100.0 * if deep { DEEPEST_SLOT } else { FULL_DEPTH }
+            "engaged over at least {MIN_FULL_ARC:.0} deg, over more than {:.0} % of the diameter{chip}",
+            100.0 * if deep { MAX_SLOT_DEPTH } else { SLOT_REMARK_DEPTH }
         ));
     diag = match allowed {
         Some(a) => diag.label(a.span, "allowed here"),

@@ -27,25 +27,25 @@ use removal::StepRemoval;
 use steps::{StepPlace, steps};
 
 /// Steps that are simulated between two reports of progress.
-const PIECE: usize = 1 << 11;
+const STEPS_PER_REPORT: usize = 1 << 11;
 
 /// Tip motion over which removal is averaged, in cells: the rays meet the chips of single steps by chance.
 const WINDOW_CELLS: f64 = 4.0;
 
 /// Arc of engagement from which a cutter counts as in full material, degrees. In a slot the arc is 180, but rays at the
 /// distance of a cell seldom meet all of it.
-pub(super) const FULL_ARC: f64 = 150.0;
+pub(super) const MIN_FULL_ARC: f64 = 150.0;
 
 /// Deepest slot that finishing may cut without being allowed by the job, as a share of the diameter. Makers of carbide end
 /// mills give one diameter as the depth of a full slot; a finishing tool is slimmer, and no one plans a slot for it.
-pub(super) const DEEPEST_SLOT: f64 = 1.0;
+pub(super) const MAX_SLOT_DEPTH: f64 = 1.0;
 
 /// Depth below the surface of the hub disc from which missing stock is reported, mm: more than any tolerance of
 /// finishing, and more than the errors of ray ends and of chords of the profile.
-const BELOW_SURFACE: f64 = 0.1;
+const MIN_MISSING_DEPTH: f64 = 0.1;
 
 /// The same depth where the job allows gouge.
-const BELOW_ALLOWED: f64 = 0.5;
+const MIN_MISSING_DEPTH_WITH_GOUGE: f64 = 0.5;
 
 /// Callback with the index of an operation in the motion and the stock after this operation.
 pub type AfterOperation<'a> = &'a mut dyn FnMut(usize, &Field);
@@ -297,13 +297,13 @@ pub fn simulate(
 /// Depth below the surface of the hub disc from which missing stock is reported, mm.
 fn below_surface(program: &Program) -> f64 {
     let allowed = program.allowed.iter().any(|a| a.kind == ContractKind::Gouge);
-    if allowed { BELOW_ALLOWED } else { BELOW_SURFACE }
+    if allowed { MIN_MISSING_DEPTH_WITH_GOUGE } else { MIN_MISSING_DEPTH }
 }
 
 /// Profile of the part below the hub, reduced by `below`: no operation may remove any of it.
 fn hub_disc(program: &Program, below: f64) -> Vec<[f64; 2]> {
     /// Chords of the hub: within a micrometre of a meridian with radii of curvature of centimetres.
-    const PIECES: usize = 400;
+    const HUB_CHORDS: usize = 400;
     let (stock, hub) = (&program.stock, &program.part.hub);
     let (bore, back) = (stock.bore_radius.get(), stock.back.get() + below);
     // Without a bore the body extends to the axis.
@@ -311,8 +311,8 @@ fn hub_disc(program: &Program, below: f64) -> Vec<[f64; 2]> {
     let outer = stock.profile.last().map_or(0.0, |p| p[0]) - below;
     let front = hub.meridian(0.0).point.y - below;
     let mut profile = vec![[inner, back], [inner, front]];
-    for i in 0..=PIECES {
-        let u = i as f64 / PIECES as f64;
+    for i in 0..=HUB_CHORDS {
+        let u = i as f64 / HUB_CHORDS as f64;
         let p = hub.meridian(u).point - hub.meridian_normal(u) * below;
         if (inner..=outer).contains(&p.x) && (back..=front).contains(&p.y) {
             profile.push([p.x, p.y]);
@@ -340,7 +340,7 @@ impl Milled {
         let mut outcome = Outcome::default();
         let stream = steps(program, &operation.moves, solid.flute_length);
         let before = |(place, _): &(StepPlace, Step)| (place.index as usize).saturating_sub(1);
-        work.in_pieces(stream, PIECE, before, |piece| {
+        work.in_pieces(stream, STEPS_PER_REPORT, before, |piece| {
             let first = places.len();
             let mut steps = Vec::with_capacity(piece.len());
             for (n, (place, step)) in piece.into_iter().enumerate() {
@@ -524,7 +524,7 @@ fn refusal(error: FieldError, cell: f64) -> Diag {
     let (text, help) = match error {
         FieldError::BadCell => (
             format!("the stock cannot have cells of {cell} mm"),
-            format!("give `--stock-cell` a length above zero, such as {}", cells::USUAL),
+            format!("give `--stock-cell` a length above zero, such as {}", cells::MAX_CELL),
         ),
         FieldError::BadProfile => (
             "the stock has no inside".to_owned(),

@@ -14,14 +14,14 @@ use tool_stock::stock::BlockCut;
 
 /// Least radius of the middle of an end, as a share of the radius of the tool: also teeth that meet at the axis cut slowly
 /// near to it.
-const MIDDLE: f64 = 0.25;
+const MIN_MIDDLE_SHARE: f64 = 0.25;
 
 /// Most steps of a run: more are no machining of a part, and their number must not decide on the time of a check.
-pub(super) const LONGEST: usize = 1 << 12;
+pub(super) const MAX_RUN_STEPS: usize = 1 << 12;
 
 /// Radius of the middle of the end of a tool, mm.
 fn middle(tool: &Tool) -> f64 {
-    tool.toothless_radius().unwrap_or(0.0).max(MIDDLE * tool.solid.cutter.nominal_radius())
+    tool.toothless_radius().unwrap_or(0.0).max(MIN_MIDDLE_SHARE * tool.solid.cutter.nominal_radius())
 }
 
 /// Steepest angle, degrees, with its step; `None` where the tool nowhere goes down with material under its middle.
@@ -38,7 +38,7 @@ pub(super) fn steepest(tool: &Tool, places: &[StepPlace], cuts: &[BlockCut]) -> 
     let over = |down: f64, across: f64| libm::atan2(down, across.max(width)).to_degrees();
     let angle = |last: usize| {
         let (mut down, mut across, mut steepest) = (0.0, 0.0, 0.0_f64);
-        for i in (0..=last).rev().take(LONGEST) {
+        for i in (0..=last).rev().take(MAX_RUN_STEPS) {
             let step_across = places[i].across();
             if goes_down(i) {
                 down += places[i].down;

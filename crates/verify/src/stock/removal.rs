@@ -5,7 +5,7 @@ use ir::{MoveKind, Operation, Program};
 use tool_stock::stock::BlockCut;
 
 /// Section of a chip from which the tool counts as cutting, mm2: a smaller section is rubbing or rounding.
-const CHIP_SECTION: f64 = 1e-3;
+const MIN_CHIP_SECTION: f64 = 1e-3;
 
 /// Removal averaged over a tip motion of some cells around each step.
 pub(super) struct StepRemoval {
@@ -68,7 +68,7 @@ impl StepRemoval {
             last.take(end, places, &volume, window);
             let LastWay { start, way, time, sum } = last;
             // Differences of sums contain rounding errors.
-            if sum > CHIP_SECTION * way.max(window) && volume[start..=end].iter().any(|v| *v > 0.0) {
+            if sum > MIN_CHIP_SECTION * way.max(window) && volume[start..=end].iter().any(|v| *v > 0.0) {
                 // Steps without removal between steps with removal count as cutting; steps before and after do not.
                 let first = (start..=end).find(|i| volume[*i] > 0.0).unwrap_or(end);
                 let last = (start..=end).rev().find(|i| volume[*i] > 0.0).unwrap_or(end);
@@ -133,13 +133,13 @@ pub(super) fn power(program: &Program, operation: &Operation, removal: &StepRemo
     powers.filter(|p| p.0 > 0.0).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
-/// Volume that links remove over [`LINK_WAY`] from which they count as cutting, mm3: less comes from rubbing beside a wall
+/// Volume that links remove over [`LINK_WINDOW`] from which they count as cutting, mm3: less comes from rubbing beside a wall
 /// that was cut before.
-const LINK_VOLUME: f64 = 1.0;
+const MIN_LINK_VOLUME: f64 = 1.0;
 
 /// Tip motion over which the removal of links adds up, mm: a path on a small wheel, so that a cut at link feed counts however
-/// many blocks divide it. Over this way the least volume is a section of ten times [`CHIP_SECTION`].
-const LINK_WAY: f64 = 100.0;
+/// many blocks divide it. Over this way the least volume is a section of ten times [`MIN_CHIP_SECTION`].
+const LINK_WINDOW: f64 = 100.0;
 
 /// Steps of one kind of move in their order, as if nothing stood between them.
 struct OfKind {
@@ -188,9 +188,9 @@ impl OfKind {
 
     /// Whether steps remove as much as a cut, alone or with those around them.
     fn removes(&self, [start, end]: [usize; 2]) -> bool {
-        let [before, after] = [self.start(end, LINK_WAY).unwrap_or(0), self.within(start, LINK_WAY)];
-        self.sum[end] - self.sum[before.min(start)] > LINK_VOLUME
-            || self.sum[after.max(end)] - self.sum[start] > LINK_VOLUME
+        let [before, after] = [self.start(end, LINK_WINDOW).unwrap_or(0), self.within(start, LINK_WINDOW)];
+        self.sum[end] - self.sum[before.min(start)] > MIN_LINK_VOLUME
+            || self.sum[after.max(end)] - self.sum[start] > MIN_LINK_VOLUME
     }
 
     /// The end of the steps from `start` on that cover no more than a tip motion.
@@ -227,7 +227,7 @@ pub(super) fn fastest_link(places: &[StepPlace], cuts: &[BlockCut], window: f64)
     for end in 1..=links.steps.len() {
         let ends = links.steps.get(end).is_none_or(|next| *next != links.steps[end - 1] + 1);
         let short = links.way[end] - links.way[first] < window;
-        let alone = (ends && short && links.sum[end] - links.sum[first] > LINK_VOLUME).then_some([first, end]);
+        let alone = (ends && short && links.sum[end] - links.sum[first] > MIN_LINK_VOLUME).then_some([first, end]);
         let window = links.start(end, window).map(|start| [start, end]).filter(|steps| links.removes(*steps));
         for steps in [alone, window].into_iter().flatten() {
             let rate = links.rate(steps);

@@ -8,17 +8,17 @@ use std::ops::{Range, RangeInclusive};
 use tool_stock::stock::{self, Step, StepKind};
 
 /// Longest tip motion of a step, mm; this is the resolution of air cuts and engagement.
-const STEP_LENGTH: f64 = 2.0;
+const MAX_STEP_LENGTH: f64 = 2.0;
 
 /// Tip motion of a move, mm, under which moves are taken together: the ends of rays are known to [`stock::END_ERROR`], and a
 /// chip counts from twice of it on. In a move of ten times of it, chips up to 12 deg from the sides of a slot do not.
-const SHORT: f64 = 10.0 * stock::END_ERROR;
+const MIN_MOVE_LENGTH: f64 = 10.0 * stock::END_ERROR;
 
 /// Longest tip motion of moves that are taken together, mm.
-const TOGETHER: f64 = 2.0 * SHORT;
+const MAX_JOINED_LENGTH: f64 = 2.0 * MIN_MOVE_LENGTH;
 
 /// Most moves that are taken together: their number must not decide on the time of a check.
-const MOST: usize = 64;
+const MAX_JOINED_MOVES: usize = 64;
 
 /// Place of a step.
 pub(super) struct StepPlace {
@@ -84,10 +84,10 @@ fn end_of_piece(program: &Program, moves: &[JointMove], first: usize, reach: f64
     }
     let start = pose(first - 1);
     let mut passed: Vec<Pose> = Vec::new();
-    for (i, m) in moves.iter().enumerate().skip(first).take(MOST) {
+    for (i, m) in moves.iter().enumerate().skip(first).take(MAX_JOINED_MOVES) {
         let next = pose(i);
         let last = passed.last().unwrap_or(&start);
-        let short = (next.tip - last.tip).norm() < SHORT && (next.tip - start.tip).norm() < TOGETHER;
+        let short = (next.tip - last.tip).norm() < MIN_MOVE_LENGTH && (next.tip - start.tip).norm() < MAX_JOINED_LENGTH;
         if m.kind != kind || !short || !passed.iter().all(|p| lies_between([&start, &next], p, reach)) {
             break;
         }
@@ -118,7 +118,7 @@ fn steps_of<'a>(
     let tips = [program.machine.forward(&from).tip, program.machine.forward(&to).tip];
     let way = tips[1] - tips[0];
     let turn = program.machine.turn(from.rotary, to.rotary);
-    let count = (turn / stock::MAX_STEP_TURN).max(way.norm() / STEP_LENGTH).ceil().max(1.0);
+    let count = (turn / stock::MAX_STEP_TURN).max(way.norm() / MAX_STEP_LENGTH).ceil().max(1.0);
     let axis = move |t: f64| program.machine.chain.tool_axis(between(from.rotary, to.rotary, t));
     let [first, index] = [piece.start, piece.end - 1].map(|i| u32::try_from(i).unwrap_or(u32::MAX));
     (0..count as usize).map(move |k| {

@@ -4,29 +4,29 @@
 //! two strokes, unless a stroke at the same place follows: blocks that divide a stroke press as the whole does.
 
 use super::StepPlace;
-use super::ramp::LONGEST;
+use super::ramp::MAX_RUN_STEPS;
 use ir::{MoveKind, Tool};
 use tool_stock::stock::BlockCut;
 use tool_stock::stock::lune::RIDGE;
 
 /// Depth of material in the middle of the end that counts as rubbing on the floor of the stroke before, mm.
-pub(super) const INTO_MIDDLE: f64 = 0.05;
+pub(super) const MAX_RUBBING_DEPTH: f64 = 0.05;
 
 /// Sum of thin layers at one place, mm, from which they are no ridge: a ridge, and the rest of the step that meets it.
-const LAYERS: f64 = 2.0 * RIDGE;
+const MAX_RIDGE: f64 = 2.0 * RIDGE;
 
 /// Least share of a step along the axis, as in the simulation.
-const ALONG: f64 = 0.998;
+const MIN_AXIAL_SHARE: f64 = 0.998;
 
 /// How far material reaches into the middle of the end of a tool, mm, with the step; `None` where it does not.
 pub(super) fn deepest(tool: &Tool, places: &[StepPlace], cuts: &[BlockCut]) -> Option<(f64, u32)> {
-    let toothless = tool.toothless_radius().filter(|radius| *radius > INTO_MIDDLE)?;
+    let toothless = tool.toothless_radius().filter(|radius| *radius > MAX_RUBBING_DEPTH)?;
     let whole = cuts.iter().filter_map(|c| Some((toothless - c.lune.as_ref()?.inner(), c.block)));
     let mut into = vec![0.0; places.len()];
     for cut in cuts {
         let Some(place) = places.get(cut.block as usize) else { continue };
-        let stroke = place.kind != MoveKind::Rapid && place.down > ALONG * place.way;
-        if stroke && toothless - cut.nearest > INTO_MIDDLE {
+        let stroke = place.kind != MoveKind::Rapid && place.down > MIN_AXIAL_SHARE * place.way;
+        if stroke && toothless - cut.nearest > MAX_RUBBING_DEPTH {
             into[cut.block as usize] = toothless - cut.nearest;
         }
     }
@@ -34,10 +34,10 @@ pub(super) fn deepest(tool: &Tool, places: &[StepPlace], cuts: &[BlockCut]) -> O
     let slope = libm::tan(tool.ramp.get());
     let thick = |last: usize| {
         let (mut layers, mut across) = (0.0, 0.0);
-        for i in (0..=last).rev().take(LONGEST) {
+        for i in (0..=last).rev().take(MAX_RUN_STEPS) {
             layers += if into[i] > 0.0 { places[i].down.min(RIDGE) } else { 0.0 };
             across += places[i].across();
-            if layers > LAYERS + slope * across {
+            if layers > MAX_RIDGE + slope * across {
                 return true;
             }
             if across >= toothless {

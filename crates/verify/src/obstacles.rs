@@ -16,35 +16,36 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use tool_stock::collide::{Cloud, ToolSolid, revolved};
 
 /// Distance up to which tools are searched, mm.
-pub const SEARCH: f64 = 20.0;
+pub const SEARCH_DISTANCE: f64 = 20.0;
 
-/// Spacing of the samples of a solid, mm; wider for large solids, by [`MOST_POINTS`].
-const SPACING: f64 = 0.5;
+/// Spacing of the samples of a solid, mm; wider for large solids, by [`MAX_SOLID_SAMPLES`].
+const SOLID_SPACING: f64 = 0.5;
 
 /// Most samples of a solid.
-const MOST_POINTS: f64 = 1e6;
+const MAX_SOLID_SAMPLES: f64 = 1e6;
 
 /// The part of any tool nearest to a solid.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct CarriedReport {
+pub struct ObstacleReport {
     /// `table` or `fixture`.
     pub solid: Cow<'static, str>,
-    /// `cutter`, `shank` or `holder`; empty when no part is within [`SEARCH`].
+    /// `cutter`, `shank` or `holder`; empty when no part is within [`SEARCH_DISTANCE`].
     pub part: Cow<'static, str>,
     /// Least distance; a lower bound, at most half a spacing of the samples less than the true distance.
     pub clearance: Option<Clearance>,
 }
 
 /// The nearest approach of all tools to each solid of the machine file.
-pub fn check(program: &Program, motion: &Motion, progress: &Progress) -> Vec<CarriedReport> {
+pub fn check(program: &Program, motion: &Motion, progress: &Progress) -> Vec<ObstacleReport> {
     type Distance = fn(&ToolSolid, f64, f64) -> f64;
     let parts: [(&'static str, Distance); 3] =
         [("cutter", ToolSolid::cutter_distance), ("shank", shank_distance), ("holder", holder_distance)];
     let solids = program.machine.carried.iter().map(|solid| {
-        let (points, spacing) = revolved(&solid.profile, program.machine.table_axis(), SPACING, MOST_POINTS);
+        let (points, spacing) =
+            revolved(&solid.profile, program.machine.table_axis(), SOLID_SPACING, MAX_SOLID_SAMPLES);
         let half_spacing = spacing * FRAC_1_SQRT_2;
         let cloud = Cloud::new(points);
-        let mut nearest = CarriedReport { solid: solid.kind.name().into(), part: "".into(), clearance: None };
+        let mut nearest = ObstacleReport { solid: solid.kind.name().into(), part: "".into(), clearance: None };
         for (o, operation) in motion.operations.iter().enumerate().take_while(|_| !progress.is_cancelled()) {
             let declared = &program.operations[operation.operation];
             let tool = &program.tools[declared.tool].solid;
@@ -52,7 +53,7 @@ pub fn check(program: &Program, motion: &Motion, progress: &Progress) -> Vec<Car
             let work = progress
                 .begin(format!("{}, distance to the {}", declared.name, solid.kind.name()), parts.len() * pieces.len());
             for (part, distance) in parts {
-                let within = (half_spacing, SEARCH);
+                let within = (half_spacing, SEARCH_DISTANCE);
                 let Some(found) = least_over(&pieces, tool, distance, &cloud, within, &work) else { continue };
                 if nearest.clearance.as_ref().is_none_or(|c| found.distance < c.distance) {
                     (nearest.part, nearest.clearance) = (part.into(), Some(found));
@@ -65,7 +66,7 @@ pub fn check(program: &Program, motion: &Motion, progress: &Progress) -> Vec<Car
 }
 
 /// Reports collisions as errors, one per solid.
-pub fn report(program: &Program, motion: &Motion, found: &[CarriedReport], sink: &mut Sink) {
+pub fn report(program: &Program, motion: &Motion, found: &[ObstacleReport], sink: &mut Sink) {
     for f in found {
         let Some(c) = f.clearance.as_ref().filter(|c| c.distance <= 0.0) else { continue };
         let Some(operation) = motion.operations.get(c.at.operation as usize) else { continue };
