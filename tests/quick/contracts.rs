@@ -314,11 +314,11 @@ fn figures_of_the_stock_are_told_apart() {
     let rates = [flank, channel].map(|o| o.rate.unwrap().value * 60.0);
     assert_eq!(asked(RemovalRate, &[1], &[]), rates[1]);
     assert_eq!(asked(RemovalRate, &[], &[]), rates[0].max(rates[1]));
-    let arcs = [flank, channel].map(|o| o.arc_bound.unwrap().value);
+    let arcs = [flank, channel].map(|o| o.arc_bound.unwrap().value.get());
     assert_eq!(asked(Engagement(Cuts::All), &[1], &[]), arcs[1]);
-    let outside = [flank, channel].map(|o| o.arc_outside_slots.map_or(0.0, |b| b.value));
+    let outside = [flank, channel].map(|o| o.arc_outside_slots.map_or(0.0, |b| b.value.get()));
     assert_eq!(asked(Engagement(Cuts::OutsideSlots), &[], &[]), outside[0].max(outside[1]));
-    assert!([flank, channel].iter().all(|o| o.arc_bound.unwrap().value >= o.arc.unwrap().value));
+    assert!([flank, channel].iter().all(|o| o.arc_bound.unwrap().value.get() >= o.arc.unwrap().value));
     assert_eq!(asked(Engagement(Cuts::All), &[], &[]), arcs[0].max(arcs[1]));
     assert!(arcs[1] > 1.0 && arcs.iter().all(|arc| *arc <= 360.0), "{arcs:?}");
 }

@@ -306,14 +306,14 @@ fn a_channel_is_a_slot_from_where_the_cutter_enters() {
     let [time, way] = found.arcs.slots;
     println!("slot {way:.2} mm, {time:.0} s; contact {chord:.2} mm");
     assert!((way - chord).abs() < 2.0 && (time - way / 0.4).abs() < 1e-6);
-    assert!(found.arc_bound.unwrap().value > 179.9);
+    assert!(found.arc_bound.unwrap().value.get() > 179.9);
     // The slot loads the cutter most: the full depth of 0.8 radii, where the side cuts have less than half of the arc.
     let load = found.slot_depth.unwrap();
-    assert!((load.value - 1.6).abs() < 0.05 && load.depth < 1.601 && load.arc > 175.0, "{load:?}");
+    assert!((load.value.get() - 1.6).abs() < 0.05 && load.depth.get() < 1.601 && load.arc.get() > 175.0, "{load:?}");
     let outside = found.arc_outside_slots.unwrap();
     let widest = closed_form(0.8 + 0.075);
     println!("outside {outside:?}");
-    assert!(outside.value >= closed_form(0.8) && outside.value < widest + 1.0, "{outside:?}");
+    assert!(outside.value.get() >= closed_form(0.8) && outside.value.get() < widest + 1.0, "{outside:?}");
     // A cut of 80 % of the diameter is no slot.
     let wide = Program { stock: program.stock.clone(), ..program.clone() };
     let moves = &motion.operations[0].moves;
@@ -331,7 +331,7 @@ fn a_channel_is_a_slot_from_where_the_cutter_enters() {
     let side = by_verifier(&wide, &Motion { operations: vec![operation] }, None);
     println!("side cut {:?} {:?}", side.arcs.slots, side.arc_outside_slots);
     assert_eq!(side.arcs.slots, [0.0; 2]);
-    assert!(side.arc_outside_slots.unwrap().value > 120.0);
+    assert!(side.arc_outside_slots.unwrap().value.get() > 120.0);
 }
 
 /// A wall at one height and a floor at another are no slot: each height has its own arc.

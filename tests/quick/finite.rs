@@ -4,7 +4,7 @@
 use crate::support::pinned;
 use ciborium::Value;
 use impellerc::base::source::Span;
-use impellerc::base::units::{Deg, Mm, Share};
+use impellerc::base::units::{Deg, Mm, Mm2, Share};
 use impellerc::diagnostics::{Sink, codes::verification};
 use impellerc::five_axis::control::Planning;
 use impellerc::ir::{Motion, Program};
@@ -58,9 +58,9 @@ fn a_figure_that_is_none_is_an_error_with_its_name() {
     let changes: &[(&str, Change)] = &[
         ("operations.0.time.1", |c, x| c.operations[0].time[1] = x),
         ("operations.0.length.2", |c, x| c.operations[0].length[2] = x),
-        ("surfaces.0.area", |c, x| c.surfaces[0].area = x),
+        ("surfaces.0.area", |c, x| c.surfaces[0].area = Mm2(x)),
         ("surfaces.0.gouge.depth", |c, x| c.surfaces[0].gouge.depth = x),
-        ("surfaces.0.percentiles.1", |c, x| c.surfaces[0].percentiles[1] = x),
+        ("surfaces.0.percentiles.1", |c, x| c.surfaces[0].percentiles[1] = Mm(x)),
         ("perimeter.retract", |c, x| c.perimeter.retract = Mm(x)),
         ("machine.axes.3.speed_share", |c, x| c.machine.axes.rotary[0].speed_share = Share(x)),
         ("machine.axes.0.used.1", |c, x| c.machine.axes.linear[0].used[1] = Mm(x)),

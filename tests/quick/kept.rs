@@ -431,7 +431,7 @@ fn a_stated_depth_over_the_diameter_is_told() {
         let loads = sink.diags().iter().filter(|d| d.message.contains("which loads it as a slot"));
         loads.map(|d| (d.severity == Severity::Error, d.message.clone())).collect::<Vec<_>>()
     };
-    let depths = report.operations.iter().filter_map(|o| o.slot_depth).map(|p| p.value);
+    let depths = report.operations.iter().filter_map(|o| o.slot_depth).map(|p| p.value.get());
     let deep = depths.clone().filter(|depth| *depth > 2.0).count();
     let deepest = depths.fold(0.0, f64::max);
     assert!(deep > 1 && (3.0..4.0).contains(&deepest), "{deep} {deepest}");

@@ -125,11 +125,11 @@ fn a_slot_in_blocks_of_a_micrometre_is_a_slot() {
         findings(&program, &of_one_operation(&program, moves), 0.2).0
     };
     let whole = slot(4.0, 0.0);
-    let [depth, arc] = [whole.slot_depth.expect("a depth").value, whole.arc.expect("an arc").value];
+    let [depth, arc] = [whole.slot_depth.expect("a depth").value.get(), whole.arc.expect("an arc").value];
     assert!((165.0..181.0).contains(&arc) && depth > 0.9, "{arc} deg, {depth} mm");
     for (length, across) in [(0.1, 0.0), (0.015, 0.0), (0.005, 0.0), (0.0015, 0.0), (0.0004, 0.0), (0.001, 0.0005)] {
         let divided = slot(length, across);
-        let [d, a] = [divided.slot_depth.map_or(0.0, |p| p.value), divided.arc.map_or(0.0, |p| p.value)];
+        let [d, a] = [divided.slot_depth.map_or(0.0, |p| p.value.get()), divided.arc.map_or(0.0, |p| p.value)];
         println!(
             "blocks of {length} mm, {across} mm across: {a:.1} deg, {d:.3} mm; whole: {arc:.1} deg, {depth:.3} mm"
         );

@@ -264,9 +264,14 @@ fn the_verifier_measures_the_splitter() {
     for report in reports.iter().filter(|r| r.id.sector == 0) {
         let own: Vec<&Sample> = samples.iter().filter(|s| s.surface == report.id).collect();
         let area: f64 = own.iter().map(|s| s.area).sum();
-        println!("{}: area {:.2} and {area:.2} mm2, gouge {:.3}", report.surface, report.area, report.gouge.value);
+        println!(
+            "{}: area {:.2} and {area:.2} mm2, gouge {:.3}",
+            report.surface,
+            report.area.get(),
+            report.gouge.value
+        );
         if report.id.milled() {
-            assert!((area / report.area - 1.0).abs() < 0.08, "{}: {area} {}", report.surface, report.area);
+            assert!((area / report.area.get() - 1.0).abs() < 0.08, "{}: {area} {}", report.surface, report.area);
         }
         let SurfaceKind::Face(face) = report.id.kind else { continue };
         let distance =

@@ -94,7 +94,7 @@ fn strokes_have_an_arc_about_the_axis_and_a_radial_width() {
         // The circle of the stroke outside of the circles that have moved up to it, a step away: a lune over
         // 2 acos(-s / 2R) when one circle stands there.
         let arc = 2.0 * (-0.5 * step / RADIUS).acos().to_degrees();
-        let (shown, bound) = (found.arc.unwrap().value, found.arc_bound.unwrap().value);
+        let (shown, bound) = (found.arc.unwrap().value, found.arc_bound.unwrap().value.get());
         assert!(shown <= arc + 0.01 && arc <= bound && shown > arc - 25.0, "{tilt} {step}: {shown} {arc} {bound}");
         let width = found.width.unwrap().value;
         assert!(width <= step + 0.01 && width > step - 2.0 * cell, "{width}");

@@ -4,6 +4,7 @@ use crate::support::browser::{self, Page, colours, count};
 use crate::support::pinned;
 use flate2::read::ZlibDecoder;
 use impellerc::base::entity::PrimaryMap;
+use impellerc::base::units::{Mm, Mm2};
 use impellerc::diagnostics::Diag;
 use impellerc::diagnostics::codes::verification;
 use impellerc::ir::{Operation, Tool};
@@ -272,7 +273,7 @@ fn worst_places_that_look_alike_are_listed_once_and_by_size() {
             s.gouge.depth = 0.007;
         }
         s.gouge_bound = (s.gouge.depth * 1e5).ceil() / 1e5;
-        (s.excess.value, s.excess_bound, s.percentiles, s.not_reached) = (-1e-3, 0.0, [0.0; 3], 0.0);
+        (s.excess.value, s.excess_bound, s.percentiles, s.not_reached) = (-1e-3, 0.0, [Mm(0.0); 3], Mm2(0.0));
     }
     let html = report::report(&Input {
         program,

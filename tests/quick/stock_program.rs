@@ -147,9 +147,9 @@ fn a_rapid_through_the_stock_is_an_error() {
     moves[index].kind = impellerc::ir::MoveKind::Rapid;
     moves[index].feed = None;
     let (found, _) = simulated(&program, &motion, CELL);
-    let deepest = found.collisions().max_by(|a, b| a.depth.total_cmp(&b.depth)).expect("a collision");
+    let deepest = found.collisions().max_by(|a, b| a.depth.get().total_cmp(&b.depth.get())).expect("a collision");
     assert_eq!((&*deepest.part, deepest.at.index as usize), ("cutter at rapid", index));
-    assert!(deepest.depth > 1.0 && deepest.depth <= 3.0 + END_ERROR, "{deepest:?}");
+    assert!(deepest.depth.get() > 1.0 && deepest.depth.get() <= 3.0 + END_ERROR, "{deepest:?}");
     let mut sink = Sink::default();
     report(&program, &motion, &found, &mut sink);
     assert!(sink.diags().iter().any(|d| d.code.id() == "IMP0730" && d.place.as_ref().unwrap().block.is_some()));

@@ -25,7 +25,7 @@ fn roughing_goes_on_from_any_block() {
     let whole = &*WHOLE;
     let (program, motion) = whole.planned();
     let (due, _) = simulated(program, motion, CELL);
-    let rest = |c: &Compiled| c.certificate.rest.last().expect("roughing").most;
+    let rest = |c: &Compiled| c.certificate.rest.last().expect("roughing").most.get();
     for share in [0.02, 0.5] {
         let mut broken = Motion { operations: vec![motion.operations[0].clone()] };
         let count = broken.operations[0].moves.len();

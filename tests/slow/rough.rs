@@ -155,8 +155,8 @@ fn a_tapered_ball_roughs() {
         vanes[2].bound.get(),
         stock.removed,
         stock.by_links,
-        100.0 * rest[1].cleared,
-        100.0 * rest[2].cleared
+        100.0 * rest[1].cleared.get(),
+        100.0 * rest[2].cleared.get()
     );
     assert!(missing < 1e-3 && vanes[2].bound.get() < 1e-3, "{missing} {}", vanes[2].bound.get());
     assert!(stock.collisions.is_empty() && stock.removed > 3.0 && stock.by_links < 0.05 * stock.removed);
@@ -287,8 +287,13 @@ fn each_form_of_levels_reaches_the_floor() {
         for operation in &compiled.certificate.stock.as_ref().expect("a stock").operations {
             let limit = tool_of(&compiled.program, &operation.name).max_depth.get();
             let load = operation.slot_depth.expect("a cut");
-            println!("{}, {}: load of a slot {:.3} mm deep of {limit:.2} mm", form.name(), operation.name, load.value);
-            assert!(load.value <= limit, "{}: {load:?}", form.name());
+            println!(
+                "{}, {}: load of a slot {:.3} mm deep of {limit:.2} mm",
+                form.name(),
+                operation.name,
+                load.value.get()
+            );
+            assert!(load.value.get() <= limit, "{}: {load:?}", form.name());
         }
         // The contract of the job.
         let [surfaces, room] = rest(&compiled.program, &compiled.plan.motion);

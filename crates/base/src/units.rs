@@ -77,6 +77,11 @@ quantity!(
 );
 
 quantity!(
+    /// An area in square millimetres.
+    Mm2,
+    "mm2"
+);
+quantity!(
     /// A volume in cubic millimetres.
     Mm3,
     "mm3"

@@ -1,7 +1,7 @@
 //! One table, and how each kind of text shows it: columns on a terminal, Markdown, the page of the report, a sheet for printing.
 
 use crate::markup::escaped;
-use base::units::{Deg, Mm, Share};
+use base::units::{Deg, Mm, Mm2, Share};
 use std::borrow::Cow;
 
 /// How a number is written: its factor, its decimals, and what follows it.
@@ -73,7 +73,7 @@ macro_rules! quantities {
     };
 }
 
-quantities!(Mm, Deg, Share);
+quantities!(Mm, Mm2, Deg, Share);
 
 impl From<usize> for Figure {
     fn from(count: usize) -> Self {

@@ -170,8 +170,8 @@ pub fn certify_with(
     let roughing: Vec<usize> = (0..motion.operations.len()).filter(roughs).collect();
     let left = program.stock.left.as_ref().map(|mesh| left::Left::new(mesh));
     let stock = unless_cancelled(progress, || stock::simulate(program, motion, settings, progress, sink))?;
-    let measured = (samples.as_slice(), &design_cloud, left.as_ref());
-    let rest = unless_cancelled(progress, || rest::reports(program, measured, &sweeps, &roughing, progress))?;
+    let measured = rest::Measured { samples: &samples, design: &design_cloud, start: left.as_ref() };
+    let rest = unless_cancelled(progress, || rest::reports(program, &measured, &sweeps, &roughing, progress))?;
     let obstacles = unless_cancelled(progress, || obstacles::check(program, motion, progress))?;
     let mut certificate = Certificate {
         name: program.name.clone(),
@@ -413,7 +413,8 @@ fn report_faults(program: &Program, motion: &Motion, certificate: &Certificate, 
             .help("use a longer lead-in or lead-out, so that passes begin and end outside the stock"),
         );
     }
-    let missed: f64 = certificate.surfaces.iter().filter(|s| s.excess.value >= surface::FAR).map(|s| s.area).sum();
+    let missed: f64 =
+        certificate.surfaces.iter().filter(|s| s.excess.value >= surface::FAR).map(|s| s.area.get()).sum();
     let judged = program.contracts.iter().any(|c| c.kind == ContractKind::Excess);
     if missed > 0.0 && !judged {
         sink.push(Diag::remark(

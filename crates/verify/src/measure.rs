@@ -229,9 +229,9 @@ fn engagement(stock: &StockReport, region: &Region, cuts: Cuts) -> Figure {
     };
     let found = |f: &Figure| {
         let o = stock.operations.iter().find(|o| Some(o.operation as usize) == f.operation)?;
-        of(o).map(|b| b.found)
+        of(o).map(|b| b.found.get())
     };
-    let figure = largest(stock, region, |o| of(o).map(|b| Peak { value: b.value, at: b.at, tip: b.tip }), 1.0);
+    let figure = largest(stock, region, |o| of(o).map(|b| Peak { value: b.value.get(), at: b.at, tip: b.tip }), 1.0);
     Figure { found: found(&figure), ..figure }
 }
 
@@ -318,9 +318,9 @@ fn rest(certificate: &Certificate, region: &Region, after: Option<usize>) -> Res
     let has =
         |s: SurfaceClass| SurfaceClass::ALL.into_iter().zip(&region.rows).any(|(c, row)| c == s && row.contains(&true));
     let surfaces = report.surfaces.iter().filter(|s| has(s.id.kind.class()));
-    let surfaces = surfaces.map(|s| (s.most, format!("on {}", s.surface), s.point));
+    let surfaces = surfaces.map(|s| (s.most.get(), format!("on {}", s.surface), s.point));
     let island = report.island.iter().filter(|_| has(SurfaceClass::Edge));
-    let island = island.map(|i| (i.most, "an island in a channel".to_owned(), i.point));
+    let island = island.map(|i| (i.most.get(), "an island in a channel".to_owned(), i.point));
     let most = surfaces.chain(island).max_by(|a, b| a.0.total_cmp(&b.0));
     let (value, what, point) = most.unwrap_or((0.0, "nothing".to_owned(), [0.0; 3]));
     let operation = report.operation as usize;

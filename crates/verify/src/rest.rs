@@ -8,6 +8,7 @@ use super::left::Left;
 use super::proof::piece::At;
 use super::proof::sweep::Sweep;
 use base::progress::Progress;
+use base::units::{Mm, Share};
 use ir::Program;
 use nalgebra::Point3;
 use rayon::prelude::*;
@@ -30,18 +31,18 @@ const SAMPLE_STRIDE: usize = 11;
 pub struct RestReport {
     /// Index of the operation in the motion.
     pub operation: u32,
-    /// Least rest on a milled surface, mm; below zero the operation cuts into the design.
-    pub least: f64,
-    /// Median of the rest over the samples, mm.
-    pub median: f64,
-    /// Largest rest, on a surface or at the grid, mm.
-    pub most: f64,
+    /// Least rest on a milled surface; below zero the operation cuts into the design.
+    pub least: Mm,
+    /// Median of the rest over the samples.
+    pub median: Mm,
+    /// Largest rest, on a surface or at the grid.
+    pub most: Mm,
     /// Place of the largest rest, part frame, mm.
     pub point: [f64; 3],
     /// Surface with the largest rest; `None` for an island inside a channel.
     pub surface: Option<String>,
     /// Share of the grid points that cutters have passed.
-    pub cleared: f64,
+    pub cleared: Share,
     /// Largest rest on each milled surface, in the order of the surfaces.
     pub surfaces: Vec<RestOnSurface>,
     /// The largest island inside a channel, by the distance of its farthest point from the part.
@@ -53,8 +54,8 @@ pub struct RestReport {
 pub struct RestOnSurface {
     /// Name of the surface.
     pub surface: String,
-    /// Largest rest, mm.
-    pub most: f64,
+    /// Largest rest.
+    pub most: Mm,
     /// Its place, part frame, mm.
     pub point: [f64; 3],
     /// Id of the surface; a file has its name.
@@ -65,8 +66,8 @@ pub struct RestOnSurface {
 /// Stock that stands inside a channel.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Island {
-    /// Distance of its farthest point to the part, mm.
-    pub most: f64,
+    /// Distance of its farthest point to the part.
+    pub most: Mm,
     /// This point, part frame, mm.
     pub point: [f64; 3],
 }
@@ -130,15 +131,26 @@ pub(super) fn inside(profile: &[[f64; 2]], r: f64, z: f64) -> bool {
     within
 }
 
+/// What the rest is measured on.
+pub struct Measured<'a> {
+    /// Samples of the design surfaces.
+    pub samples: &'a [Sample],
+    /// The same samples, for distances to the part.
+    pub design: &'a Cloud,
+    /// What is left of the blank, where the job starts from it.
+    pub start: Option<&'a Left<'a>>,
+}
+
 /// Reports after each roughing operation, in order. `sectors` lists the sectors that any operation machines: other
 /// channels remain full and are not tested.
 pub fn reports(
     program: &Program,
-    (samples, design, start): (&[Sample], &Cloud, Option<&Left>),
+    measured: &Measured<'_>,
     sweeps: &[Sweep<'_>],
     roughing: &[usize],
     progress: &Progress,
 ) -> Vec<RestReport> {
+    let Measured { samples, design, start } = *measured;
     let Some(last) = roughing.last() else { return Vec::new() };
     let void = void(program, design, progress);
     if progress.is_cancelled() {
@@ -178,14 +190,14 @@ pub fn reports(
         sorted.sort_by(f64::total_cmp);
         reports.push(RestReport {
             operation: u32::try_from(index).unwrap_or(u32::MAX),
-            least: sorted.first().copied().unwrap_or(0.0),
-            median: sorted.get(sorted.len() / 2).copied().unwrap_or(0.0),
-            most: worst.0,
+            least: Mm(sorted.first().copied().unwrap_or(0.0)),
+            median: Mm(sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)),
+            most: Mm(worst.0),
             point: [worst.1.x, worst.1.y, worst.1.z],
             surface: (!is_island).then(|| surface.1.surface.to_string()),
-            cleared: cleared.iter().filter(|c| **c).count() as f64 / void.len().max(1) as f64,
+            cleared: Share(cleared.iter().filter(|c| **c).count() as f64 / void.len().max(1) as f64),
             surfaces: by_surface(&at_surface, &left),
-            island: standing.map(|(most, p)| Island { most, point: [p.x, p.y, p.z] }),
+            island: standing.map(|(most, p)| Island { most: Mm(most), point: [p.x, p.y, p.z] }),
         });
     }
     reports
@@ -201,7 +213,7 @@ fn by_surface(samples: &[&Sample], left: &[f64]) -> Vec<RestOnSurface> {
         }
     }
     most.into_iter()
-        .map(|(id, (most, p))| RestOnSurface { surface: id.to_string(), most, point: [p.x, p.y, p.z], id })
+        .map(|(id, (most, p))| RestOnSurface { surface: id.to_string(), most: Mm(most), point: [p.x, p.y, p.z], id })
         .collect()
 }
 

@@ -15,6 +15,7 @@ use super::proof::grid::{Grid, PlacedSurface};
 use super::proof::piece::At;
 use super::proof::sweep::Sweep;
 use base::progress::{Progress, Work};
+use base::units::{Mm, Mm2};
 use nalgebra::{Point3, Rotation3, Vector3};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -63,8 +64,8 @@ pub struct SurfaceReport {
     pub samples: usize,
     /// Number of points at which g was computed, plus number of cells that were proved.
     pub points: usize,
-    /// Area, mm2.
-    pub area: f64,
+    /// Area.
+    pub area: Mm2,
     /// Deepest measured cut: the least g.
     pub gouge: Worst,
     /// Proved bound of the depth of any cut into the surface, mm.
@@ -73,13 +74,13 @@ pub struct SurfaceReport {
     pub excess: Worst,
     /// Proved bound of the excess, mm; [`FAR`] where no cutter is near.
     pub excess_bound: f64,
-    /// The g below which 5, 50 and 95 percent of the area lie, mm.
-    pub percentiles: [f64; 3],
-    /// Area where g is more than [`NOT_REACHED`], mm2.
-    pub not_reached: f64,
-    /// Operations, by index in the motion, that are nearest to the area not reached, with their shares of this area in
-    /// mm2; `None` where no cutter is near.
-    pub nearest_there: Vec<(Option<u32>, f64)>,
+    /// The g below which 5, 50 and 95 percent of the area lie.
+    pub percentiles: [Mm; 3],
+    /// Area where g is more than [`NOT_REACHED`].
+    pub not_reached: Mm2,
+    /// Operations, by index in the motion, that are nearest to the area not reached, with their shares of this area;
+    /// `None` where no cutter is near.
+    pub nearest_there: Vec<(Option<u32>, Mm2)>,
     /// Id of the surface; a file has its name.
     #[serde(skip, default = "unknown")]
     pub id: SurfaceId,
@@ -99,7 +100,7 @@ const UNMACHINED_SHARE: f64 = 0.999;
 impl SurfaceReport {
     /// Area that is left over [`NOT_REACHED`], as a share of the surface.
     pub fn left_share(&self) -> f64 {
-        if self.area > 0.0 { self.not_reached / self.area } else { 0.0 }
+        if self.area.get() > 0.0 { self.not_reached.get() / self.area.get() } else { 0.0 }
     }
 
     /// Whether the operations machine the surface.
@@ -266,12 +267,12 @@ fn report(patches: &[(usize, &PatchTask<'_>, &SampledPatch, &Proved)], sweeps: &
         surface: surface.id.to_string(),
         samples: cells.len(),
         points: all.points,
-        area,
+        area: Mm2(area),
         gouge_bound,
         excess_bound: all.high.max(excess.value).clamp(0.0, FAR),
-        percentiles: percentiles(&cells, area),
-        not_reached: nearest_there.iter().map(|n| n.1).sum(),
-        nearest_there,
+        percentiles: percentiles(&cells, area).map(Mm),
+        not_reached: Mm2(nearest_there.iter().map(|n| n.1).sum()),
+        nearest_there: nearest_there.into_iter().map(|(o, area)| (o, Mm2(area))).collect(),
         gouge,
         excess,
         id: surface.id,

@@ -53,6 +53,7 @@ pub(crate) fn alike(surfaces: &[SurfaceReport], text_of: impl Fn(&SurfaceReport)
 #[cfg(test)]
 mod tests {
     use super::*;
+    use base::units::{Mm, Mm2};
     use verify::surface::Worst;
     use wheel::part::{FaceId, PassageId, SurfaceId, SurfaceKind};
 
@@ -63,13 +64,13 @@ mod tests {
             surface: id.to_string(),
             samples: 0,
             points: 0,
-            area: 0.0,
+            area: Mm2(0.0),
             gouge: worst.clone(),
             gouge_bound: depth,
             excess: worst,
             excess_bound: 0.0,
-            percentiles: [0.0; 3],
-            not_reached: 0.0,
+            percentiles: [Mm(0.0); 3],
+            not_reached: Mm2(0.0),
             nearest_there: Vec::new(),
             id,
             corners: Vec::new(),

@@ -45,7 +45,7 @@ pub(crate) fn stock(text: Text<'_>, stock: &StockReport) -> Table {
         figures("t air", 8, Form::WHOLE, air),
         figures("air", 7, Form::PERCENT, |r: &Row| r.1.air_share()),
         figures("depth", 7, Form::HUNDREDTHS, depth),
-        figures("as slot", 7, Form::HUNDREDTHS, |r: &Row| Figure::or(r.1.slot_depth.map(|slot| slot.value), "-")),
+        figures("as slot", 7, Form::HUNDREDTHS, |r: &Row| Figure::or(r.1.slot_depth.map(|slot| slot.value.get()), "-")),
         figures("width", 7, Form::HUNDREDTHS, width),
         figures("arc", 7, Form::WHOLE, arc),
         figures("rate", 7, Form::TENTHS, rate),

@@ -3,7 +3,7 @@
 use super::alike::{Alike, alike};
 use super::{NOT_REACHED, Text, coordinates, reached};
 use crate::table::{Figure, Form, Table, figures, words};
-use base::units::length;
+use base::units::{Mm, length};
 use ir::{Motion, Program};
 use verify::Certificate;
 use verify::allowance::AllowanceReport;
@@ -59,7 +59,7 @@ pub(crate) fn surfaces(text: Text<'_>, certificate: &Certificate) -> Table {
     let gouge_bound = |r: &Row| reached(r.deepest.gouge_bound);
     let excess = |r: &Row| reached(r.most.excess.value);
     let excess_bound = |r: &Row| reached(r.most.excess_bound);
-    let below = |k: usize| move |r: &Row| reached(r.deepest.percentiles[k]);
+    let below = |k: usize| move |r: &Row| reached(r.deepest.percentiles[k].get());
     match text {
         Text::Summary => {
             let same = |s: &SurfaceReport| {
@@ -104,9 +104,9 @@ pub(crate) fn surfaces(text: Text<'_>, certificate: &Certificate) -> Table {
         }
         Text::Details | Text::Sheet => {
             let same = |s: &SurfaceReport| {
-                let [p5, p50, p95] = s.percentiles;
+                let [p5, p50, p95] = s.percentiles.map(Mm::get);
                 let figures = [s.gouge.depth, s.gouge_bound, s.excess.value, s.excess_bound, p5, p50, p95].map(um);
-                Some(Form::TENTHS.of(s.area) + &figures.concat())
+                Some(Form::TENTHS.of(s.area.get()) + &figures.concat())
             };
             let rows = rows(all, same, [|s| s.gouge.depth, |s| s.excess.value]);
             let columns = vec![
@@ -167,15 +167,15 @@ pub(super) fn worst(program: &Program, motion: &Motion, certificate: &Certificat
 fn missing(certificate: &Certificate) -> impl Iterator<Item = String> {
     let all = &certificate.surfaces;
     let missed = |s: &SurfaceReport| {
-        let causes: Vec<String> = s.nearest_there.iter().map(|(o, area)| cause(certificate, *o, *area)).collect();
-        (s.not_reached > 0.0).then(|| causes.join(", "))
+        let causes: Vec<String> = s.nearest_there.iter().map(|(o, area)| cause(certificate, *o, area.get())).collect();
+        (s.not_reached.get() > 0.0).then(|| causes.join(", "))
     };
     let limit = length(surface::NOT_REACHED);
     let mut groups: Vec<(f64, String)> = Vec::new();
     for group in alike(all, missed) {
-        let Some((_, s)) = group.worst(all, |s| s.not_reached) else { continue };
+        let Some((_, s)) = group.worst(all, |s| s.not_reached.get()) else { continue };
         let each = if group.members.len() > 1 { ", each" } else { "" };
-        let (area, causes) = (s.not_reached, missed(s).unwrap_or_default());
+        let (area, causes) = (s.not_reached.get(), missed(s).unwrap_or_default());
         // As written: areas that differ by rounding alone keep the order of their surfaces.
         let order = (100.0 * area).round();
         groups.push((order, format!("over {limit} left on {area:.2} mm2 of {}{each}: {causes}", group.name)));
@@ -279,10 +279,10 @@ pub(crate) fn rest(text: Text<'_>, certificate: &Certificate) -> Table {
             format!(
                 "{:<12} least {:>6.3}  median {:>6.3}  most {:>6.3} {on} ({x:.2}, {y:.2}, {z:.2}), {:.1} % of the room cleared",
                 after(r),
-                r.least,
-                r.median,
-                r.most,
-                r.cleared * 100.0
+                r.least.get(),
+                r.median.get(),
+                r.most.get(),
+                r.cleared.get() * 100.0
             )
         };
         return Table::lines("stock after roughing, mm", certificate.rest.iter().map(line).collect());

@@ -198,7 +198,7 @@ impl Places {
             let after = operation.map_or("", |o| o.name.as_str());
             let on = r.surface.clone().unwrap_or_else(|| "inside a channel".to_owned());
             let name = format!("after {after}: {on}");
-            let value = (r.most, amount(r.most));
+            let value = (r.most.get(), amount(r.most.get()));
             let place = self.add(input, "most stock after roughing", name, value, (r.point, None), false);
             self.rest.push(place);
         }
@@ -216,7 +216,7 @@ impl Places {
     fn add_stock(&mut self, input: &Input<'_>) {
         for o in input.certificate.stock.iter().flat_map(|s| &s.operations) {
             for c in &o.collisions {
-                let value = (c.depth, with_symbols(&length(c.depth)));
+                let value = (c.depth.get(), with_symbols(&length(c.depth.get())));
                 let name = format!("{} in {}", c.part, o.name);
                 self.add(input, "stock that the tool must not meet", name, value, (c.point, Some(c.at)), true);
             }

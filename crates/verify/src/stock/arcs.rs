@@ -3,6 +3,7 @@
 
 use super::{MIN_FULL_ARC, StepPlace, StepRemoval};
 use crate::proof::piece::At;
+use base::units::Deg;
 use ir::MoveKind;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -24,10 +25,10 @@ const MIN_FEED_COSINE: f64 = 0.866;
 /// Largest upper bound of the arc over some steps.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ArcBound {
-    /// Bound, degrees.
-    pub value: f64,
-    /// Arc that the rays show there, degrees.
-    pub found: f64,
+    /// Bound.
+    pub value: Deg,
+    /// Arc that the rays show there.
+    pub found: Deg,
     /// Move.
     pub at: At,
     /// Tool tip at this move, part frame, mm.

@@ -156,20 +156,20 @@ fn report_depth(program: &Program, motion: &Motion, o: &OperationStock, sink: &m
     let declared = &program.operations[operation.operation];
     let tool = &program.tools[declared.tool];
     let limit = tool.max_depth.get();
-    let over = cut.value > limit;
+    let over = cut.value.get() > limit;
     // A slot of finishing that is deeper than the diameter has its own finding.
     let found = o.slot.is_some_and(|p| p.value > MAX_SLOT_DEPTH);
-    if !over && (found || cut.value <= 2.0 * MAX_SLOT_DEPTH * tool.solid.cutter.nominal_radius()) {
+    if !over && (found || cut.value.get() <= 2.0 * MAX_SLOT_DEPTH * tool.solid.cutter.nominal_radius()) {
         return;
     }
     let new = if over { Diag::error } else { Diag::remark };
     let text = format!(
         "{} cuts {} deep over arcs of up to {:.0} deg, which loads it as a slot {} deep, {}; its limit is {}",
         tool.name,
-        length(cut.depth),
-        cut.arc,
-        length(cut.value),
-        share(tool, cut.value),
+        length(cut.depth.get()),
+        cut.arc.get(),
+        length(cut.value.get()),
+        share(tool, cut.value.get()),
         length(limit)
     );
     sink.push(

@@ -16,6 +16,7 @@ pub use report::report;
 
 use super::proof::piece::At;
 use base::progress::{Progress, Work};
+use base::units::{Deg, Mm, Mm3};
 use diagnostics::{Diag, Sink, codes::verification};
 use ir::{ContractKind, Motion, MotionOperation, MoveKind, Program};
 use serde::{Deserialize, Serialize};
@@ -73,12 +74,12 @@ pub struct Peak {
 /// Depth of cut at full width that loads the cutter as much as a cut of another arc.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SlotDepth {
-    /// Sum over the heights of the share of the arc in 180 degrees, mm.
-    pub value: f64,
-    /// Extent along the tool axis, mm.
-    pub depth: f64,
-    /// Arc that the rays show at the height with the largest one, degrees.
-    pub arc: f64,
+    /// Sum over the heights of the share of the arc in 180 degrees.
+    pub value: Mm,
+    /// Extent along the tool axis.
+    pub depth: Mm,
+    /// Arc that the rays show at the height with the largest one.
+    pub arc: Deg,
     /// Move.
     pub at: At,
     /// Tool tip at this move, part frame, mm.
@@ -104,12 +105,12 @@ pub struct ToothFeed {
 pub struct StockCollision {
     /// `cutter at rapid`, `shank`, `holder`.
     pub part: Cow<'static, str>,
-    /// Depth of the deepest place below the surface of this part of the tool, mm.
-    pub depth: f64,
+    /// Depth of the deepest place below the surface of this part of the tool.
+    pub depth: Mm,
     /// The deepest place, part frame, mm.
     pub point: [f64; 3],
-    /// Height of this place over the tip, mm.
-    pub height: f64,
+    /// Height of this place over the tip.
+    pub height: Mm,
     /// Move.
     pub at: At,
 }
@@ -219,8 +220,8 @@ pub struct StockReport {
 pub struct MissingStock {
     /// Index of the operation in the motion.
     pub operation: u32,
-    /// Missing volume deeper than 0.1 mm below the surface, 0.5 mm where the job allows gouge, mm3.
-    pub volume: f64,
+    /// Missing volume deeper than 0.1 mm below the surface, 0.5 mm where the job allows gouge.
+    pub volume: Mm3,
     /// A place of missing stock, part frame, mm.
     pub point: [f64; 3],
 }
@@ -282,7 +283,7 @@ pub fn simulate(
             let uncut = field.uncut_under(&disc, below, start.as_ref());
             missing = uncut.map(|uncut| MissingStock {
                 operation: report.operation,
-                volume: uncut.volume,
+                volume: Mm3(uncut.volume),
                 point: uncut.point.coords.into(),
             });
         }
@@ -381,7 +382,7 @@ impl Milled {
         });
         let (value, depth, arc, step) = loads.max_by(|a, b| a.0.total_cmp(&b.0))?;
         let Peak { at, tip, .. } = self.peak_at(value, step)?;
-        Some(SlotDepth { value, depth, arc, at, tip })
+        Some(SlotDepth { value: Mm(value), depth: Mm(depth), arc: Deg(arc), at, tip })
     }
 
     /// The largest feed per tooth of the cuts that remove material, where they do, at `teeth` each minute.
@@ -403,7 +404,7 @@ impl Milled {
         let steps = (0_u32..).zip(arcs).filter(|(_, a)| a.bound > 0.0 && choose(a));
         let (step, most) = steps.max_by(|a, b| a.1.bound.total_cmp(&b.1.bound))?;
         let Peak { value, at, tip } = self.peak_at(most.bound, step)?;
-        Some(ArcBound { value, found: most.found, at, tip })
+        Some(ArcBound { value: Deg(value), found: Deg(most.found), at, tip })
     }
 
     /// Time of the chosen steps, s; `choose` gets index and place of a step.
@@ -429,7 +430,7 @@ impl Milled {
                 Touched::Holder => "holder",
             };
             let (point, at) = (c.point.coords.into(), self.at(c.block));
-            let found = StockCollision { part: part.into(), depth: c.depth, point, height: c.height, at };
+            let found = StockCollision { part: part.into(), depth: Mm(c.depth), point, height: Mm(c.height), at };
             let same = collisions.iter_mut().rev().take_while(|x| x.at == found.at).find(|x| x.part == part);
             match same {
                 Some(x) if x.depth < found.depth => *x = found,

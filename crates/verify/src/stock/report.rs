@@ -18,7 +18,7 @@ fn report_missing(program: &Program, motion: &Motion, stock: &StockReport, sink:
             format!(
                 "after {}, {:.1} mm3 of the hub disc are missing deeper than {} below its surface",
                 declared.name,
-                missing.volume,
+                missing.volume.get(),
                 length(below_surface(program))
             ),
         )
@@ -42,9 +42,9 @@ pub fn report(program: &Program, motion: &Motion, stock: &StockReport, sink: &mu
         load::report(program, motion, o, stock.cell, sink);
         for part in ["cutter at rapid", "shank", "holder"] {
             let all = o.collisions.iter().filter(|c| c.part == part);
-            let Some(worst) = all.clone().max_by(|a, b| a.depth.total_cmp(&b.depth)) else { continue };
+            let Some(worst) = all.clone().max_by(|a, b| a.depth.get().total_cmp(&b.depth.get())) else { continue };
             let count = all.count();
-            let depth = length(worst.depth);
+            let depth = length(worst.depth.get());
             let first = solid.shank.first().map_or(f64::INFINITY, |s| s.to);
             let (code, text, help) = match part {
                 "cutter at rapid" => (
@@ -52,7 +52,7 @@ pub fn report(program: &Program, motion: &Motion, stock: &StockReport, sink: &mu
                     format!("at rapid the cutter is {depth} deep in remaining stock"),
                     "use a longer lead-in or lead-out, or an earlier operation that removes this stock",
                 ),
-                "shank" if worst.height < first => (
+                "shank" if worst.height.get() < first => (
                     verification::ABOVE_FLUTES,
                     format!(
                         "the shank above the {} mm of flutes is {depth} deep in remaining stock",
@@ -72,7 +72,7 @@ pub fn report(program: &Program, motion: &Motion, stock: &StockReport, sink: &mu
                 .block(worst.at.operation, worst.at.index)
                 .note(format!(
                     "{count} moves of the operation collide; this is the deepest place, {:.2} mm above the tip",
-                    worst.height
+                    worst.height.get()
                 ))
                 .help(help);
             sink.push(diag);
