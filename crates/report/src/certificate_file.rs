@@ -22,11 +22,11 @@ pub const FORMAT: &str = "impellerc-certificate";
 pub const VERSION: u32 = 2;
 
 /// Number of lines in a run of the body; each run has its hash.
-pub const RUN: usize = 100;
+pub const LINES_PER_RUN: usize = 100;
 
 /// Digits that the hash of a run or of a line of the head keeps. Short hashes locate a difference; the whole hash
 /// decides whether there is one.
-const DIGITS: usize = 16;
+const SHORT_HASH_DIGITS: usize = 16;
 
 /// A text that is an input of the program.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -226,13 +226,13 @@ fn after<'a>(line: &'a str, word: &str) -> Option<&'a str> {
 }
 
 fn in_short(text: &str) -> String {
-    sha256(text.as_bytes()).chars().take(DIGITS).collect()
+    sha256(text.as_bytes()).chars().take(SHORT_HASH_DIGITS).collect()
 }
 
 /// Short hashes of the runs of a body.
 fn runs(body: &str) -> Vec<String> {
     let lines: Vec<&str> = body.split_inclusive('\n').collect();
-    lines.chunks(RUN).map(|run| in_short(&run.concat())).collect()
+    lines.chunks(LINES_PER_RUN).map(|run| in_short(&run.concat())).collect()
 }
 
 impl NcText {
@@ -279,9 +279,9 @@ impl NcText {
             // Short hashes or hash of the body are forged. The hash of the body decides, and gives no place.
             return Some((starts, starts + lines - 1, None));
         };
-        let (first, last) = ((run * RUN).min(lines - 1), ((run + 1) * RUN).min(lines));
+        let (first, last) = ((run * LINES_PER_RUN).min(lines - 1), ((run + 1) * LINES_PER_RUN).min(lines));
         // The number comes from a file: the addition must not overflow.
-        let here = self.body_starts.saturating_add(run * RUN);
+        let here = self.body_starts.saturating_add(run * LINES_PER_RUN);
         let operation = self.operations.iter().find(|o| here <= o.last).map(|o| o.name.as_str());
         Some((starts + first, starts + last - 1, operation))
     }
@@ -442,7 +442,7 @@ impl<'de> Visitor<'de> for StrictVisitor {
 pub const HEAD: [&str; 3] = ["inputs sha256 ", "body sha256 ", "certificate sha256 "];
 
 /// Number of digits of a hash.
-const HASH: usize = 64;
+const HASH_DIGITS: usize = 64;
 
 /// Placeholder of a hash that is not known yet.
 pub const BLANK: &str = "0000000000000000000000000000000000000000000000000000000000000000";
@@ -453,7 +453,7 @@ pub fn named<'a>(text: &'a str, word: &str) -> Option<&'a str> {
     text.lines().take(starts.saturating_sub(1)).find_map(|line| {
         let after = after(line, word)?;
         let end = after.find(|c: char| !c.is_ascii_hexdigit()).unwrap_or(after.len());
-        (end == HASH).then_some(&after[..end])
+        (end == HASH_DIGITS).then_some(&after[..end])
     })
 }
 

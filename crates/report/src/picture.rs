@@ -17,7 +17,7 @@ pub const SIZE: [usize; 2] = [1400, 1000];
 const SUPERSAMPLING: usize = 2;
 
 /// Steps of the surface patches along and across.
-const PATCHES: [usize; 2] = [60, 12];
+const PATCH_STEPS: [usize; 2] = [60, 12];
 
 /// Distance by which lines are moved towards the eye, mm: paths of finishing lie on their surfaces.
 const LINE_LIFT: f64 = 1.2;
@@ -218,16 +218,16 @@ fn draw_part(part: &Part, back: f64, canvas: &mut Canvas) {
         let point = |face: &Face, u: f64, v: f64| turn * face.surface.point(u, v);
         for blade in part.blade_ids() {
             for side in part.sides(blade) {
-                canvas.patch(PATCHES, VANE, |u, v| point(part.face(side), u, v));
+                canvas.patch(PATCH_STEPS, VANE, |u, v| point(part.face(side), u, v));
             }
             let [p, s] = blade.faces().map(|face| part.face(face));
             let between = |u: f64, v: f64, t: f64| {
                 let (a, b) = (point(p, u, v), point(s, u, v));
                 a + (b - a) * t
             };
-            canvas.patch([PATCHES[0], 2], VANE, |u, t| between(u, 1.0, t));
+            canvas.patch([PATCH_STEPS[0], 2], VANE, |u, t| between(u, 1.0, t));
             for end in [0, 1].into_iter().filter(|end| part.edge(blade, *end).is_none()) {
-                canvas.patch([PATCHES[1], 2], VANE, |v, t| between(end as f64, v, t));
+                canvas.patch([PATCH_STEPS[1], 2], VANE, |v, t| between(end as f64, v, t));
             }
         }
     }

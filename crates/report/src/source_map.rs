@@ -16,7 +16,7 @@ pub const FORMAT: &str = "impellerc-source-map";
 pub const VERSION: u32 = 2;
 
 /// Digits of the hash of a line.
-const DIGITS: usize = 8;
+const LINE_HASH_DIGITS: usize = 8;
 
 /// A line of the text, as the writer knows it.
 #[derive(Clone, Copy, Debug)]
@@ -129,7 +129,7 @@ fn line_hash(line: &str) -> String {
     let number = text.strip_prefix('N').unwrap_or(text);
     let behind = number.trim_start_matches(|c: char| c.is_ascii_digit());
     let numbered = behind.len() < number.len() && behind.starts_with(' ');
-    sha256(if numbered { behind.trim_start() } else { text }.as_bytes()).chars().take(DIGITS).collect()
+    sha256(if numbered { behind.trim_start() } else { text }.as_bytes()).chars().take(LINE_HASH_DIGITS).collect()
 }
 
 impl SourceMapFile {
@@ -244,7 +244,7 @@ pub struct LaidMap {
 impl LaidMap {
     /// Lays a map on a text.
     pub fn new(map: SourceMapFile, text: &str) -> Self {
-        let old: Vec<&[u8]> = map.hashes.as_bytes().chunks(DIGITS).collect();
+        let old: Vec<&[u8]> = map.hashes.as_bytes().chunks(LINE_HASH_DIGITS).collect();
         let new: Vec<String> = text.lines().map(line_hash).collect();
         let same = |(a, b): &(&&[u8], &String)| **a == b.as_bytes();
         let start = old.iter().zip(&new).take_while(same).count();

@@ -39,7 +39,7 @@ impl StepProtocol {
 }
 
 /// Distance within which the file states that points are the same, mm.
-const ACCURACY: f64 = 1e-6;
+const POINT_ACCURACY: f64 = 1e-6;
 
 /// Time stamp of every file: the format demands one, and the same job must give the same bytes.
 const TIME_STAMP: &str = "2000-01-01T00:00:00";
@@ -84,7 +84,7 @@ impl StepFile<'_> {
         let solid_angle = data.add("(NAMED_UNIT(*) SI_UNIT($,.STERADIAN.) SOLID_ANGLE_UNIT())");
         let accuracy = data.add(&format!(
             "UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE({}),#{length},'distance_accuracy_value','edges')",
-            real(ACCURACY)
+            real(POINT_ACCURACY)
         ));
         let context = data.add(&format!(
             "(GEOMETRIC_REPRESENTATION_CONTEXT(3) GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT((#{accuracy})) \

@@ -9,7 +9,7 @@ use wheel::part::Part;
 use wheel::part::blade_loops::BladeLoops;
 
 /// Steps along hub and shroud.
-const MERIDIAN: usize = 200;
+const MERIDIAN_STEPS: usize = 200;
 
 /// Names of the files of hub, shroud and profiles.
 pub struct TurboGridNames {
@@ -57,7 +57,8 @@ pub fn turbogrid(part: &Part, blades: &[BladeLoops], names: &TurboGridNames, tit
     let TurboGridNames { hub, shroud, profile: profiles } = names;
     let _ = write!(index, "Hub Data File: {hub}\nShroud Data File: {shroud}\nProfile Data File: {profiles}\n");
     let meridian = |surface: &Revolution| {
-        let points: Vec<Point3<f64>> = (0..=MERIDIAN).map(|i| surface.point(i as f64 / MERIDIAN as f64, 0.0)).collect();
+        let points: Vec<Point3<f64>> =
+            (0..=MERIDIAN_STEPS).map(|i| surface.point(i as f64 / MERIDIAN_STEPS as f64, 0.0)).collect();
         lines(&points)
     };
     TurboGridFiles { index, hub: meridian(&part.hub), shroud: meridian(&part.shroud), profile }

@@ -10,14 +10,14 @@ use verify::stock::arcs::CLASS_WIDTH;
 use wheel::contract::{ContractKind, clock};
 
 /// Share of a bar in percent from which a part has its name in it.
-const NAMED: f64 = 12.0;
+const MIN_NAMED_PERCENT: f64 = 12.0;
 
 /// Width and height of the area of a histogram, and its margins: left, top, bottom; pixels.
 const AREA: [f64; 2] = [260.0, 110.0];
 const MARGIN: [f64; 3] = [54.0, 20.0, 34.0];
 
 /// Gap between the bar of air and the classes of arcs, pixels.
-const GAP: f64 = 12.0;
+const AIR_BAR_GAP: f64 = 12.0;
 
 /// A bar for the cuts, links and rapids of each operation and for the whole program, and the same in figures.
 pub(super) fn limits(input: &Input<'_>) -> String {
@@ -70,7 +70,7 @@ fn write_bar(out: &mut String, row: &LimitRow, names: [&str; 5]) -> std::fmt::Re
     write!(out, "<span>{name}</span><span>{}</span><span class=n>{time}</span><div class=bar>", row.moves)?;
     for (limit, share) in row.shares() {
         let text = escaped(&format!("{limit} {share:.1} %"));
-        let shown = if share >= NAMED { text.as_str() } else { "" };
+        let shown = if share >= MIN_NAMED_PERCENT { text.as_str() } else { "" };
         let (colour, ink) = colour(&limit, names);
         write!(out, "<span style=\"flex:{share:.2};background:{colour};color:{ink}\" title=\"{text}\">{shown}</span>")?;
     }
@@ -137,7 +137,7 @@ fn write_histogram(out: &mut String, name: &str, arcs: &ArcTimes, bound: Option<
     let [width, height] = AREA;
     let [left, top, bottom] = MARGIN;
     let (floor, column) = (top + height, width / 180.0 * CLASS_WIDTH);
-    let start = left + column + GAP;
+    let start = left + column + AIR_BAR_GAP;
     let x = |arc: f64| start + arc / CLASS_WIDTH * column;
     let most = arcs.time.iter().copied().fold(arcs.air[0], f64::max).max(f64::MIN_POSITIVE);
     let (whole, size) = (arcs.cutting() + arcs.air[0], [x(180.0) + 22.0, floor + bottom]);

@@ -29,7 +29,7 @@ use wheel::part::{
 };
 
 /// Share by which a value may exceed the round number above it.
-const ROUNDING: f64 = 1e-9;
+const ROUND_NUMBER_EXCESS: f64 = 1e-9;
 
 const TEMPLATE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
@@ -287,12 +287,12 @@ fn array(out: &mut String, name: &str, bytes: &pack::Bytes) {
 }
 
 /// Most bytes of the deflated NC text on the page.
-const MOST_TEXT: usize = 12_000_000;
+const MAX_TEXT_BYTES: usize = 12_000_000;
 
 /// The NC text, deflated; empty when there is none, or when it is too long.
 fn nc_text(input: &Input<'_>) -> pack::Bytes {
     let text = input.nc_text.map(|t| pack::Bytes::of_text(t).deflated());
-    text.filter(|t| t.len() <= MOST_TEXT).unwrap_or_default()
+    text.filter(|t| t.len() <= MAX_TEXT_BYTES).unwrap_or_default()
 }
 
 /// Ends of the tolerance, mm: the bounds of the contracts, or else the deviation that [`SCALE_SHARE`] of the samples keep.
@@ -313,7 +313,7 @@ fn scale(input: &Input<'_>) -> [f64; 2] {
 /// The next larger number of the series 1, 2, 5, 10, ... times a power of ten.
 fn round_up(x: f64) -> f64 {
     let power = libm::pow(10f64, libm::log10(x).floor());
-    [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|v| *v >= x * (1.0 - ROUNDING)).unwrap_or(x)
+    [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|v| *v >= x * (1.0 - ROUND_NUMBER_EXCESS)).unwrap_or(x)
 }
 
 /// Lines (r, z) of surfaces that the lathe made and that are not milled: bore and front, outlet and back.

@@ -5,7 +5,7 @@ use flate2::{Compress, Compression, FlushCompress, Status};
 use nalgebra::Vector3;
 
 /// Least side of a frame, mm: a flat one has no other to scale by.
-const LEAST_SIZE: f64 = 1e-6;
+const MIN_FRAME_SIDE: f64 = 1e-6;
 
 /// Deviation below which codes are spaced evenly, mm; above it their spacing grows with the deviation.
 const DEVIATION_KNEE: f64 = 1e-3;
@@ -60,7 +60,7 @@ impl Frame {
         if low[0] > high[0] {
             return Self { low: [0.0; 3], size: [1.0; 3] };
         }
-        Self { low, size: [0, 1, 2].map(|k| (high[k] - low[k]).max(LEAST_SIZE)) }
+        Self { low, size: [0, 1, 2].map(|k| (high[k] - low[k]).max(MIN_FRAME_SIDE)) }
     }
 
     /// Coordinates of a point as shares of the box, in 1/65535.
@@ -115,7 +115,7 @@ impl Bytes {
             return Self::default();
         }
         let mut deflater = Compress::new(Compression::default(), true);
-        let mut out = Vec::with_capacity(self.0.len() / 2 + LEAST_ROOM);
+        let mut out = Vec::with_capacity(self.0.len() / 2 + MIN_STREAM_BYTES);
         loop {
             let done = usize::try_from(deflater.total_in()).unwrap_or(self.0.len());
             let rest = self.0.get(done..).unwrap_or_default();
@@ -129,13 +129,13 @@ impl Bytes {
 
     /// Base64 with padding (RFC 4648).
     pub(super) fn base64(&self) -> String {
-        const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+        const BASE64_DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
         let mut text = String::with_capacity(self.0.len().div_ceil(3) * 4);
         for three in self.0.chunks(3) {
             let byte = |k: usize| u32::from(three.get(k).copied().unwrap_or(0));
             let word = byte(0) << 16 | byte(1) << 8 | byte(2);
             for k in 0..4 {
-                let digit = DIGITS[(word >> (18 - 6 * k) & 63) as usize];
+                let digit = BASE64_DIGITS[(word >> (18 - 6 * k) & 63) as usize];
                 text.push(if k <= three.len() { char::from(digit) } else { '=' });
             }
         }
@@ -144,7 +144,7 @@ impl Bytes {
 }
 
 /// Room for the frame of an empty stream, bytes.
-const LEAST_ROOM: usize = 64;
+const MIN_STREAM_BYTES: usize = 64;
 
 #[cfg(test)]
 mod tests {

@@ -6,7 +6,7 @@ use verify::surface::FAR;
 use wheel::part::{Part, Sample, SurfaceKind};
 
 /// Most vertices of all sectors; with more samples, neighbouring samples share a vertex.
-const MOST_VERTICES: usize = 1_200_000;
+const MAX_PART_VERTICES: usize = 1_200_000;
 
 /// A row of evenly spaced samples of a surface: their number, and the parameters of the first and the last.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -118,7 +118,7 @@ pub(super) fn part(
     turned: Vec<Vec<[f64; 2]>>,
 ) -> PartData {
     let (sector0, count) = (samples, samples.len());
-    let stride = ((deviations.len() as f64 / MOST_VERTICES as f64).sqrt().ceil() as usize).max(1);
+    let stride = ((deviations.len() as f64 / MAX_PART_VERTICES as f64).sqrt().ceil() as usize).max(1);
     let frame = Frame::around(sector0.iter().map(|s| [s.position.x, s.position.y, s.position.z]));
     let mut data = PartData {
         sectors: part.vane_count,

@@ -8,7 +8,7 @@ use verify::dynamics::Run;
 use verify::stock::{Engagement, StockReport};
 
 /// Most moves that the page holds.
-const MOST_MOVES: usize = 150_000;
+const MAX_MOVES: usize = 150_000;
 
 /// First tolerance of thinning, mm; it is doubled until the moves are few enough.
 const FIRST_TOLERANCE: f64 = 1e-3;
@@ -17,16 +17,16 @@ const FIRST_TOLERANCE: f64 = 1e-3;
 const LAST_TOLERANCE: f64 = 1.0;
 
 /// Distance from the tip at which a turn of the axis is counted as a displacement, mm: a length of engagement.
-const ARM: f64 = 20.0;
+const TURN_RADIUS: f64 = 20.0;
 
 /// Longest run that is thinned as a whole; it bounds the computing time.
-const LONGEST_RUN: usize = 4096;
+const MAX_RUN_STATIONS: usize = 4096;
 
 /// Limit of a move that takes no time.
 const NO_LIMIT: u8 = u8::MAX;
 
 /// Most bytes of pass names; with more, only the operations are named.
-const MOST_NAMES: usize = 600_000;
+const MAX_NAME_BYTES: usize = 600_000;
 
 /// Moves of an operation.
 #[derive(Serialize)]
@@ -128,7 +128,7 @@ fn thin(stations: &[PathRow], moves: &[JointMove], tolerance: f64) -> Vec<bool> 
     for i in 0..moves.len() {
         let border = moves.get(i + 1).is_none_or(|next| {
             (tolerance < LAST_TOLERANCE && (next.pass != moves[i].pass || next.kind != moves[i].kind))
-                || i + 1 - start >= LONGEST_RUN
+                || i + 1 - start >= MAX_RUN_STATIONS
         });
         if border {
             mark(&stations[start..=i], tolerance, &mut keep[start..=i]);
@@ -143,7 +143,7 @@ fn thin(stations: &[PathRow], moves: &[JointMove], tolerance: f64) -> Vec<bool> 
 fn stations(program: &Program, motion: &Motion) -> Vec<Vec<PathRow>> {
     let station = |m: &JointMove| {
         let pose = program.machine.forward(&m.joints);
-        let (t, a) = (pose.tip, pose.axis * ARM);
+        let (t, a) = (pose.tip, pose.axis * TURN_RADIUS);
         [t.x, t.y, t.z, a.x, a.y, a.z]
     };
     motion.operations.iter().map(|o| o.moves.iter().map(station).collect()).collect()
@@ -158,7 +158,7 @@ fn kept(program: &Program, motion: &Motion) -> (Vec<Vec<bool>>, f64) {
             motion.operations.iter().zip(&stations).map(|(o, s)| thin(s, &o.moves, tolerance)).collect();
         let kept = keep.iter().flatten().filter(|k| **k).count();
         // No part is a kilometre long: at this tolerance every path is reduced to its ends.
-        if kept <= MOST_MOVES || tolerance > 1e6 {
+        if kept <= MAX_MOVES || tolerance > 1e6 {
             return (keep, tolerance);
         }
         tolerance = if tolerance > 0.0 { 2.0 * tolerance } else { FIRST_TOLERANCE };
@@ -180,7 +180,7 @@ pub(super) fn paths(
         moves: motion.operations.iter().map(|o| o.moves.len()).sum(),
         kept: 0,
         tolerance,
-        nameless: names > MOST_NAMES,
+        nameless: names > MAX_NAME_BYTES,
         simulated: stock.is_some(),
         joints: Bytes::default(),
         indices: Bytes::default(),

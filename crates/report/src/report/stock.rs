@@ -24,16 +24,16 @@ pub struct StockStage {
 }
 
 /// Most triangles of one mesh, and of all meshes.
-const MOST_TRIANGLES: [usize; 2] = [60_000, 360_000];
+const MAX_TRIANGLES: [usize; 2] = [60_000, 360_000];
 
 /// Number of vertices that an index of 16 bit can address.
-const MOST_VERTICES: usize = 65_535;
+const MAX_INDEXED_VERTICES: usize = 65_535;
 
 /// Growth of the cells while a mesh is still too large.
-const GROWTH: f64 = 1.25;
+const CELL_GROWTH: f64 = 1.25;
 
 /// Enough rounds to grow from the first cell to a cell that holds the whole part.
-const MOST_ROUNDS: usize = 60;
+const MAX_COARSENINGS: usize = 60;
 
 /// One mesh in the form of the page.
 #[derive(Serialize)]
@@ -68,7 +68,7 @@ struct Joined {
 const MEAN_WEIGHT: f64 = 0.02;
 
 impl Joined {
-    const NOTHING: Self =
+    const EMPTY: Self =
         Self { sum: Vector3::new(0.0, 0.0, 0.0), count: 0.0, planes: ZERO, at: Vector3::new(0.0, 0.0, 0.0) };
 
     /// The point nearest to all planes in the sense of least squares (Lindstrom 2000), so that edges and corners stay
@@ -97,7 +97,7 @@ fn clustered(stage: &StockStage, cell: f64) -> (Vec<Point3<f64>>, Vec<[usize; 3]
             let next = joined.len();
             let index = *cells.entry(key).or_insert(next);
             if index == next {
-                joined.push(Joined::NOTHING);
+                joined.push(Joined::EMPTY);
             }
             joined[index].sum += p.coords;
             joined[index].count += 1.0;
@@ -126,9 +126,9 @@ fn clustered(stage: &StockStage, cell: f64) -> (Vec<Point3<f64>>, Vec<[usize; 3]
 
 /// A mesh that is small enough for the page when the page has `stages` meshes in all.
 pub(super) fn stock(stage: &StockStage, stages: usize) -> StockData {
-    let most = MOST_TRIANGLES[0].min(MOST_TRIANGLES[1] / stages.max(1));
+    let most = MAX_TRIANGLES[0].min(MAX_TRIANGLES[1] / stages.max(1));
     let frame = Frame::around(stage.positions.iter().map(|p| [p.x, p.y, p.z]));
-    let fits = |vertices: usize, triangles: usize| vertices <= MOST_VERTICES && triangles <= most;
+    let fits = |vertices: usize, triangles: usize| vertices <= MAX_INDEXED_VERTICES && triangles <= most;
     let mut cell = 0.0;
     let whole = fits(stage.positions.len(), stage.triangles.len());
     let (positions, triangles) = if whole {
@@ -138,12 +138,12 @@ pub(super) fn stock(stage: &StockStage, stages: usize) -> StockData {
         let edge = frame.size.iter().map(|s| s * s).sum::<f64>().sqrt() / (most.max(1) as f64).sqrt();
         let mut mesh = (Vec::new(), Vec::new());
         cell = edge;
-        for _ in 0..MOST_ROUNDS {
+        for _ in 0..MAX_COARSENINGS {
             mesh = clustered(stage, cell);
             if fits(mesh.0.len(), mesh.1.len()) {
                 break;
             }
-            cell *= GROWTH;
+            cell *= CELL_GROWTH;
         }
         mesh
     };
@@ -192,7 +192,7 @@ mod tests {
         assert_eq!((small.vertices, small.triangles, small.cell), (441, 800, 0.0));
         let large = field(400);
         let coarse = stock(&large, 1);
-        assert!(coarse.cell > 0.0 && coarse.triangles <= MOST_TRIANGLES[0] && coarse.triangles > 5000);
+        assert!(coarse.cell > 0.0 && coarse.triangles <= MAX_TRIANGLES[0] && coarse.triangles > 5000);
         let (positions, _) = clustered(&large, coarse.cell);
         for p in positions {
             // The mean over a cell differs from a surface of this curvature by at most the cell.
