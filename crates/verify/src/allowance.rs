@@ -53,7 +53,7 @@ pub fn check(program: &Program, motion: &Motion, progress: &Progress) -> Option<
     let mut shapes: Vec<Kept<'_>> = milled(&program.part);
     shapes.extend(kept(&program.part, &program.stock, MilledTurned::default()));
     let (grids, covered) = cover(program, &shapes, &sweeps, cutoff);
-    let all = deepest(&covered, &grids, &sweeps, (cutoff, -tolerance), progress, "roughing against the finished part");
+    let all = deepest(&covered, &grids, &sweeps, cutoff, -tolerance, progress, "roughing against the finished part");
     let bound = all.iter().map(|d| d.low).fold(cutoff, f64::min);
     let least = |d: &super::kept::Deepest| d.found.map_or(f64::INFINITY, |f| f.0);
     let nearest = covered.iter().zip(&all).filter(|(_, d)| least(d) < tolerance);

@@ -75,7 +75,7 @@ pub fn check(program: &Program, sweeps: &[Sweep<'_>], off: f64, progress: &Progr
     let allowed = super::kept_gouge(program);
     let shapes = kept(&program.part, &program.stock, program.milled_turned());
     let (grids, covered) = cover(program, &shapes, sweeps, 0.0);
-    let deepest = deepest(&covered, &grids, sweeps, (0.0, allowed - off), progress, "kept surfaces");
+    let deepest = deepest(&covered, &grids, sweeps, 0.0, allowed - off, progress, "kept surfaces");
     let mut surfaces: Vec<(KeptReport, Vec<u32>)> = Vec::new();
     for (c, d) in covered.iter().zip(&deepest) {
         let gouge = surface::extreme(&c.surface, d.found, -1.0, sweeps);
@@ -144,7 +144,8 @@ pub(super) fn deepest(
     covered: &[Covered<'_>],
     grids: &[Grid],
     sweeps: &[Sweep<'_>],
-    (cutoff, limit): (f64, f64),
+    cutoff: f64,
+    limit: f64,
     progress: &Progress,
     stage: impl Into<Cow<'static, str>>,
 ) -> Vec<Deepest> {

@@ -162,7 +162,7 @@ pub fn certify_with(
         || Cloud::new(revolved(&program.stock.profile, [0.0; 2], STOCK_SPACING, f64::INFINITY).0),
     );
     let search = search(program);
-    let report = |o| operation_report(program, motion, (o, splines[o]), [&design_cloud, &blank], search, progress);
+    let report = |o| operation_report(program, motion, o, splines[o], [&design_cloud, &blank], search, progress);
     let operations = (0..motion.operations.len()).map(|o| unless_cancelled(progress, || report(o)));
     let operations = operations.collect::<Result<Vec<OperationReport>, Aborted>>()?;
     let rapid = operations.iter().filter_map(|o| o.rapid.clone()).min_by(|a, b| a.distance.total_cmp(&b.distance));
@@ -284,7 +284,7 @@ impl measure::NarrowMeasure for Narrower<'_> {
         let distance = if body == Guarded::Shank { shank_distance } else { holder_distance };
         let solid = &self.program.tools[declared.tool].solid;
         let work = self.progress.begin(format!("{}, clearance", declared.name), pieces.len());
-        let mut found = least_over(&pieces, solid, distance, &cloud, (HALF_SPACING, self.search()), &work);
+        let mut found = least_over(&pieces, solid, distance, &cloud, HALF_SPACING, self.search(), &work);
         splines::nearer(&mut found, self.splines.get(operation)?.map_or(0.0, |s| s.tool.get()));
         found
     }
@@ -315,7 +315,8 @@ fn least_over(
     solid: &ToolSolid,
     distance: fn(&ToolSolid, f64, f64) -> f64,
     cloud: &Cloud,
-    (half_spacing, search): (f64, f64),
+    half_spacing: f64,
+    search: f64,
     work: &Work,
 ) -> Option<clearance::Clearance> {
     let least = |run: &[piece::Piece]| {
@@ -333,7 +334,8 @@ fn least_over(
 fn operation_report(
     program: &Program,
     motion: &Motion,
-    (o, splines): (usize, Option<splines::SplineReport>),
+    o: usize,
+    splines: Option<splines::SplineReport>,
     [design, stock]: [&Cloud; 2],
     search: f64,
     progress: &Progress,
@@ -361,7 +363,7 @@ fn operation_report(
     let work = progress.begin(format!("{}, clearance", declared.name), 2 * pieces.len() + rapids.len());
     let chords = splines.map_or(0.0, |s| s.tool.get());
     let body = |distance: fn(&ToolSolid, f64, f64) -> f64| {
-        let mut found = least_over(&pieces, &tool.solid, distance, design, (HALF_SPACING, search), &work);
+        let mut found = least_over(&pieces, &tool.solid, distance, design, HALF_SPACING, search, &work);
         splines::nearer(&mut found, chords);
         found
     };
@@ -375,7 +377,7 @@ fn operation_report(
         splines,
         shank: body(shank_distance),
         holder: body(holder_distance),
-        rapid: least_over(&rapids, &tool.solid, ToolSolid::distance, stock, (half_stock, search), &work),
+        rapid: least_over(&rapids, &tool.solid, ToolSolid::distance, stock, half_stock, search, &work),
     }
 }
 

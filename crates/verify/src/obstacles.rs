@@ -53,8 +53,8 @@ pub fn check(program: &Program, motion: &Motion, progress: &Progress) -> Vec<Obs
             let work = progress
                 .begin(format!("{}, distance to the {}", declared.name, solid.kind.name()), parts.len() * pieces.len());
             for (part, distance) in parts {
-                let within = (half_spacing, SEARCH_DISTANCE);
-                let Some(found) = least_over(&pieces, tool, distance, &cloud, within, &work) else { continue };
+                let found = least_over(&pieces, tool, distance, &cloud, half_spacing, SEARCH_DISTANCE, &work);
+                let Some(found) = found else { continue };
                 if nearest.clearance.as_ref().is_none_or(|c| found.distance < c.distance) {
                     (nearest.part, nearest.clearance) = (part.into(), Some(found));
                 }

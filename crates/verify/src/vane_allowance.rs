@@ -143,7 +143,7 @@ fn missing(
     }
     let tolerance = program.tolerances.chord_rough.get();
     let stage = format!("{name}, allowance on vanes");
-    let all = deepest(&covered, &grids, sweeps, (0.0, tolerance), progress, stage);
+    let all = deepest(&covered, &grids, sweeps, 0.0, tolerance, progress, stage);
     let bound = all.iter().map(|d| -d.low).fold(0.0, f64::max);
     let least = |found: Extreme| found.map_or(0.0, |f| f.0);
     let worst = covered.iter().zip(&all).filter(|(_, d)| least(d.found) < 0.0);

@@ -496,7 +496,7 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
         chip: milled.chip(&removal, declared.speed.get() * f64::from(program.tools[declared.tool].flutes)),
         collisions: milled.collisions(),
         moves: engagement(operation.moves.len(), places, &removal, &arcs),
-        removal: removal.shares(program, declared, places, (window, operation.moves.len())),
+        removal: removal.shares(program, declared, places, window, operation.moves.len()),
     }
 }
 

@@ -94,7 +94,8 @@ impl StepRemoval {
         program: &Program,
         operation: &Operation,
         places: &[StepPlace],
-        (window, count): (f64, usize),
+        window: f64,
+        count: usize,
     ) -> Vec<f64> {
         let tool = &program.tools[operation.tool];
         let (rate, power) = (tool.max_rate, program.stock.material.zip(program.machine.power));
