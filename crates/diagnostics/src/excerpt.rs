@@ -10,20 +10,20 @@ use base::source::{SourceId, SourceMap, Span};
 use miette::{LabeledSpan, MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents};
 
 /// Number of lines kept before and after a mark; the renderer shows one.
-const AROUND: usize = 2;
+const LINES_AROUND: usize = 2;
 
 /// Most lines between two marks with which both are shown in one block.
-const GAP: usize = 40;
+const MAX_LINES_BETWEEN: usize = 40;
 
 /// Longest line that is shown whole, bytes.
-const WHOLE: usize = 400;
+const MAX_WHOLE_LINE_BYTES: usize = 400;
 
 /// Number of characters shown before and after a mark in a longer line.
-const BEFORE: usize = 60;
-const BEHIND: usize = 140;
+const CHARACTERS_BEFORE: usize = 60;
+const CHARACTERS_BEHIND: usize = 140;
 
 /// Columns of a tab.
-const TAB: usize = 4;
+const TAB_COLUMNS: usize = 4;
 
 /// Consecutive lines, as they are shown.
 #[derive(Debug)]
@@ -128,9 +128,9 @@ fn blocks(marks: &[Mark<'_>], count: usize) -> Vec<std::ops::Range<usize>> {
     lines.sort_unstable();
     let mut blocks: Vec<std::ops::Range<usize>> = Vec::new();
     for line in lines {
-        let range = line.saturating_sub(AROUND)..(line + AROUND + 1).min(count);
+        let range = line.saturating_sub(LINES_AROUND)..(line + LINES_AROUND + 1).min(count);
         match blocks.last_mut() {
-            Some(last) if range.start <= last.end + GAP => last.end = last.end.max(range.end),
+            Some(last) if range.start <= last.end + MAX_LINES_BETWEEN => last.end = last.end.max(range.end),
             _ => blocks.push(range),
         }
     }
@@ -154,10 +154,11 @@ impl ExcerptRow {
         let body = line.strip_suffix('\n').unwrap_or(line);
         let body = body.strip_suffix('\r').unwrap_or(body);
         let mut range = 0..body.len();
-        if body.len() > WHOLE {
+        if body.len() > MAX_WHOLE_LINE_BYTES {
             let anchor = boundary(body, anchor.unwrap_or(0));
-            range.start = body[..anchor].char_indices().rev().take(BEFORE).last().map_or(anchor, |(at, _)| at);
-            range.end = body[anchor..].char_indices().nth(BEHIND).map_or(body.len(), |(at, _)| anchor + at);
+            range.start =
+                body[..anchor].char_indices().rev().take(CHARACTERS_BEFORE).last().map_or(anchor, |(at, _)| at);
+            range.end = body[anchor..].char_indices().nth(CHARACTERS_BEHIND).map_or(body.len(), |(at, _)| anchor + at);
         }
         let mut text = String::new();
         let mut places = Vec::new();
@@ -169,7 +170,7 @@ impl ExcerptRow {
             places.push((range.start + at, text.len()));
             match c {
                 '\t' => {
-                    let blanks = TAB - column % TAB;
+                    let blanks = TAB_COLUMNS - column % TAB_COLUMNS;
                     text.extend(std::iter::repeat_n(' ', blanks));
                     column += blanks - 1;
                 }

@@ -176,7 +176,7 @@ impl Diag {
 }
 
 /// Most diagnostics of a severity that a run keeps; further ones are only counted.
-const KEPT: usize = 1000;
+const MAX_KEPT: usize = 1000;
 
 /// Collects diagnostics of a run; equal ones are kept once.
 #[derive(Clone, Debug, Default)]
@@ -206,7 +206,7 @@ impl Sink {
             return;
         }
         let count = &mut self.counts[diag.severity as usize];
-        if count.kept >= KEPT {
+        if count.kept >= MAX_KEPT {
             count.further += 1;
             return;
         }
@@ -272,17 +272,17 @@ mod tests {
     fn equal_ones_are_kept_once_and_many_are_counted() {
         let mut sink = Sink::default();
         let error = |n: usize| Diag::error(codes::files::INTERNAL, format!("fault {n}"));
-        for n in (0..KEPT).chain(0..KEPT) {
+        for n in (0..MAX_KEPT).chain(0..MAX_KEPT) {
             sink.push(error(n));
         }
-        assert_eq!((sink.diags().len(), sink.count()), (KEPT, KEPT));
+        assert_eq!((sink.diags().len(), sink.count()), (MAX_KEPT, MAX_KEPT));
         for n in 0..10 {
-            sink.push(error(KEPT + n));
+            sink.push(error(MAX_KEPT + n));
             sink.push(Diag::remark(codes::files::INTERNAL, format!("remark {n}")));
         }
-        assert_eq!((sink.diags().len(), sink.count()), (KEPT + 10, KEPT + 20));
+        assert_eq!((sink.diags().len(), sink.count()), (MAX_KEPT + 10, MAX_KEPT + 20));
         assert_eq!([Severity::Error, Severity::Remark].map(|s| sink.further(s)), [10, 0]);
         sink.change_all(|d| d.note("x"));
-        assert_eq!((sink.diags().len(), sink.count()), (KEPT + 10, KEPT + 20));
+        assert_eq!((sink.diags().len(), sink.count()), (MAX_KEPT + 10, MAX_KEPT + 20));
     }
 }

@@ -11,10 +11,10 @@ use std::borrow::Cow;
 use std::fmt::{self, Write as _};
 
 /// Most diagnostics of a severity that the human report shows.
-const SHOWN: usize = 100;
+const MAX_SHOWN: usize = 100;
 
 /// Width of the human report in columns.
-const WIDTH: usize = 120;
+const REPORT_COLUMNS: usize = 120;
 
 /// A diagnostic as miette sees it, with its text.
 #[derive(Debug)]
@@ -64,12 +64,13 @@ impl miette::Diagnostic for Report<'_> {
 /// which stop the compilation, are therefore last on the screen.
 pub fn human(sink: &Sink, sources: &SourceMap, colour: bool) -> String {
     let theme = if colour { GraphicalTheme::unicode() } else { GraphicalTheme::unicode_nocolor() };
-    let handler = GraphicalReportHandler::new_themed(theme).with_width(WIDTH).with_links(false).with_cause_chain();
+    let handler =
+        GraphicalReportHandler::new_themed(theme).with_width(REPORT_COLUMNS).with_links(false).with_cause_chain();
     let mut out = String::new();
     let mut counts = Vec::new();
     for (severity, word) in [(Severity::Remark, "remark"), (Severity::Warning, "warning"), (Severity::Error, "error")] {
         let all: Vec<&Diag> = sink.diags().iter().filter(|d| d.severity == severity).collect();
-        for diag in all.iter().take(SHOWN).map(|d| bounded(d)) {
+        for diag in all.iter().take(MAX_SHOWN).map(|d| bounded(d)) {
             let report = report(&diag, sources);
             if handler.render_report(&mut out, &report).is_err() {
                 out.push_str(&report.message);
@@ -78,8 +79,8 @@ pub fn human(sink: &Sink, sources: &SourceMap, colour: bool) -> String {
             out.push('\n');
         }
         let count = all.len() + sink.further(severity);
-        if count > SHOWN {
-            out.push_str(&format!("... and {} more\n", count - SHOWN));
+        if count > MAX_SHOWN {
+            out.push_str(&format!("... and {} more\n", count - MAX_SHOWN));
         }
         match count {
             0 => {}

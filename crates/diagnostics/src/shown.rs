@@ -5,13 +5,13 @@ use super::{Diag, Label, Place, Severity, Sink};
 use std::borrow::Cow;
 
 /// Most marks of one diagnostic.
-const MOST_LABELS: usize = 20;
+const MAX_LABELS: usize = 20;
 
 /// Most notes of one diagnostic.
-const MOST_NOTES: usize = 40;
+const MAX_NOTES: usize = 40;
 
 /// Longest text of a message, mark, help or note, in characters: a few screens.
-const LONGEST_TEXT: usize = 4000;
+const MAX_TEXT_LENGTH: usize = 4000;
 
 /// The diagnostics of a run as a report for tools shows them. When a run has more than it keeps, remarks at the end
 /// give the number.
@@ -32,29 +32,29 @@ pub(super) fn all(sink: &Sink) -> Vec<Diag> {
 pub(super) fn bounded(diag: &Diag) -> Diag {
     let label = |l: &Label| Label { span: l.span, text: cut(&l.text).into_owned() };
     let place = |p: &Place| Place { what: cut(&p.what).into_owned(), ..p.clone() };
-    let mut notes: Vec<String> = diag.notes.iter().take(MOST_NOTES).map(|n| cut(n).into_owned()).collect();
-    if diag.notes.len() > MOST_NOTES {
-        notes.push(format!("{} further facts are not shown", diag.notes.len() - MOST_NOTES));
+    let mut notes: Vec<String> = diag.notes.iter().take(MAX_NOTES).map(|n| cut(n).into_owned()).collect();
+    if diag.notes.len() > MAX_NOTES {
+        notes.push(format!("{} further facts are not shown", diag.notes.len() - MAX_NOTES));
     }
-    if diag.labels.len() > MOST_LABELS {
-        notes.push(format!("{} further places are not marked", diag.labels.len() - MOST_LABELS));
+    if diag.labels.len() > MAX_LABELS {
+        notes.push(format!("{} further places are not marked", diag.labels.len() - MAX_LABELS));
     }
     Diag {
         code: diag.code,
         severity: diag.severity,
         message: cut(&diag.message).into_owned(),
-        labels: diag.labels.iter().take(MOST_LABELS).map(label).collect(),
+        labels: diag.labels.iter().take(MAX_LABELS).map(label).collect(),
         help: diag.help.as_deref().map(|h| cut(h).into_owned()),
         notes,
         // A change of the text is kept only as a whole.
-        fix: diag.fix.clone().filter(|f| f.replacement.len() <= LONGEST_TEXT),
+        fix: diag.fix.clone().filter(|f| f.replacement.len() <= MAX_TEXT_LENGTH),
         place: diag.place.as_ref().map(place),
         known: diag.known.clone(),
     }
 }
 
 fn cut(text: &str) -> Cow<'_, str> {
-    match text.char_indices().nth(LONGEST_TEXT) {
+    match text.char_indices().nth(MAX_TEXT_LENGTH) {
         None => text.into(),
         Some((end, _)) => format!("{} ... ({} bytes more)", &text[..end], text.len() - end).into(),
     }
@@ -117,8 +117,8 @@ mod tests {
         }
         let shown = bounded(&diag);
         assert!(shown.message.ends_with(" ... (1992000 bytes more)"), "{}", shown.message);
-        assert_eq!(shown.labels.len(), MOST_LABELS);
-        assert_eq!(shown.notes[MOST_NOTES..], ["960 further facts are not shown", "980 further places are not marked"]);
+        assert_eq!(shown.labels.len(), MAX_LABELS);
+        assert_eq!(shown.notes[MAX_NOTES..], ["960 further facts are not shown", "980 further places are not marked"]);
         assert_eq!((shown.help.as_deref(), shown.fix), (Some("h"), None));
     }
 
