@@ -10,27 +10,27 @@ use nalgebra::{Point3, Vector3};
 use serde::Serialize;
 
 /// Largest distance of neighbouring places of a way, mm, and largest turn of the rotary axes between them, radians.
-const APART: f64 = 1.0;
-const TURN: f64 = 0.005;
+const PLACE_SPACING_MM: f64 = 1.0;
+const PLACE_TURN_RAD: f64 = 0.005;
 
-/// Way that is looked ahead for the nearest place, mm, and the least number of pieces.
-const AHEAD: f64 = 3.0;
-const LEAST_AHEAD: usize = 8;
+/// Path length within which the nearest place is searched, mm, and the least number of pieces.
+const LOOK_AHEAD_MM: f64 = 3.0;
+const MIN_PIECES_AHEAD: usize = 8;
 
-/// Distance from which a way counts as lost, mm. At the next change between rapid, link and cut it is looked for in the whole
+/// Distance from which a path counts as lost, mm. At the next change between rapid, link and cut it is searched in the whole
 /// rest of the operation.
-const LOST: f64 = 0.5;
+const LOST_DISTANCE_MM: f64 = 0.5;
 
 /// Length that makes turns and distances alike where the nearest place is chosen, mm.
-const ARM: f64 = 10.0;
+const TURN_LENGTH_MM: f64 = 10.0;
 
 /// Tip motion of a piece from which its speed is compared, mm.
-const MOVES: f64 = 0.01;
+const MIN_TIP_MOTION_MM: f64 = 0.01;
 
 /// Differences up to which two texts are the same for the machine: distance of tips, mm, angle of axes, degrees, share of the
 /// speed, share of the time of an operation. Words of NC texts end at 0.1 um and 1e-8 of a vector; feeds at their third
 /// digit.
-const SAME: [f64; 4] = [5e-4, 1e-3, 5e-3, 2e-3];
+const EQUAL_WITHIN: [f64; 4] = [5e-4, 1e-3, 5e-3, 2e-3];
 
 /// A motion with its program.
 #[derive(Clone, Copy)]
@@ -83,13 +83,13 @@ impl OperationDifference {
     /// The differences that are more than the digits of NC texts, with what differs.
     pub fn beyond_digits(&self) -> impl Iterator<Item = (&'static str, Difference)> {
         let each = [("tips", self.tip), ("tool axes", self.axis), ("speeds", self.speed)];
-        each.into_iter().zip(SAME).filter(|((_, d), same)| d.value > *same).map(|(d, _)| d)
+        each.into_iter().zip(EQUAL_WITHIN).filter(|((_, d), same)| d.value > *same).map(|(d, _)| d)
     }
 
     /// True where the machine does the same, within the digits of NC texts.
     pub fn is_same(&self) -> bool {
         let all = self.programmed;
-        let time = (all[0] - all[1]).abs() <= SAME[3] * all[0].max(all[1]).max(1.0);
+        let time = (all[0] - all[1]).abs() <= EQUAL_WITHIN[3] * all[0].max(all[1]).max(1.0);
         time && self.beyond_digits().next().is_none()
     }
 }
@@ -152,7 +152,7 @@ struct WayPlace {
 impl WayPlace {
     /// Tip and axis in one space.
     fn apart(&self, other: &Self) -> (Vector3<f64>, Vector3<f64>) {
-        (other.tip - self.tip, (other.axis - self.axis) * ARM)
+        (other.tip - self.tip, (other.axis - self.axis) * TURN_LENGTH_MM)
     }
 }
 
@@ -166,7 +166,8 @@ fn way(machine: &Machine, operation: &MotionOperation) -> Vec<WayPlace> {
         let (from, to) = (pair[0].joints, pair[1].joints);
         let tips = [from, to].map(|joints| machine.forward(&joints).tip);
         let length = (tips[1] - tips[0]).norm();
-        let count = (length / APART).max(machine.turn(from.rotary, to.rotary) / TURN).ceil().max(1.0);
+        let count =
+            (length / PLACE_SPACING_MM).max(machine.turn(from.rotary, to.rotary) / PLACE_TURN_RAD).ceil().max(1.0);
         let speed = if pair[1].time > 0.0 { length / pair[1].time } else { 0.0 };
         places.extend((1..=count as usize).map(|k| {
             let t = k as f64 / count;
@@ -227,13 +228,13 @@ fn largest([first, second]: [&[WayPlace]; 2]) -> [Difference; 3] {
         for (place, moves) in middle.iter().map(|m| (m, true)).chain([(&first[k], false)]) {
             let mut run = 0.0;
             let ahead = (last..second.len()).enumerate().take_while(|(n, end)| {
-                let within = run <= AHEAD || *n < LEAST_AHEAD;
+                let within = run <= LOOK_AHEAD_MM || *n < MIN_PIECES_AHEAD;
                 run += (second[*end].tip - second[end - 1].tip).norm();
                 within
             });
             let Some(mut at) = nearest(second, ahead.map(|a| a.1), place) else { continue };
             let changes = k > 0 && first[k].kind != first[k - 1].kind;
-            if at.square > LOST * LOST && changes {
+            if at.square > LOST_DISTANCE_MM * LOST_DISTANCE_MM && changes {
                 at = nearest(second, last..second.len(), place).unwrap_or(at);
             }
             last = at.end;
@@ -246,7 +247,7 @@ fn largest([first, second]: [&[WayPlace]; 2]) -> [Difference; 3] {
             found[1] = found[1].or(differs(axis.angle(&place.axis).to_degrees()));
             let piece = k.checked_sub(1).map_or(0.0, |before| (first[k].tip - first[before].tip).norm());
             let at_feed = place.kind != MoveKind::Rapid && to.kind != MoveKind::Rapid;
-            if moves && at_feed && piece > MOVES && (0.01..=0.99).contains(&at.share) {
+            if moves && at_feed && piece > MIN_TIP_MOTION_MM && (0.01..=0.99).contains(&at.share) {
                 let fastest = place.speed.max(to.speed);
                 found[2] = found[2].or(differs((place.speed - to.speed).abs() / fastest.max(f64::MIN_POSITIVE)));
             }

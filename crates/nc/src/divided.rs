@@ -5,10 +5,10 @@ use ir::repeats::Division;
 use ir::{MotionOperation, Program};
 
 /// Digits of turns and shifts, degrees. They are finer than the words of positions, since a pitch of 360/7 deg has no end.
-const DIGITS: usize = 9;
+const TURN_AND_SHIFT_DIGITS: usize = 9;
 
 /// First number of a subprogram.
-const FIRST: usize = 101;
+const FIRST_SUBPROGRAM: usize = 101;
 
 /// An operation with parts that sectors repeat.
 pub struct Divided<'a> {
@@ -23,7 +23,7 @@ pub struct Divided<'a> {
 impl Divided<'_> {
     /// Number of a subprogram in the text.
     pub(super) fn number(&self, subprogram: usize) -> usize {
-        FIRST + self.before + subprogram
+        FIRST_SUBPROGRAM + self.before + subprogram
     }
 
     /// Whether some places of a subprogram have the other branch of the rotary axes.
@@ -34,7 +34,7 @@ impl Divided<'_> {
 
 /// An angle in a turn or a shift, degrees.
 pub(super) fn degrees(angle: f64) -> String {
-    trim(angle, DIGITS)
+    trim(angle, TURN_AND_SHIFT_DIGITS)
 }
 
 /// Turn of the work frame, degrees.

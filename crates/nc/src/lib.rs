@@ -74,12 +74,12 @@ pub fn find(name: &str) -> Option<&'static dyn Post> {
 }
 
 /// Number of lines that are examined to recognise the dialect of a text.
-const LOOKED_AT: usize = 10_000;
+const EXAMINED_LINES: usize = 10_000;
 
 /// Number of lines with words that only one dialect has, for each dialect, within the first lines of a text.
 fn own_words(text: &str) -> Vec<usize> {
     let mut counts = vec![0_usize; POSTS.len()];
-    for line in text.lines().take(LOOKED_AT) {
+    for line in text.lines().take(EXAMINED_LINES) {
         // The comments of either dialect.
         let code = line.split([';', '(']).next().unwrap_or_default();
         for (count, post) in counts.iter_mut().zip(POSTS) {
@@ -101,11 +101,12 @@ pub fn recognise(text: &str) -> Option<&'static dyn Post> {
 
 /// Ratio of the lines of another dialect to those of the expected one from which on the text counts as the other
 /// dialect.
-const CLEARLY: usize = 10;
+const OTHER_DIALECT_RATIO: usize = 10;
 
 /// The dialect of a text that is clearly not in the expected dialect.
 pub fn clearly_other(text: &str, expected: &dyn Post) -> Option<&'static dyn Post> {
     let counts = own_words(text);
     let own = counts.iter().zip(POSTS).find(|(_, p)| p.name() == expected.name()).map_or(0, |(n, _)| *n);
-    recognise(text).filter(|p| p.name() != expected.name() && counts.iter().max().is_some_and(|n| *n > CLEARLY * own))
+    recognise(text)
+        .filter(|p| p.name() != expected.name() && counts.iter().max().is_some_and(|n| *n > OTHER_DIALECT_RATIO * own))
 }

@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 use wheel::control::on_step;
 
 /// Degrees of a turn.
-const TURN: f64 = 360.0;
+const FULL_TURN_DEG: f64 = 360.0;
 
 /// Share of half a turn that the rounding of the words of two blocks can take, radians: one step of two decimals.
 const TURN_ROUNDING_RAD: f64 = 2e-4;
@@ -57,8 +57,8 @@ pub(super) fn degrees(axis: &RotaryAxis, angle: f64, decimals: usize) -> f64 {
     if axis.modulo.is_none() {
         return word;
     }
-    let within = on_step(on_step(word, decimals).rem_euclid(TURN), decimals);
-    if within >= TURN { 0.0 } else { within }
+    let within = on_step(on_step(word, decimals).rem_euclid(FULL_TURN_DEG), decimals);
+    if within >= FULL_TURN_DEG { 0.0 } else { within }
 }
 
 /// Refuses half a turn in one block of the axes for which the control takes the shorter way.
@@ -111,10 +111,10 @@ mod tests {
             let word_sign = if opposite { -1.0 } else { 1.0 };
             let axis = RotaryAxis { word_sign, modulo: Some(ModuloWay::Shortest), ..RotaryAxis::wide("C") };
             let word = degrees(&axis, angle, decimals);
-            let turns = (word - angle.to_degrees() * word_sign) / TURN;
-            prop_assert!((0.0..TURN).contains(&word) && !words::fixed(word, decimals).starts_with("360"));
+            let turns = (word - angle.to_degrees() * word_sign) / FULL_TURN_DEG;
+            prop_assert!((0.0..FULL_TURN_DEG).contains(&word) && !words::fixed(word, decimals).starts_with("360"));
             let half = 0.5 * 10f64.powi(-i32::try_from(decimals).unwrap());
-            prop_assert!((turns - turns.round()).abs() * TURN <= half + 1e-9, "{angle} {word}");
+            prop_assert!((turns - turns.round()).abs() * FULL_TURN_DEG <= half + 1e-9, "{angle} {word}");
         }
     }
 

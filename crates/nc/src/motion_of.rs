@@ -43,7 +43,7 @@ const MOST_FAULTS: usize = super::MOST_FAULTS;
 const FEED_ROUNDING: f64 = 1e-6;
 
 /// Largest turn of the table that is rounding of words while the tool moves down to the first target, radians.
-const PARKED: f64 = 1e-5;
+const PARKED_ROUNDING_RAD: f64 = 1e-5;
 
 /// Share of the time of a move at rapid that is rounding of the words of its block.
 const RAPID_TIME_ROUNDING: f64 = 1e-3;
@@ -328,7 +328,7 @@ impl Interpreter<'_> {
     /// Reports rotary positions that are not certain, and turns while the tool moves down.
     fn check_turn(&mut self, m: &NcMove, first: bool, before: Angles, to: Angles, free: bool) {
         let names = self.program.machine.names();
-        if first && most_turn(before, to) > PARKED {
+        if first && most_turn(before, to) > PARKED_ROUNDING_RAD {
             let what = if self.program.machine.chain.has_head() { "a rotary axis" } else { "the table" };
             let text = format!("{what} turns during the approach to the first target");
             let help = format!(

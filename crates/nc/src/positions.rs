@@ -9,7 +9,7 @@ use nurbs::angle::nearest_turn;
 use std::f64::consts::TAU;
 
 /// Most turns to either side of zero that are tried.
-const MOST_TURNS: i32 = 3;
+const MAX_WINDINGS: i32 = 3;
 
 /// Of the rotary positions for a direction within the travel the nearest; where there is none, the nearest of all.
 pub(super) fn within_travel(machine: &Machine, axis: &Vector3<f64>, before: Angles) -> Option<Angles> {
@@ -58,7 +58,7 @@ fn moves_within(machine: &Machine, section: &NcSection, start: Angles) -> usize 
 /// Both solutions for a direction, with some turns of axis 2 to either side, the nearest to an angle of axis 2 first.
 fn candidates(machine: &Machine, axis: &Vector3<f64>, near: f64) -> Vec<Angles> {
     let Some(solutions) = machine.chain.inverse(axis, near) else { return Vec::new() };
-    let turns = (0..=MOST_TURNS).flat_map(|k| [k, -k]).skip(1);
+    let turns = (0..=MAX_WINDINGS).flat_map(|k| [k, -k]).skip(1);
     let turned = |k: i32| solutions.map(|[first, second]| [first, nearest_turn(second, near) + f64::from(k) * TAU]);
     turns.flat_map(turned).collect()
 }

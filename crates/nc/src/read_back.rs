@@ -22,7 +22,7 @@ const TIME_ROUNDING: f64 = 1e-12;
 /// Margin of moves whose words are those of another place, tip in mm and angles in radians. A move of a subprogram differs
 /// from its first place by at most the rounding of the arithmetic, and so does the turn of each unit of it from that of the
 /// whole, in both positions.
-const TURNED: (f64, f64) = (4.0 * repeats::POSITION_ROUNDING.0, 4.0 * repeats::POSITION_ROUNDING.1);
+const SUBPROGRAM_ROUNDING: (f64, f64) = (4.0 * repeats::POSITION_ROUNDING.0, 4.0 * repeats::POSITION_ROUNDING.1);
 
 /// What reading back found.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -145,7 +145,7 @@ pub fn read_back(post: &dyn Post, program: &Program, motion: &Motion, text: &str
 
 /// Largest error of a control point by the rounding of all coefficients, mm and radians: they have eight digits behind the
 /// point, one fewer from 10 on.
-const COEFFICIENTS: f64 = 1e-6;
+const CONTROL_POINT_ROUNDING: f64 = 1e-6;
 
 /// Compares the polynomials of a block. Two curves of one degree are nowhere farther apart than their control points.
 fn same_curve(program: &Program, meant: &PoseCurve, read: &PoseCurve, result: &mut ReadBack) -> Result<(), String> {
@@ -155,20 +155,20 @@ fn same_curve(program: &Program, meant: &PoseCurve, read: &PoseCurve, result: &m
     }
     let digits = &program.post.control.decimals;
     let tip = apart(meant.tip(), read.tip());
-    if tip > half_step(digits.length) + COEFFICIENTS {
+    if tip > half_step(digits.length) + CONTROL_POINT_ROUNDING {
         return Err(format!("the tip is off by {tip:.6} mm"));
     }
     let axis = match (meant.turn(), read.turn()) {
         (TurnCurve::Rotary(a), TurnCurve::Rotary(b)) => {
             let off = apart(a, b);
-            if off > half_step(digits.angle).to_radians() + COEFFICIENTS {
+            if off > half_step(digits.angle).to_radians() + CONTROL_POINT_ROUNDING {
                 return Err(format!("a rotary axis is off by {:.7} deg", off.to_degrees()));
             }
             off
         }
         (TurnCurve::Second(a), TurnCurve::Second(b)) => {
             let off = apart(a, b);
-            if off > half_step(digits.length) + COEFFICIENTS {
+            if off > half_step(digits.length) + CONTROL_POINT_ROUNDING {
                 return Err(format!("the second point is off by {off:.6} mm"));
             }
             3f64.sqrt() * (tip + off) / meant.least_length()
@@ -278,7 +278,7 @@ fn compare(
     }
     // A turned frame turns the errors of two rounded words into one coordinate.
     let (most, margin) = if read.frame_turned {
-        (half_step(digits.length) * SQRT_2, TURNED)
+        (half_step(digits.length) * SQRT_2, SUBPROGRAM_ROUNDING)
     } else {
         (half_step(digits.length), (0.0, 0.0))
     };

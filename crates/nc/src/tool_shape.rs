@@ -6,7 +6,7 @@ use ir::Tool;
 const SHAPE_ROUNDING_MM: f64 = 2e-4;
 
 /// Places of the profile that are compared.
-const PLACES: u32 = 64;
+const PROFILE_SAMPLES: u32 = 64;
 
 /// What a text says of the tool of a section besides its number or name.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -73,8 +73,8 @@ pub(super) fn difference(shape: &NcToolShape, tool: &Tool) -> Option<String> {
     }
     let cutter = shape.cutter?;
     let flute = tool.solid.flute_length;
-    let off = (1..=PLACES)
-        .map(|k| flute * f64::from(k) / f64::from(PLACES))
+    let off = (1..=PROFILE_SAMPLES)
+        .map(|k| flute * f64::from(k) / f64::from(PROFILE_SAMPLES))
         .map(|s| (cutter.radius_at(s) - tool.solid.cutter.radius_at(s)).abs())
         .fold(0.0, f64::max);
     if !cutter.closes() || off > SHAPE_ROUNDING_MM {
@@ -96,7 +96,7 @@ mod tests {
         assert_eq!([ball.radius_at(3.0), ball.radius_at(20.0)], [3.0, 3.0]);
         let flat = NcCutter::cylinder(8.0, 0.0);
         assert!(flat.closes() && flat.radius_at(0.0) == 4.0);
-        // A ball of 2 mm with sides that lean by 45 deg: they touch it at the height 2 - sqrt 2.
+        // A ball of 2 mm with sides tilted by 45 deg: they touch it at the height 2 - sqrt 2.
         let diameter = 4.0 * (std::f64::consts::PI / 8.0).tan();
         let taper =
             NcCutter { diameter, corner: 2.0, across: 0.0, up: 2.0, lower: 0.0, upper: FRAC_PI_4, height: None };

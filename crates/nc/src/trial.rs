@@ -16,10 +16,10 @@ use nalgebra::Vector3;
 use wheel::post_file::PostFile;
 
 /// Length of the moves, mm.
-const STEP: f64 = 1.0;
+const MOVE_LENGTH_MM: f64 = 1.0;
 
 /// Turn of rotary axis 1 within a block, radians: it shows by which rule the control turns the axes.
-const TURN: f64 = 0.05;
+const BLOCK_TURN_RAD: f64 = 0.05;
 
 /// Refuses what the dialect has no words for, as far as tools, machine and post file say it, and frames with which the
 /// dialect would not do what the program means.
@@ -108,21 +108,22 @@ fn moves(program: &Program, id: OperationId, operation: &Operation) -> MotionOpe
     let length = program.tools[operation.tool].length();
     let middle = |k: usize| 0.5 * (machine.linear[k].min + machine.linear[k].max);
     let rotary = [0, 1].map(|k: usize| 0.0_f64.clamp(machine.rotary[k].min, machine.rotary[k].max));
-    let turn = if rotary[0] + TURN <= machine.rotary[0].max { TURN } else { -TURN };
+    let turn = if rotary[0] + BLOCK_TURN_RAD <= machine.rotary[0].max { BLOCK_TURN_RAD } else { -BLOCK_TURN_RAD };
     // The tip for the gauge line at zero.
     let from_gauge = machine.positions(&Joints { xyz: Vector3::zeros(), rotary }, length);
     let at = |sideways: f64, below: f64| {
         let gauge = [middle(0) + sideways, middle(1), machine.retract - below];
         Joints { xyz: Vector3::from_fn(|k, _| gauge[k] - from_gauge[k]), rotary }
     };
-    let turned = machine.joints(&machine.forward(&at(2.0 * STEP, STEP)).tip, [rotary[0] + turn, rotary[1]]);
+    let turned =
+        machine.joints(&machine.forward(&at(2.0 * MOVE_LENGTH_MM, MOVE_LENGTH_MM)).tip, [rotary[0] + turn, rotary[1]]);
     let feed = operation.feed.get();
     let places = [
         (MoveKind::Rapid, at(0.0, 0.0)),
-        (MoveKind::Rapid, at(0.0, STEP)),
-        (MoveKind::Cut, at(STEP, STEP)),
+        (MoveKind::Rapid, at(0.0, MOVE_LENGTH_MM)),
+        (MoveKind::Cut, at(MOVE_LENGTH_MM, MOVE_LENGTH_MM)),
         (MoveKind::Cut, turned),
-        (MoveKind::Cut, at(0.0, STEP)),
+        (MoveKind::Cut, at(0.0, MOVE_LENGTH_MM)),
         (MoveKind::Rapid, at(0.0, 0.0)),
     ];
     let before = places.iter().take(1).chain(&places);

@@ -16,7 +16,7 @@ const CERTAIN_TURN: f64 = std::f64::consts::FRAC_PI_2;
 /// Decimals of F in inverse time, in moves a minute.
 pub const INVERSE_DECIMALS: i32 = 5;
 /// Largest F in inverse time; a move that would need a larger F is written with this value.
-const MOST_INVERSE: f64 = 1e5;
+const MAX_INVERSE: f64 = 1e5;
 
 /// A number with fixed decimals and without a negative zero.
 pub fn fixed(value: f64, decimals: usize) -> String {
@@ -34,7 +34,7 @@ pub fn feed(value: f64, decimals: usize) -> f64 {
 /// F of a move in inverse time, rounded down, since the proof of the axes holds for no shorter time. `time` in s.
 pub fn inverse_time(time: f64) -> String {
     let scale = 10f64.powi(INVERSE_DECIMALS);
-    let per_minute = (60.0 / time).min(MOST_INVERSE);
+    let per_minute = (60.0 / time).min(MAX_INVERSE);
     fixed((per_minute * scale).floor() / scale, usize::try_from(INVERSE_DECIMALS).unwrap_or(0))
 }
 

@@ -7,10 +7,10 @@ use nalgebra::Vector3;
 use nurbs::bezier;
 
 /// Digits that control points have behind those of a pose: rounded, no curve leaves the proved one.
-const MORE_DIGITS: usize = 4;
+const EXTRA_DIGITS: usize = 4;
 
 /// Chords by which the length of a curve is measured.
-const CHORDS: u32 = 64;
+const LENGTH_CHORDS: u32 = 64;
 
 /// Writes the statements before the GOTO of a spline block. `statement` writes a MOVNRB with values, on as many lines as it needs.
 pub(super) fn begin(spline: &SplineBlock, digits: usize, mut statement: impl FnMut(Vec<String>)) {
@@ -24,13 +24,13 @@ pub(super) fn begin(spline: &SplineBlock, digits: usize, mut statement: impl FnM
     let knots = (0..2 * order).map(|k| u8::from(k >= order).to_string());
     statement(std::iter::once("1".to_owned()).chain(knots).collect());
     for (number, points) in [("2", curve.tip()), ("3", second)] {
-        let numbers = points.iter().flat_map(|p| [p.x, p.y, p.z]).map(|x| fixed(x, digits + MORE_DIGITS));
+        let numbers = points.iter().flat_map(|p| [p.x, p.y, p.z]).map(|x| fixed(x, digits + EXTRA_DIGITS));
         statement(std::iter::once(number.to_owned()).chain(numbers).collect());
     }
     statement(vec!["NEXT".to_owned()]);
 }
 
 fn length(curve: &PoseCurve) -> f64 {
-    let at = |k: u32| bezier::value(curve.tip(), f64::from(k) / f64::from(CHORDS));
-    (0..CHORDS).map(|k| (at(k + 1) - at(k)).norm()).sum()
+    let at = |k: u32| bezier::value(curve.tip(), f64::from(k) / f64::from(LENGTH_CHORDS));
+    (0..LENGTH_CHORDS).map(|k| (at(k + 1) - at(k)).norm()).sum()
 }

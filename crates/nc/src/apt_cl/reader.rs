@@ -26,10 +26,10 @@ use five_axis::{Machine, PoseCurve};
 use nalgebra::{Point3, Vector3};
 
 /// Largest number of a tool.
-const LARGEST_TOOL: f64 = 1e8;
+const MAX_TOOL_NUMBER: f64 = 1e8;
 
 /// Largest error of the length of a direction vector: vectors of other lengths are not meant as directions.
-const UNIT: f64 = 1e-4;
+const VECTOR_LENGTH_ERROR: f64 = 1e-4;
 
 /// Rounding of the words of a pose in the height of the gauge line, mm.
 const HEIGHT_ROUNDING_MM: f64 = 1e-3;
@@ -108,7 +108,7 @@ impl<'a> State<'a> {
                         shown(word, 10)
                     ));
                 }
-                // A fault is told already: the motion ends here.
+                // A fault is reported already: the motion ends here.
                 Some((_, false)) => self.curves = None,
                 None => {}
             }
@@ -332,7 +332,7 @@ impl<'a> State<'a> {
         let [x, y, z, i, j, k] = numbers;
         let axis = Vector3::new(i, j, k);
         let length = axis.norm();
-        if (length - 1.0).abs() > UNIT {
+        if (length - 1.0).abs() > VECTOR_LENGTH_ERROR {
             return Err(format!(
                 "{word}: the direction i, j, k has the length {length:.6}; a direction has the length 1"
             ));
@@ -515,7 +515,7 @@ impl<'a> State<'a> {
 
 fn tool_number(text: &str) -> Result<u32, String> {
     let value = number(text)?;
-    if value.fract() == 0.0 && (1.0..=LARGEST_TOOL).contains(&value) {
+    if value.fract() == 0.0 && (1.0..=MAX_TOOL_NUMBER).contains(&value) {
         Ok(value as u32)
     } else {
         Err(format!("`{}` is no number of a tool", shown(text, 20)))
@@ -558,7 +558,7 @@ fn not_read(word: &str) -> String {
 
 /// Whether a line holds a statement that only CL data have.
 pub(super) fn recognises(code: &str) -> bool {
-    const OWN: [&str; 10] =
+    const OWN_WORDS: [&str; 10] =
         ["GOTO", "FROM", "FEDRAT", "LOADTL", "SPINDL", "COOLNT", "MULTAX", "CUTTER", "UNITS", "LINTOL"];
-    code.split_once('/').is_some_and(|(word, _)| OWN.contains(&word.trim()))
+    code.split_once('/').is_some_and(|(word, _)| OWN_WORDS.contains(&word.trim()))
 }

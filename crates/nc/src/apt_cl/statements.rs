@@ -9,7 +9,7 @@ use crate::control::{control_character, shown};
 const LAST_COLUMN: usize = 72;
 
 /// Longest statement, in characters.
-const LONGEST: usize = 1000;
+const MAX_STATEMENT_LENGTH: usize = 1000;
 
 /// Words behind which the rest of the line is text.
 const TEXTS: [&str; 2] = ["PARTNO", "PPRINT"];
@@ -44,8 +44,8 @@ pub(super) fn each(text: &str, mut found: impl FnMut(usize, Result<Statement<'_>
                     continue;
                 }
                 whole.push_str(part);
-                if whole.len() > LONGEST {
-                    let reason = format!("a statement of more than {LONGEST} characters");
+                if whole.len() > MAX_STATEMENT_LENGTH {
+                    let reason = format!("a statement of more than {MAX_STATEMENT_LENGTH} characters");
                     open = None;
                     if !found(i + 1, Err(reason)) {
                         return;

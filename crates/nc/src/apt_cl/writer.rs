@@ -80,7 +80,7 @@ pub(super) fn moves(program: &Program, operation: &MotionOperation, write: &mut 
     }
 }
 
-/// Writes a statement with as many values on a line as there is room for.
+/// Writes a statement with as many values on a line as fit on it.
 fn statement(word: &str, values: &[String], write: &mut WriteBlock<'_>) {
     let mut line = format!("{word}/");
     for (k, value) in values.iter().enumerate() {

@@ -12,7 +12,7 @@ use crate::nc::{ENDS_HERE, NcTool, ReadError, ReadResult};
 use five_axis::Machine;
 
 /// Largest level of G05.1 Q1.
-const LEVELS: u32 = 10;
+const MAX_SMOOTHING_LEVEL: u32 = 10;
 
 /// Where the text is.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -324,8 +324,8 @@ impl Reader<'_> {
             Some(_) if !(self.member.levels && on && word == "G05.1") => {
                 return Err(format!("R in the block of {word} is not understood"));
             }
-            Some(level) if !(1..=LEVELS).contains(&level) => {
-                return Err(format!("the level R of G05.1 Q1 is 1 to {LEVELS}"));
+            Some(level) if !(1..=MAX_SMOOTHING_LEVEL).contains(&level) => {
+                return Err(format!("the level R of G05.1 Q1 is 1 to {MAX_SMOOTHING_LEVEL}"));
             }
             level => usize::from(level.is_some()),
         };
@@ -454,7 +454,7 @@ fn miscellaneous(code: &str, machine: &Machine, block: &mut NcBlock) -> Result<(
 
 /// Whether a block holds a word that only this family has.
 pub(super) fn recognises(code: &str) -> bool {
-    const OWN: [&str; 4] = ["G43.4", "G43.5", "G05.1", "G5.1"];
+    const OWN_WORDS: [&str; 4] = ["G43.4", "G43.5", "G05.1", "G5.1"];
     let mut words = code.split_whitespace();
     let first = words.next().unwrap_or_default();
     let number = |letter: char, word: &str| {
@@ -462,5 +462,5 @@ pub(super) fn recognises(code: &str) -> bool {
     };
     let second = words.next().unwrap_or_default();
     let word = if number('N', first) { second } else { first };
-    OWN.contains(&word) || (number('O', first) && second.is_empty())
+    OWN_WORDS.contains(&word) || (number('O', first) && second.is_empty())
 }

@@ -4,7 +4,7 @@ use super::control::Member;
 use crate::control::{number, shown};
 
 /// Most digits of a number: the control refuses more (alarm PS0003).
-const MOST_DIGITS: usize = 9;
+const MAX_DIGITS: usize = 9;
 
 /// Decimals of F.
 const FEED_DECIMALS: usize = 3;
@@ -91,8 +91,8 @@ pub(super) fn decimal(letter: char, text: &str, member: &Member) -> Result<f64, 
             shown(text, 20)
         ));
     };
-    if digits > MOST_DIGITS {
-        return Err(format!("more than {MOST_DIGITS} digits: the control refuses the word"));
+    if digits > MAX_DIGITS {
+        return Err(format!("more than {MAX_DIGITS} digits: the control refuses the word"));
     }
     let behind = text[point + 1..].trim_end_matches('0');
     if behind.len() > decimals {

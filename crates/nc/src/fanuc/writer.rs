@@ -13,10 +13,10 @@ use wheel::control::Orientation;
 use wheel::post_file::{Field, Template};
 
 /// Largest number of a tool and of its length.
-const LARGEST_TOOL: u32 = 999;
+const MAX_TOOL_NUMBER: u32 = 999;
 
 /// Turn of the tables in one block before the start of a path, radians: 1 deg.
-const TURN: f64 = std::f64::consts::PI / 180.0;
+const BLOCK_TURN_RAD: f64 = std::f64::consts::PI / 180.0;
 
 /// A number that has its point also without digits behind it.
 pub(super) fn number(value: f64, decimals: usize) -> String {
@@ -66,7 +66,7 @@ pub(super) fn check(member: &Member, program: &Program, motion: &Motion, sink: &
     for operation in &motion.operations {
         let declared = &program.operations[operation.operation];
         let tool = &program.tools[declared.tool];
-        words::check_tool_number(tool, LARGEST_TOOL, "T and H take numbers", sink);
+        words::check_tool_number(tool, MAX_TOOL_NUMBER, "T and H take numbers", sink);
         let unsure = |pair: &&[JointMove]| {
             words::fits_two_positions(&program.machine, pair[0].joints.rotary, pair[1].joints.rotary)
         };
@@ -114,7 +114,7 @@ pub(super) fn moves(post: &Family, program: &Program, operation: &MotionOperatio
 /// still.
 fn turns(post: &Family, program: &Program, start: &Joints, write: &mut WriteBlock<'_>) {
     let from = at_switch(&program.machine, start.rotary);
-    let count = (most_turn(from, start.rotary) / TURN).ceil() as u32;
+    let count = (most_turn(from, start.rotary) / BLOCK_TURN_RAD).ceil() as u32;
     for k in 1..=count {
         let rotary = between(from, start.rotary, f64::from(k) / f64::from(count));
         let joints = Joints { rotary, ..*start };

@@ -15,13 +15,13 @@ use crate::nc::{ENDS_HERE, NcTool, ReadError, ReadResult};
 use five_axis::Machine;
 
 /// Longest block with its continued lines.
-const LONGEST_BLOCK: usize = 512;
+const MAX_BLOCK_LENGTH: usize = 512;
 
 /// Largest tool number of the tool table.
-const LARGEST_TOOL: u32 = 32_767;
+const MAX_TOOL_NUMBER: u32 = 32_767;
 
 /// Longest name in the tool table.
-const LONGEST_NAME: usize = 32;
+const MAX_TOOL_NAME_LENGTH: usize = 32;
 
 /// The presets, by the number of their row in the table of the control.
 pub(super) const OFFSETS: WorkOffsets =
@@ -192,8 +192,8 @@ impl<'a> ProgramReader<'a> {
         let code = if comment.is_none() { code.strip_suffix('~').unwrap_or(code) } else { code };
         let mut text = self.begun.take().unwrap_or_default();
         let first = text.is_empty();
-        if text.len() + code.len() > LONGEST_BLOCK {
-            faults.push(format!("a block of more than {LONGEST_BLOCK} characters"));
+        if text.len() + code.len() > MAX_BLOCK_LENGTH {
+            faults.push(format!("a block of more than {MAX_BLOCK_LENGTH} characters"));
             return None;
         }
         if continues && first && !matches!(code.split_whitespace().nth(1), Some("CYCL" | "SPL")) {
@@ -488,17 +488,17 @@ fn tool_of(word: &str) -> Result<NcTool, String> {
     if let Some(name) = word.strip_prefix('"') {
         let name = name.strip_suffix('"').ok_or("a quoted name is not closed, or holds a blank")?;
         let plain = |b: u8| b.is_ascii_uppercase() || b.is_ascii_digit() || b"#$%&,-_.@".contains(&b);
-        if name.is_empty() || name.len() > LONGEST_NAME || !name.bytes().all(plain) {
+        if name.is_empty() || name.len() > MAX_TOOL_NAME_LENGTH || !name.bytes().all(plain) {
             return Err(format!(
-                "the tool table has no name `{}`: at most {LONGEST_NAME} capital letters, digits and #$%&,-_.@",
+                "the tool table has no name `{}`: at most {MAX_TOOL_NAME_LENGTH} capital letters, digits and #$%&,-_.@",
                 shown(name, 40)
             ));
         }
         return Ok(NcTool::Capitals(name.into()));
     }
     let number = count(word, 5).map_err(|why| format!("the tool: {why}"))?;
-    if number > LARGEST_TOOL {
-        return Err(format!("tool {number}: the largest number of the control is {LARGEST_TOOL}"));
+    if number > MAX_TOOL_NUMBER {
+        return Err(format!("tool {number}: the largest number of the control is {MAX_TOOL_NUMBER}"));
     }
     Ok(NcTool::Number(number))
 }
@@ -548,8 +548,8 @@ fn not_read(words: &[&str]) -> String {
 
 /// Whether a block holds a word that only this dialect has.
 pub(super) fn recognises(code: &str) -> bool {
-    const OWN: [&str; 9] = ["L", "LN", "TOOL", "CYCL", "FUNCTION", "BLK", "BEGIN", "END", "PLANE"];
+    const OWN_WORDS: [&str; 9] = ["L", "LN", "TOOL", "CYCL", "FUNCTION", "BLK", "BEGIN", "END", "PLANE"];
     let mut words = code.split_whitespace();
     let numbered = words.next().is_some_and(|n| n.bytes().all(|b| b.is_ascii_digit()));
-    numbered && words.next().is_some_and(|word| OWN.contains(&word))
+    numbered && words.next().is_some_and(|word| OWN_WORDS.contains(&word))
 }

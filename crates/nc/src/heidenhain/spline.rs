@@ -12,7 +12,7 @@ use five_axis::Machine;
 const COEFFICIENT: Places = Places { before: 1, behind: 8 };
 
 /// Largest exponent that is read: no machine is larger.
-const LARGEST_EXPONENT: i32 = 5;
+const MAX_EXPONENT: i32 = 5;
 
 /// Reads the words after SPL. `m128`: the program switches tool centre point control by M128, as the iTNC 530 does.
 pub(super) fn block(words: &[&str], m128: bool, machine: &Machine) -> Result<NcBlock, String> {
@@ -102,8 +102,8 @@ fn coefficient(text: &str, rest: &mut &[&str]) -> Result<f64, String> {
     let plain = (1..=3).contains(&digits.len()) && digits.bytes().all(|b| b.is_ascii_digit());
     let value: i32 =
         if plain { exponent.parse().map_err(|_| "not an exponent")? } else { return Err("not an exponent".to_owned()) };
-    if value.abs() > LARGEST_EXPONENT {
-        return Err(format!("an exponent of {value}: at most {LARGEST_EXPONENT}"));
+    if value.abs() > MAX_EXPONENT {
+        return Err(format!("an exponent of {value}: at most {MAX_EXPONENT}"));
     }
     Ok(mantissa * 10f64.powi(value))
 }

@@ -6,7 +6,7 @@ use crate::control::{Control, MotionWord, NcBlock, number, once, shown};
 use five_axis::Machine;
 
 /// Most M words of one block of the iTNC 530.
-const MOST_M: usize = 2;
+const MAX_M_WORDS: usize = 2;
 
 /// Places before and behind the point of lengths and angles, and of feeds and speeds.
 pub(super) const PLACES: Places = Places { before: 5, behind: 4 };
@@ -16,7 +16,7 @@ const VECTOR_PLACES: Places = Places { before: 1, behind: 8 };
 
 /// Largest error of the length of a vector: it has at least four decimals. The manual asks for a length of 1 and for enough
 /// decimals, and says nothing of what the control does with another length.
-const UNIT: f64 = 1e-4;
+const VECTOR_LENGTH_ERROR: f64 = 1e-4;
 
 /// Words of a block that are not in [`NcBlock`].
 #[derive(Default)]
@@ -185,8 +185,8 @@ impl Words {
         machine: &Machine,
     ) -> Result<(), String> {
         self.m_words += 1;
-        if self.m_words > MOST_M {
-            return Err(format!("more than {MOST_M} M words: the iTNC 530 takes no more in one block"));
+        if self.m_words > MAX_M_WORDS {
+            return Err(format!("more than {MAX_M_WORDS} M words: the iTNC 530 takes no more in one block"));
         }
         let code = count(code, 3).map_err(|why| format!("M: {why}"))?;
         let words: &[&'static str] = match code {
@@ -280,7 +280,7 @@ impl Words {
             return Err("the words of LN must stand in the order X Y Z TX TY TZ, without rotary axes".to_owned());
         }
         let length = self.block.vector.iter().flatten().map(|x| x * x).sum::<f64>().sqrt();
-        if (length - 1.0).abs() > UNIT {
+        if (length - 1.0).abs() > VECTOR_LENGTH_ERROR {
             return Err(format!(
                 "TX, TY and TZ have the length {length:.6}: the control needs a vector of length 1, with four decimals or \
                  more"

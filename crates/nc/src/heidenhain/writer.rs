@@ -14,7 +14,7 @@ use std::f64::consts::TAU;
 use wheel::control::{Orientation, SplineForm, on_step};
 
 /// Largest tool number of the tool table.
-const LARGEST_TOOL: u32 = 32_767;
+const MAX_TOOL_NUMBER: u32 = 32_767;
 
 /// Refuses a motion that the dialect cannot express.
 pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
@@ -22,7 +22,7 @@ pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
     for operation in &motion.operations {
         let declared = &program.operations[operation.operation];
         let tool = &program.tools[declared.tool];
-        words::check_tool_number(tool, LARGEST_TOOL, "the control takes numbers", sink);
+        words::check_tool_number(tool, MAX_TOOL_NUMBER, "the control takes numbers", sink);
     }
     modulo::check_way(program, motion, |axis: &RotaryAxis| axis.max - axis.min > TAU, sink);
     check_spline_axes(program, sink);
@@ -93,7 +93,7 @@ pub(super) fn moves(program: &Program, operation: &MotionOperation, write: &mut 
 
 /// Digits behind the point of the coefficients of a spline, and the largest without an exponent (iTNC 530).
 const COEFFICIENT_DECIMALS: usize = 8;
-const LARGEST_COEFFICIENT: f64 = 9.99999999;
+const MAX_COEFFICIENT: f64 = 9.99999999;
 
 /// Writes SPL: the ends of all axes, then the coefficients of the powers 3, 2 and 1 of each, for a parameter that runs from 1
 /// to 0. They count from the end of the block before as it is written, since the control refuses a start that is more than
@@ -135,7 +135,7 @@ fn scaled(value: f64) -> String {
     let mut exponent = 0;
     let mut mantissa = value;
     // Rounding must not lead beyond the largest mantissa.
-    while mantissa.abs() > LARGEST_COEFFICIENT {
+    while mantissa.abs() > MAX_COEFFICIENT {
         mantissa /= 10.0;
         exponent += 1;
     }

@@ -4,7 +4,7 @@
 use crate::control::{LONGEST_NUMBER, shown};
 
 /// Longest line of the interpreter, without its line feed; a carriage return counts.
-const LONGEST_LINE: usize = 252;
+const MAX_LINE_LENGTH: usize = 252;
 
 /// Beginnings of comments that the control or its screen executes.
 const EXECUTED: [&str; 12] = [
@@ -30,8 +30,8 @@ pub(super) const COMMENT: char = '(';
 /// # Errors
 /// What the control refuses in a line that it reads without executing it as well.
 pub(super) fn code_of(line: &str) -> Result<String, String> {
-    if line.len() > LONGEST_LINE {
-        return Err(format!("longer than {LONGEST_LINE} characters: the control refuses the line"));
+    if line.len() > MAX_LINE_LENGTH {
+        return Err(format!("longer than {MAX_LINE_LENGTH} characters: the control refuses the line"));
     }
     let code = without_comments(line)?;
     behind_number(&code)?;

@@ -15,13 +15,13 @@ use crate::nc::{NcTool, ReadError, ReadResult};
 use five_axis::Machine;
 
 /// Rounding of ten times the number of a G word: G61.1 is one code, G61.11 is none.
-const DIGITS: f64 = 1e-6;
+const CODE_ROUNDING: f64 = 1e-6;
 
 /// Most M words of a block.
-const MOST_M_WORDS: usize = 4;
+const MAX_M_WORDS: usize = 4;
 
 /// Largest turn of the work offset, degrees.
-const MOST_TURN: f64 = 360.0;
+const MAX_OFFSET_TURN_DEG: f64 = 360.0;
 
 /// The word for a work offset without rotation, as a message names it.
 const NO_ROTATION: &str = "G10 L2 P1 R0";
@@ -186,8 +186,8 @@ pub(super) fn read(text: &str, machine: &Machine, offset: &str) -> ReadResult {
     // The words of the group name the first offset.
     let named = format!("G10 L2 P{number} R0");
     sections.map_err(|faults| {
-        let told = |fault: ReadError| ReadError { reason: fault.reason.replace(NO_ROTATION, &named), ..fault };
-        faults.into_iter().map(told).collect()
+        let renamed = |fault: ReadError| ReadError { reason: fault.reason.replace(NO_ROTATION, &named), ..fault };
+        faults.into_iter().map(renamed).collect()
     })
 }
 
@@ -336,8 +336,8 @@ fn together(block: &mut NcBlock, parameters: &Parameters, offset: u32) -> Result
         let (Some(2), true, Some(turn)) = (parameters.l, p == Some(f64::from(offset)), parameters.r) else {
             return Err(format!("of G10 only {NO_ROTATION} is understood; set offsets at the machine"));
         };
-        if turn.abs() > MOST_TURN {
-            return Err(format!("G10 turns the work offset by {turn} deg; at most {MOST_TURN} deg are read"));
+        if turn.abs() > MAX_OFFSET_TURN_DEG {
+            return Err(format!("G10 turns the work offset by {turn} deg; at most {MAX_OFFSET_TURN_DEG} deg are read"));
         }
         block.frame_turn = Some(turn.to_radians());
         if block.tip != [None; 3] || block.rotary != [None; 2] {
@@ -367,8 +367,8 @@ fn together(block: &mut NcBlock, parameters: &Parameters, offset: u32) -> Result
         (Some(false), None) => Some(LengthWord::Off),
         (_, Some(_)) => return Err("H without G43".to_owned()),
     };
-    if parameters.m_words > MOST_M_WORDS {
-        return Err(format!("more than {MOST_M_WORDS} M words in one block: the control refuses the line"));
+    if parameters.m_words > MAX_M_WORDS {
+        return Err(format!("more than {MAX_M_WORDS} M words in one block: the control refuses the line"));
     }
     if block.motion == Some(MotionWord::Feed) && !block.has_axis_words() {
         return Err(
@@ -450,7 +450,7 @@ fn word(
 /// The name of a code in one spelling: G01 and G1.0 are G1.
 fn code_name(letter: char, value: f64) -> String {
     let tenths = (value * 10.0).round();
-    if (tenths - value * 10.0).abs() > DIGITS || !(0.0..1e5).contains(&tenths) {
+    if (tenths - value * 10.0).abs() > CODE_ROUNDING || !(0.0..1e5).contains(&tenths) {
         return format!("{letter}{value}");
     }
     let tenths = tenths as u32;
@@ -550,8 +550,8 @@ fn miscellaneous(code: &str, block: &mut NcBlock, parameters: &mut Parameters) -
 /// Whether a block holds a word that only this dialect has.
 pub(super) fn recognises(code: &str) -> bool {
     // Rotary words, G49 and G92.1 are those of other controls as well.
-    const OWN: [&str; 2] = ["M428", "M429"];
+    const OWN_WORDS: [&str; 2] = ["M428", "M429"];
     let mut words = code.split_whitespace();
     let (first, second) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
-    OWN.contains(&first) || (first == "G64" && second.starts_with('P')) || (first == "G10" && second == "L2")
+    OWN_WORDS.contains(&first) || (first == "G64" && second.starts_with('P')) || (first == "G10" && second == "L2")
 }

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Most values of a call.
-const MOST_ARGUMENTS: usize = 30;
+const MAX_ARGUMENTS: usize = 30;
 
 /// What a line with an O word says.
 enum OWord {
@@ -134,7 +134,7 @@ fn arguments(mut text: &str) -> Result<Vec<f64>, String> {
         values.push(number(value).map_err(|reason| format!("a value of a call: {reason}"))?);
         text = rest;
     }
-    if values.len() > MOST_ARGUMENTS { Err(format!("more than {MOST_ARGUMENTS} values in a call")) } else { Ok(values) }
+    if values.len() > MAX_ARGUMENTS { Err(format!("more than {MAX_ARGUMENTS} values in a call")) } else { Ok(values) }
 }
 
 /// The written number of `[12.5+#1]` or `[12.5*#2]` without its brackets, and its value.

@@ -33,7 +33,7 @@ const KINEMATICS: [Kinematics; 2] = [
 ];
 
 /// Largest tool number of the standard tool table.
-const LARGEST_TOOL: u32 = 99_999;
+const MAX_TOOL_NUMBER: u32 = 99_999;
 
 /// Refuses a machine that the transformation of the control does not support.
 pub(super) fn check_machine(machine: &Machine, chosen: Option<Span>, sink: &mut Sink) {
@@ -104,7 +104,7 @@ pub(super) fn check(program: &Program, motion: &Motion, sink: &mut Sink) {
         let declared = &program.operations[operation.operation];
         check_smoothing(program, declared, operation, sink);
         let tool = &program.tools[declared.tool];
-        words::check_tool_number(tool, LARGEST_TOOL, "LinuxCNC takes numbers", sink);
+        words::check_tool_number(tool, MAX_TOOL_NUMBER, "LinuxCNC takes numbers", sink);
     }
 }
 
@@ -139,11 +139,11 @@ pub(super) const FORM: TextForm = TextForm {
 
 /// Writes the blocks of the moves of an operation.
 pub(super) fn moves(program: &Program, operation: &MotionOperation, smoothing: &str, write: &mut WriteBlock<'_>) {
-    stretch(program, operation, 1..operation.moves.len().saturating_sub(1), CallWords::Fixed, smoothing, write);
+    write_interval(program, operation, 1..operation.moves.len().saturating_sub(1), CallWords::Fixed, smoothing, write);
 }
 
 /// Writes the blocks of some moves. Before and behind them the feed mode is G94, and the control smooths.
-fn stretch(
+fn write_interval(
     program: &Program,
     operation: &MotionOperation,
     range: Range<usize>,
@@ -188,7 +188,7 @@ pub(super) fn subprograms(program: &Program, divided: &Divided<'_>, smoothing: &
     for MoveStretch { moves, repeats } in &divided.division.stretches {
         let Some((subprogram, turned)) = repeats else {
             turn_frame(0, write);
-            stretch(program, operation, moves.clone(), CallWords::Fixed, smoothing, write);
+            write_interval(program, operation, moves.clone(), CallWords::Fixed, smoothing, write);
             continue;
         };
         let (name, branches) = (divided.number(*subprogram), divided.changes_branch(*subprogram));
@@ -197,7 +197,7 @@ pub(super) fn subprograms(program: &Program, divided: &Divided<'_>, smoothing: &
             let words = if branches { CallWords::BranchOfCall } else { CallWords::ShiftOfCall };
             write(format!("(o{name}: the same in {places} places)"), None);
             write(format!("o{name} sub"), None);
-            stretch(program, operation, moves.clone(), words, smoothing, write);
+            write_interval(program, operation, moves.clone(), words, smoothing, write);
             write(format!("o{name} endsub"), None);
             written += 1;
         }
@@ -264,7 +264,7 @@ mod tests {
     use nalgebra::{Point3, Unit};
 
     /// What is said of a machine of LinuxCNC with these axes.
-    fn told(names: [&str; 2], carries: [Carries; 2], directions: [[f64; 3]; 2], word_sign: f64) -> Vec<String> {
+    fn messages(names: [&str; 2], carries: [Carries; 2], directions: [[f64; 3]; 2], word_sign: f64) -> Vec<String> {
         let line = |k: usize| AxisLine {
             carries: carries[k],
             direction: Unit::new_normalize(Vector3::from(directions[k])),
@@ -282,8 +282,8 @@ mod tests {
     fn the_axes_of_a_machine_decide_its_kinematics() {
         let (x, y, z) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]);
         let tables = [Carries::Part; 2];
-        assert!(told(["A", "C"], tables, [x, z], -1.0).is_empty());
-        assert!(told(["B", "C"], tables, [y, z], -1.0).is_empty());
+        assert!(messages(["A", "C"], tables, [x, z], -1.0).is_empty());
+        assert!(messages(["B", "C"], tables, [y, z], -1.0).is_empty());
         let cases = [
             (["A", "B"], tables, [x, y], "turns A and B"),
             (["C", "A"], tables, [y, x], "turns C and A"),
@@ -295,11 +295,11 @@ mod tests {
             (["B", "C"], [Carries::Tool; 2], [y, z], "turns the tool"),
         ];
         for (names, carries, directions, said) in cases {
-            let found = told(names, carries, directions, -1.0);
+            let found = messages(names, carries, directions, -1.0);
             assert!(found.len() == 1 && found[0].contains(said), "{said}: {found:?}");
         }
         for names in [["A", "C"], ["B", "C"]] {
-            let found = told(names, tables, [if names[0] == "A" { x } else { y }, z], 1.0);
+            let found = messages(names, tables, [if names[0] == "A" { x } else { y }, z], 1.0);
             assert!(found.len() == 2 && found.iter().all(|f| f.contains("needs \"opposite\"")), "{found:?}");
         }
     }

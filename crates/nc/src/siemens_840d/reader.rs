@@ -17,13 +17,13 @@ use five_axis::Machine;
 use std::collections::BTreeMap;
 
 /// Largest turn of the work frame, degrees.
-const MOST_TURN: f64 = 360.0;
+const MAX_FRAME_TURN_DEG: f64 = 360.0;
 
 /// Most orientation transformations of a channel.
-const MOST_TRANSFORMATIONS: u32 = 10;
+const MAX_TRANSFORMATIONS: u32 = 10;
 
 /// Longest block of the control.
-const LONGEST_BLOCK: usize = 512;
+const MAX_BLOCK_LENGTH: usize = 512;
 
 /// The settable work offsets: G54 to G57, and further ones where machine data provide them.
 pub(super) const OFFSETS: WorkOffsets =
@@ -148,8 +148,8 @@ pub(super) fn read(text: &str, machine: &Machine, offset: &str) -> ReadResult {
         &repetition::flow(text),
         |Line { text: line, number, .. }, faults| {
             let line = line.strip_suffix('\r').unwrap_or(line);
-            if line.len() > LONGEST_BLOCK && !line.trim_start().starts_with(';') {
-                faults.push(format!("longer than {LONGEST_BLOCK} characters"));
+            if line.len() > MAX_BLOCK_LENGTH && !line.trim_start().starts_with(';') {
+                faults.push(format!("longer than {MAX_BLOCK_LENGTH} characters"));
                 return None;
             }
             // First line of a transferred file.
@@ -267,8 +267,8 @@ impl BlockReader<'_> {
             }
             text => count(text).map_err(|reason| format!("`TRAORI({})`: {reason}", shown(text, 20)))?,
         };
-        if !(1..=MOST_TRANSFORMATIONS).contains(&number) {
-            return Err(format!("TRAORI({number}): the control has the transformations 1 to {MOST_TRANSFORMATIONS}"));
+        if !(1..=MAX_TRANSFORMATIONS).contains(&number) {
+            return Err(format!("TRAORI({number}): the control has the transformations 1 to {MAX_TRANSFORMATIONS}"));
         }
         match *self.transformation.get_or_insert(number) {
             first if first != number => {
@@ -292,11 +292,11 @@ impl BlockReader<'_> {
             }
             numbers.push(value);
         }
-        if numbers.len() > HIGHEST {
+        if numbers.len() > MAX_POLYNOMIAL_NUMBERS {
             return Err(format!(
                 "`PO[{axis}]` has {} numbers: the end and at most {} coefficients",
                 numbers.len(),
-                HIGHEST - 1
+                MAX_POLYNOMIAL_NUMBERS - 1
             ));
         }
         once(&mut self.polynomials[k], &format!("PO[{axis}]"), numbers)
@@ -360,11 +360,11 @@ impl BlockReader<'_> {
         }
         if self.frame == Some("ROT") {
             return match name {
-                "Z" if number(text).is_ok_and(|turn| turn.abs() <= MOST_TURN) => {
+                "Z" if number(text).is_ok_and(|turn| turn.abs() <= MAX_FRAME_TURN_DEG) => {
                     once(&mut self.frame_turn, "Z", value()?)
                 }
                 _ => Err(format!(
-                    "`ROT {}{}`: turns of the work frame are read about Z only, up to {MOST_TURN} deg",
+                    "`ROT {}{}`: turns of the work frame are read about Z only, up to {MAX_FRAME_TURN_DEG} deg",
                     shown(name, 20),
                     shown(text, 20)
                 )),
@@ -499,7 +499,7 @@ impl BlockReader<'_> {
 }
 
 /// Most numbers of a polynomial: the end and the coefficients of degrees two to five.
-const HIGHEST: usize = 5;
+const MAX_POLYNOMIAL_NUMBERS: usize = 5;
 
 /// Reports a plain word of an axis modulo 360 deg.
 fn plain(name: &str, machine: &Machine) -> Result<(), String> {
@@ -547,9 +547,9 @@ fn smoothing(arguments: &str) -> Result<Smoothing, String> {
 
 /// Whether a block holds a word that only this dialect has.
 pub(super) fn recognises(code: &str) -> bool {
-    const OWN: [&str; 7] = ["TRAORI", "TRAFOOF", "SUPA", "G710", "G500", "ORIAXES", "ORIWKS"];
+    const OWN_WORDS: [&str; 7] = ["TRAORI", "TRAFOOF", "SUPA", "G710", "G500", "ORIAXES", "ORIWKS"];
     code.split_whitespace().map(str::to_ascii_uppercase).any(|w| {
-        OWN.contains(&&*w)
+        OWN_WORDS.contains(&&*w)
             || w.starts_with("CYCLE832")
             || ["A3=", "A=", "B=", "C=", "T=\""].iter().any(|o| w.starts_with(o))
     })

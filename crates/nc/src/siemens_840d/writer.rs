@@ -44,7 +44,7 @@ const COEFFICIENT_DECIMALS: usize = 8;
 
 /// Writes the blocks of the moves of an operation.
 pub(super) fn moves(program: &Program, operation: &MotionOperation, write: &mut WriteBlock<'_>) {
-    stretch(program, operation, 1..operation.moves.len().saturating_sub(1), ParameterWords::Fixed, write);
+    write_interval(program, operation, 1..operation.moves.len().saturating_sub(1), ParameterWords::Fixed, write);
 }
 
 /// R parameters that the rotary words of a repeated part count with: shift of axis 2, degrees, and sign of axis 1.
@@ -60,7 +60,7 @@ enum ParameterWords {
 }
 
 /// Writes the blocks of some moves.
-fn stretch(
+fn write_interval(
     program: &Program,
     operation: &MotionOperation,
     range: Range<usize>,
@@ -176,7 +176,7 @@ pub(super) fn subprograms(program: &Program, divided: &Divided<'_>, write: &mut 
     for MoveStretch { moves, repeats } in &divided.division.stretches {
         let Some((subprogram, turned)) = repeats else {
             turn_frame(0, write);
-            stretch(program, operation, moves.clone(), ParameterWords::Fixed, write);
+            write_interval(program, operation, moves.clone(), ParameterWords::Fixed, write);
             continue;
         };
         turn_frame(turned.pitches, write);
@@ -195,7 +195,7 @@ pub(super) fn subprograms(program: &Program, divided: &Divided<'_>, write: &mut 
             let places = divided.division.places(*subprogram).count();
             write(format!("; subprogram {name}: the same in {places} places"), None);
             write(format!("SUB_{name}_BEGIN:"), None);
-            stretch(program, operation, moves.clone(), ParameterWords::OfParameters, write);
+            write_interval(program, operation, moves.clone(), ParameterWords::OfParameters, write);
             write(format!("SUB_{name}_END:"), None);
             written += 1;
         } else {

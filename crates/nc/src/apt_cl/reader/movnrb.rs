@@ -20,10 +20,10 @@ use nurbs::bracket::around_minimum;
 use nurbs::knots::bezier as bezier_points;
 
 /// Most knots or control points in a statement.
-const MOST_IN_STATEMENT: usize = 24;
+const MAX_IN_STATEMENT: usize = 24;
 
 /// Most control points of a curve: it bounds the memory.
-const MOST_POINTS: usize = 100_000;
+const MAX_CONTROL_POINTS: usize = 100_000;
 
 /// Largest distance of a pose from the curve, mm: two roundings of the words.
 const ON_CURVE_MM: f64 = 1e-3;
@@ -32,22 +32,22 @@ const ON_CURVE_MM: f64 = 1e-3;
 const ON_CURVE_RAD: f64 = 2e-5;
 
 /// Share by which the distance of both curves at their start, and the length of that of the tip, may differ from what is said.
-const LENGTH_OFF: f64 = 1e-3;
+const LENGTH_ERROR_SHARE: f64 = 1e-3;
 
 /// Share by which the distance may differ along the curves: only the direction between them counts.
-const APART_OFF: f64 = 0.1;
+const DISTANCE_ERROR_SHARE: f64 = 0.1;
 
 /// Chords by which the length of a curve is measured.
-const CHORDS: u32 = 48;
+const LENGTH_CHORDS: u32 = 48;
 
 /// Places of a curve among which the nearest one to a pose is found.
-const PLACES: u32 = 16;
+const SEARCH_STARTS: u32 = 16;
 
 /// Steps of the search from there, each of which leaves two thirds of the range.
-const THIRDS: usize = 30;
+const SEARCH_STEPS: usize = 30;
 
 /// Places of a chord at which it is compared with the curve.
-const BETWEEN: u32 = 8;
+const CHORD_SAMPLES: u32 = 8;
 
 /// Curves that are read, from 5AXIS to OFF.
 pub(super) struct Movnrb {
@@ -148,9 +148,9 @@ impl Movnrb {
             (["ON", ..], Some(_)) => Err("a second MOVNRB/ON of one motion".to_owned()),
             (_, None) => Err("MOVNRB/ON stands behind MOVNRB/5AXIS".to_owned()),
             (["1", rest @ ..], Some(head)) => {
-                if rest.len() > MOST_IN_STATEMENT || self.knots.len() + rest.len() > head.knots {
+                if rest.len() > MAX_IN_STATEMENT || self.knots.len() + rest.len() > head.knots {
                     return Err(format!(
-                        "more knots than {MOST_IN_STATEMENT} in a statement, or than {} in all",
+                        "more knots than {MAX_IN_STATEMENT} in a statement, or than {} in all",
                         head.knots
                     ));
                 }
@@ -193,16 +193,17 @@ impl Movnrb {
         };
         let apart = |piece: &PoseCurve| {
             let levers = piece.levers().unwrap_or_default();
-            let at = (0..=BETWEEN).map(|k| bezier::value(&levers, f64::from(k) / f64::from(BETWEEN)).norm());
+            let at =
+                (0..=CHORD_SAMPLES).map(|k| bezier::value(&levers, f64::from(k) / f64::from(CHORD_SAMPLES)).norm());
             at.map(|length| (length / self.length - 1.0).abs()).fold(0.0, f64::max)
         };
         let at_start = self.second[0] - self.tip[0];
         let start_off = (at_start.norm() / self.length - 1.0).abs();
-        if start_off > LENGTH_OFF || pieces.iter().map(apart).any(|off| off > APART_OFF) {
+        if start_off > LENGTH_ERROR_SHARE || pieces.iter().map(apart).any(|off| off > DISTANCE_ERROR_SHARE) {
             return Err(format!("both curves are not {} mm apart, which LENGTH says", self.length));
         }
         let long: f64 = pieces.iter().map(way).sum();
-        if (long - head.length).abs() > LENGTH_OFF * long + ON_CURVE_MM {
+        if (long - head.length).abs() > LENGTH_ERROR_SHARE * long + ON_CURVE_MM {
             return Err(format!("the curve of the tip is {long:.3} mm long, and MOVNRB/ON says {:.3} mm", head.length));
         }
         if let Some(from) = from {
@@ -285,8 +286,8 @@ impl Follow {
         for index in self.at.0..=to.0 {
             let from = if index == self.at.0 { self.at.1 } else { 0.0 };
             let end = if index == to.0 { to.1 } else { 1.0 };
-            for k in 1..=BETWEEN {
-                let t = from + (end - from) * f64::from(k) / f64::from(BETWEEN);
+            for k in 1..=CHORD_SAMPLES {
+                let t = from + (end - from) * f64::from(k) / f64::from(CHORD_SAMPLES);
                 let gap = pose(&self.pieces[index], t).0 - a;
                 let share =
                     if way.norm_squared() > 0.0 { (gap.dot(&way) / way.norm_squared()).clamp(0.0, 1.0) } else { 0.0 };
@@ -307,17 +308,19 @@ fn pose(piece: &PoseCurve, t: f64) -> (Point3<f64>, Vector3<f64>) {
 
 /// Length of a piece of the curve of the tip, mm.
 fn way(piece: &PoseCurve) -> f64 {
-    let at = |k: u32| pose(piece, f64::from(k) / f64::from(CHORDS)).0;
-    (0..CHORDS).map(|k| (at(k + 1) - at(k)).norm()).sum()
+    let at = |k: u32| pose(piece, f64::from(k) / f64::from(LENGTH_CHORDS)).0;
+    (0..LENGTH_CHORDS).map(|k| (at(k + 1) - at(k)).norm()).sum()
 }
 
 /// Parameter from `from` to 1 at which a piece is nearest to a point.
 fn nearest(piece: &PoseCurve, from: f64, to: &Point3<f64>) -> f64 {
     let far = |t: f64| (pose(piece, t).0 - to).norm_squared();
-    let step = (1.0 - from) / f64::from(PLACES);
-    let best =
-        (0..=PLACES).map(|k| from + step * f64::from(k)).min_by(|a, b| far(*a).total_cmp(&far(*b))).unwrap_or(from);
-    let [low, high] = around_minimum([(best - step).max(from), (best + step).min(1.0)], THIRDS, far);
+    let step = (1.0 - from) / f64::from(SEARCH_STARTS);
+    let best = (0..=SEARCH_STARTS)
+        .map(|k| from + step * f64::from(k))
+        .min_by(|a, b| far(*a).total_cmp(&far(*b)))
+        .unwrap_or(from);
+    let [low, high] = around_minimum([(best - step).max(from), (best + step).min(1.0)], SEARCH_STEPS, far);
     // The ends of a piece are joints with the next one.
     let middle = 0.5 * (low + high);
     [low, high, middle].into_iter().min_by(|a, b| far(*a).total_cmp(&far(*b))).unwrap_or(middle)
@@ -329,7 +332,7 @@ fn head(values: &[&str]) -> Result<Head, String> {
     };
     let count = |text: &str| {
         let value = number(text)?;
-        let fits = value.fract() == 0.0 && (0.0..=2.0 * MOST_POINTS as f64).contains(&value);
+        let fits = value.fract() == 0.0 && (0.0..=2.0 * MAX_CONTROL_POINTS as f64).contains(&value);
         if fits { Ok(value as usize) } else { Err(format!("MOVNRB/ON: {value} is no number of knots or points")) }
     };
     let (order, knots, weights, points) = (count(order)?, count(knots)?, count(weights)?, count(points)?);
@@ -340,7 +343,7 @@ fn head(values: &[&str]) -> Result<Head, String> {
     if !(2..=MAX_BEZIER_DEGREE + 1).contains(&order) {
         return Err(format!("MOVNRB/ON: the order {order} is not from 2 to {}", MAX_BEZIER_DEGREE + 1));
     }
-    if points < order || points > MOST_POINTS || knots != points + order {
+    if points < order || points > MAX_CONTROL_POINTS || knots != points + order {
         return Err(format!("MOVNRB/ON: {points} control points of order {order} have {} knots", points + order));
     }
     if length.is_nan() || length < 0.0 {
@@ -350,9 +353,9 @@ fn head(values: &[&str]) -> Result<Head, String> {
 }
 
 fn points(list: &mut Vec<Vector3<f64>>, values: &[&str], most: usize) -> Result<(), String> {
-    if values.is_empty() || !values.len().is_multiple_of(3) || values.len() > 3 * MOST_IN_STATEMENT {
+    if values.is_empty() || !values.len().is_multiple_of(3) || values.len() > 3 * MAX_IN_STATEMENT {
         return Err(format!(
-            "MOVNRB/2 and MOVNRB/3 have x, y and z of at most {MOST_IN_STATEMENT} points, not {} numbers",
+            "MOVNRB/2 and MOVNRB/3 have x, y and z of at most {MAX_IN_STATEMENT} points, not {} numbers",
             values.len()
         ));
     }

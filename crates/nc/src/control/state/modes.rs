@@ -80,7 +80,7 @@ impl ControlState<'_> {
     }
 
     /// Switches the transformation as a move means it, behind a block that was not understood and that may have done so: what
-    /// follows from that block is not told.
+    /// follows from that block is not reported.
     pub(super) fn switch_unread(&mut self, on: bool) {
         self.doubtful = false;
         if on {

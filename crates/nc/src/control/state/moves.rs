@@ -11,7 +11,7 @@ use nalgebra::{Point3, Vector3};
 use std::f64::consts::{PI, TAU};
 
 /// Length of a direction vector below which it gives no direction.
-const NO_DIRECTION: f64 = 1e-6;
+const MIN_VECTOR_LENGTH: f64 = 1e-6;
 
 /// Feed of a block in mm/min, and in inverse time its time in s, where the feed follows from the length of the block.
 #[derive(Default)]
@@ -399,7 +399,8 @@ impl ControlState<'_> {
         let before = self.direction;
         match (block.vector, block.rotary) {
             ([None, None, None], [None, None]) => before,
-            ([Some(x), Some(y), Some(z)], [None, None]) => match Vector3::new(x, y, z).try_normalize(NO_DIRECTION) {
+            ([Some(x), Some(y), Some(z)], [None, None]) => match Vector3::new(x, y, z).try_normalize(MIN_VECTOR_LENGTH)
+            {
                 Some(axis) => Direction::Axis(self.in_part(axis)),
                 None => {
                     self.fault("a direction vector of length 0");

@@ -9,7 +9,7 @@ use five_axis::Interpolation;
 use nalgebra::Point3;
 
 /// Most moves of one text: it bounds the memory of the checks that follow.
-const MOST_MOVES: usize = 4_000_000;
+const MAX_MOVES: usize = 4_000_000;
 
 /// State of a program. At its start everything is unknown.
 pub(crate) struct ProgramState {
@@ -118,8 +118,8 @@ impl ProgramState {
 
     /// Reports a text with more moves than can be checked.
     pub(crate) fn judge_count(&mut self) {
-        if self.moves >= MOST_MOVES {
-            self.fault_once("moves", format!("more than {MOST_MOVES} moves; divide the program by operations"));
+        if self.moves >= MAX_MOVES {
+            self.fault_once("moves", format!("more than {MAX_MOVES} moves; divide the program by operations"));
         }
     }
 

@@ -9,13 +9,13 @@ use five_axis::{CurveDirection, PoseCurve};
 use nalgebra::{Point3, Vector3};
 
 /// Largest turn of the tool by a block that only states the second point of its axis: rounding of words, radians.
-const SAME_DIRECTION: f64 = 1e-5;
+const DIRECTION_ROUNDING_RAD: f64 = 1e-5;
 
 /// Places of a block at which the turns of the axes are followed.
-const SHARES: u32 = 16;
+const TURN_SAMPLES: u32 = 16;
 
 /// Largest distance of such a block from where the tool stands, mm.
-const SAME_PLACE: f64 = 1e-7;
+const PLACE_ROUNDING_MM: f64 = 1e-7;
 
 impl ControlState<'_> {
     /// Whether the tool turns by the second point of its axis.
@@ -45,7 +45,8 @@ impl ControlState<'_> {
         let axis = (second - here.coords).try_normalize(1e-3);
         let turned = axis.map(|axis| (axis - self.present_axis()).norm());
         let turns = block.vector != [None; 3] || block.rotary != [None; 2];
-        if (there - here).amax() > SAME_PLACE || turns || turned.is_none_or(|turn| turn > SAME_DIRECTION) {
+        if (there - here).amax() > PLACE_ROUNDING_MM || turns || turned.is_none_or(|turn| turn > DIRECTION_ROUNDING_RAD)
+        {
             self.fault(
                 "a straight block with XH YH ZH moves the tool: of such blocks only those are read that state the second \
                  point where the tool stands, in its direction",
@@ -108,8 +109,8 @@ impl ControlState<'_> {
         let (tip, _) = curve.at(1.0);
         self.tip = [Some(tip.x), Some(tip.y), Some(tip.z)];
         // Within a share of the block an axis turns by less than half a turn.
-        for k in 1..=SHARES {
-            self.turn_to(match curve.at(f64::from(k) / f64::from(SHARES)).1 {
+        for k in 1..=TURN_SAMPLES {
+            self.turn_to(match curve.at(f64::from(k) / f64::from(TURN_SAMPLES)).1 {
                 CurveDirection::Rotary(angles) => Direction::Rotary(angles),
                 CurveDirection::Axis(axis) => Direction::Axis(axis),
             });
