@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, SystemTime};
 
-/// Time between two looks at the files.
-const LOOK: Duration = Duration::from_millis(150);
+/// Time between two checks of the files.
+const POLL_INTERVAL: Duration = Duration::from_millis(150);
 
 /// The files of a run.
 pub(super) struct Watch {
@@ -51,7 +51,7 @@ impl Watch {
                         state.cancel();
                         return;
                     }
-                    std::thread::sleep(LOOK);
+                    std::thread::sleep(POLL_INTERVAL);
                 }
             });
             let _ended = Ended(&ended);
@@ -77,11 +77,11 @@ impl Watch {
     /// Waits until a file has changed and no file changes any more.
     pub(super) fn wait(&self) {
         while self.files.hold() {
-            std::thread::sleep(LOOK);
+            std::thread::sleep(POLL_INTERVAL);
         }
         loop {
             let before = self.files.again();
-            std::thread::sleep(LOOK);
+            std::thread::sleep(POLL_INTERVAL);
             if before.hold() {
                 return;
             }

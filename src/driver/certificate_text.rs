@@ -47,7 +47,7 @@ pub(super) fn library_lines(sources: &SourceMap) -> Vec<String> {
 }
 
 /// Most faults that the verdict names; all of them are among the diagnostics.
-const MOST_NAMED: usize = 3;
+const MAX_NAMED_FAULTS: usize = 3;
 
 /// Errors of a run that are no failed contracts, as the verdict names them.
 fn faults(sink: &Sink) -> Vec<String> {
@@ -56,8 +56,8 @@ fn faults(sink: &Sink) -> Vec<String> {
         .iter()
         .filter(|diag| diag.severity == Severity::Error && !contracts::FAILURES.contains(&diag.code))
         .collect();
-    let named = others.iter().take(MOST_NAMED).map(|diag| format!("{} ({})", diag.message, diag.code.id()));
-    let more = others.len().saturating_sub(MOST_NAMED);
+    let named = others.iter().take(MAX_NAMED_FAULTS).map(|diag| format!("{} ({})", diag.message, diag.code.id()));
+    let more = others.len().saturating_sub(MAX_NAMED_FAULTS);
     named.chain((more > 0).then(|| format!("and {more} more"))).collect()
 }
 

@@ -61,20 +61,21 @@ pub(super) fn lines(
 }
 
 /// Most lines of a head that are reported.
-const MOST_REPORTED: usize = 8;
+const MAX_REPORTED_LINES: usize = 8;
 
 /// Difference of two figures of a head that the digits of words and figures explain: absolute, and as a share.
-const FIGURES: (f64, f64) = (0.011, 1e-2);
+const FIGURE_ROUNDING: (f64, f64) = (0.011, 1e-2);
 
 /// Largest difference of a proved bound, um, and as a share of the bound of the contract.
-const LOOSEST: f64 = 1.0;
+const BOUND_ROUNDING_UM: f64 = 1.0;
 const OF_BOUND: f64 = 0.1;
 
 /// Beginnings of lines that the machinist sets the machine by: tools, and the zero.
 const SET_BY: [&str; 2] = ["tool ", "part "];
 
 /// Beginnings of further lines of this compiler.
-const OWN: [&str; 7] = ["tool ", "part ", "assumed: ", "allowed: ", "NOT VERIFIED", "machined: ", "library file "];
+const OWN_LINES: [&str; 7] =
+    ["tool ", "part ", "assumed: ", "allowed: ", "NOT VERIFIED", "machined: ", "library file "];
 
 /// Compares what the head of a text states with job, machine and measured figures. Returns a text that says what was
 /// compared. What a machinist would set differently is an error; so is a figure that the measurement does not confirm, unless
@@ -111,8 +112,8 @@ pub(super) fn compare(
     let current = same(of_inputs, &inputs.sha256) && same(of_body, &body);
     let comparison = Comparison { stated, elsewhere: &elsewhere, due: &due, current };
     let differences = comparison.differences();
-    let more = differences.len().saturating_sub(MOST_REPORTED);
-    for difference in differences.into_iter().take(MOST_REPORTED) {
+    let more = differences.len().saturating_sub(MAX_REPORTED_LINES);
+    for difference in differences.into_iter().take(MAX_REPORTED_LINES) {
         let span = sources.line_span(source, difference.line).unwrap_or(Span::new(source, 0..0));
         let diag = match difference.severity {
             Severity::Error => Diag::error(codes::HEAD_DIFFERS, difference.text),
@@ -181,7 +182,7 @@ impl Comparison<'_> {
         // Other comments come from the post file.
         let own = |line: &str| {
             let line = in_one_spelling(line);
-            OWN.iter().any(|start| line.starts_with(&start.to_lowercase())) || line.contains(REQUIRED)
+            OWN_LINES.iter().any(|start| line.starts_with(&start.to_lowercase())) || line.contains(REQUIRED)
         };
         let wrong = |line: &str| sets_machine(line) && !self.due.iter().any(|due| agree(line, due));
         let elsewhere = self.elsewhere.iter().copied().filter(|(_, line)| wrong(line));
@@ -241,7 +242,7 @@ fn agree(stated: &str, due: &str) -> bool {
     }
     if let Some((due, required)) = due.split_once(REQUIRED) {
         // A proved bound of a length depends on the last digits of the words, as it does in a certificate.
-        let bound = words_and_numbers(required).1.last().map_or(0.0, |bound| LOOSEST.min(OF_BOUND * bound));
+        let bound = words_and_numbers(required).1.last().map_or(0.0, |bound| BOUND_ROUNDING_UM.min(OF_BOUND * bound));
         let loose = if due.ends_with(" um") { bound } else { 0.0 };
         return stated.split_once(REQUIRED).is_some_and(|(found, r)| r == required && figures_agree(found, due, loose));
     }
@@ -251,7 +252,7 @@ fn agree(stated: &str, due: &str) -> bool {
 /// Whether two texts have the same words, and figures that digits, or `loose`, explain.
 fn figures_agree(stated: &str, due: &str, loose: f64) -> bool {
     let ((words, numbers), (due, own)) = (words_and_numbers(stated), words_and_numbers(due));
-    let close = |(a, b): (&f64, &f64)| (a - b).abs() <= FIGURES.0.max(loose) + FIGURES.1 * b.abs();
+    let close = |(a, b): (&f64, &f64)| (a - b).abs() <= FIGURE_ROUNDING.0.max(loose) + FIGURE_ROUNDING.1 * b.abs();
     words == due && numbers.len() == own.len() && numbers.iter().zip(&own).all(close)
 }
 

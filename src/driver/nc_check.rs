@@ -36,10 +36,10 @@ pub struct NcCheck {
 }
 
 /// Largest NC text, bytes.
-const MAX_BYTES: u64 = 256 << 20;
+const MAX_TEXT_BYTES: u64 = 256 << 20;
 
 /// Largest certificate, bytes.
-const MAX_CERTIFICATE: u64 = 64 << 20;
+const MAX_CERTIFICATE_BYTES: u64 = 64 << 20;
 
 /// Checks NC text. Faults go to the sink of the outcome; the text of the outcome is the measured certificate.
 pub fn verify(check: &NcCheck, stages: &mut Stages) -> Outcome {
@@ -190,7 +190,7 @@ fn measure(
     let fits = verify::memory::check(program, &motion.motion, sink);
     let mut stock = Vec::from_iter(rest_stock::at_start(program).filter(|_| check.run.report.is_some()));
     let stages_asked = check.run.report.is_some().then_some(&mut stock);
-    let asked = rest_stock::Asked {
+    let request = rest_stock::StockRequest {
         cell: check.run.stock_cell.or_else(|| cell_of_certificate(program, stated?.1)),
         usual: verify::stock::usual_cell(&program.stock.profile),
         folder: check.run.stock.as_deref(),
@@ -200,7 +200,7 @@ fn measure(
     let names = rest_stock::names(program, &motion.motion);
     let certificate = fits.and_then(|()| {
         stages.watched("verify", |progress| {
-            rest_stock::simulated(asked, &names, sink, |settings, sink| {
+            rest_stock::simulated(request, &names, sink, |settings, sink| {
                 verify::certify_with(program, &motion.motion, settings, progress, sink)
             })
         })
@@ -245,7 +245,7 @@ fn measure(
 /// those of this check, which could not be simulated here, or would show nothing.
 fn cell_of_certificate(program: &Program, file: &CertificateFile) -> Option<f64> {
     let usual = verify::stock::default_cell(program);
-    let taken = usual / FINER..=usual * COARSER;
+    let taken = usual / MAX_TIMES_FINER..=usual * MAX_TIMES_COARSER;
     certificate_figures::cell(&file.measured).filter(|cell| taken.contains(cell))
 }
 
@@ -267,8 +267,8 @@ fn refuse_cells(shown: &str, file: &CertificateFile, program: &Program, sink: &m
 }
 
 /// How many times finer and coarser than the default the cells of a certificate may be.
-const FINER: f64 = 2.0;
-const COARSER: f64 = 16.0;
+const MAX_TIMES_FINER: f64 = 2.0;
+const MAX_TIMES_COARSER: f64 = 16.0;
 
 /// What was read, compared and written, in lines.
 fn done(check: &NcCheck, motion: &NcMotion, post: &dyn Post, compared: &str) -> String {
@@ -415,7 +415,7 @@ impl Belonging<'_> {
 }
 
 /// Difference of a figure that the digits of the words explain: absolute, and as a share of the figure.
-const DIGITS: (f64, f64) = (1e-3, 1e-3);
+const FIGURE_ROUNDING: (f64, f64) = (1e-3, 1e-3);
 
 /// Largest absolute difference as a share of the bound of the contract.
 const OF_BOUND: f64 = 0.1;
@@ -479,7 +479,8 @@ fn compare_figures(shown: &str, file: &CertificateFile, measured: &Certificate, 
             kind_said == kind
                 && bound_said == bound
                 && holds_said == holds
-                && (value_said - value).abs() <= DIGITS.0.min(OF_BOUND * bound) + DIGITS.1 * value.abs()
+                && (value_said - value).abs()
+                    <= FIGURE_ROUNDING.0.min(OF_BOUND * bound) + FIGURE_ROUNDING.1 * value.abs()
         });
         if !same {
             let said = says.get(k).map_or("no such contract".to_owned(), |s| format!("{} of {} for {}", s.0, s.2, s.1));
@@ -501,7 +502,7 @@ fn read_certificate(path: &Path, sink: &mut Sink) -> Result<(String, String, Cer
     let due = "give the JSON file that `--certificate` wrote beside the NC text";
     let broken =
         |reason: &str| Diag::error(codes::CERTIFICATE_FORM, format!("{shown} is not a known certificate: {reason}"));
-    let diag = match reading::read(path, MAX_CERTIFICATE).map(|bytes| bytes.map(String::from_utf8)) {
+    let diag = match reading::read(path, MAX_CERTIFICATE_BYTES).map(|bytes| bytes.map(String::from_utf8)) {
         Ok(Some(Ok(text))) => match CertificateFile::read(&text) {
             Ok(file) => return Ok((shown, text, file)),
             Err(reason) => broken(&reason).help(due),
@@ -509,7 +510,7 @@ fn read_certificate(path: &Path, sink: &mut Sink) -> Result<(String, String, Cer
         Ok(Some(Err(error))) => {
             broken(&format!("it is not text: byte {} is not UTF-8", error.utf8_error().valid_up_to())).help(due)
         }
-        Ok(None) => broken(&format!("it is larger than {} MB", MAX_CERTIFICATE >> 20)).help(due),
+        Ok(None) => broken(&format!("it is larger than {} MB", MAX_CERTIFICATE_BYTES >> 20)).help(due),
         Err(error) => reading::unreadable(path, &error, due),
     };
     sink.push(diag);
@@ -559,14 +560,15 @@ fn with_line(
 /// The source map of a file.
 fn read_source_map(path: &Path, sink: &mut Sink) -> Result<SourceMapFile, Aborted> {
     let due = "give the file that `--source-map` wrote together with the NC text";
-    let diag = match reading::read(path, MAX_BYTES).map(|bytes| bytes.map(String::from_utf8)) {
+    let diag = match reading::read(path, MAX_TEXT_BYTES).map(|bytes| bytes.map(String::from_utf8)) {
         Ok(Some(Ok(text))) => match SourceMapFile::read(&text) {
             Ok(map) => return Ok(map),
             Err(reason) => Diag::error(codes::SOURCE_MAP, format!("{}: {reason}", path.display())).help(due),
         },
         Ok(Some(Err(_))) => Diag::error(codes::SOURCE_MAP, format!("{} is not a text file", path.display())).help(due),
         Ok(None) => {
-            Diag::error(codes::SOURCE_MAP, format!("{} has more than {} MB", path.display(), MAX_BYTES >> 20)).help(due)
+            Diag::error(codes::SOURCE_MAP, format!("{} has more than {} MB", path.display(), MAX_TEXT_BYTES >> 20))
+                .help(due)
         }
         Err(error) => reading::unreadable(path, &error, due),
     };
@@ -578,7 +580,7 @@ fn read_source_map(path: &Path, sink: &mut Sink) -> Result<SourceMapFile, Aborte
 pub(super) fn read_nc(path: &Path, sink: &mut Sink) -> Result<String, Aborted> {
     let shown = path.display();
     let due = "give the NC text that the control would run";
-    let diag = match reading::read(path, MAX_BYTES).map(|bytes| bytes.map(String::from_utf8)) {
+    let diag = match reading::read(path, MAX_TEXT_BYTES).map(|bytes| bytes.map(String::from_utf8)) {
         Ok(Some(Ok(text))) if certificate_file::body(&text).1.trim().is_empty() => {
             Diag::error(codes::NC_FILE, format!("{shown} has no block: it is empty or contains only comments"))
                 .help(due)
@@ -589,7 +591,7 @@ pub(super) fn read_nc(path: &Path, sink: &mut Sink) -> Result<String, Aborted> {
             let line = error.as_bytes().iter().take(valid).filter(|b| **b == b'\n').count() + 1;
             Diag::error(codes::NC_FILE, format!("{shown} is not a text file: line {line} is not UTF-8")).help(due)
         }
-        Ok(None) => Diag::error(codes::NC_FILE, format!("{shown} is larger than {} MB", MAX_BYTES >> 20))
+        Ok(None) => Diag::error(codes::NC_FILE, format!("{shown} is larger than {} MB", MAX_TEXT_BYTES >> 20))
             .help("divide the program by operations, or use fewer digits or comments"),
         Err(error) => reading::unreadable(path, &error, due),
     };

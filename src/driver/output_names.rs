@@ -38,7 +38,7 @@ pub(super) fn own(options: &Options) -> Vec<NamedFile<'_>> {
     nc.into_iter().chain(beside).collect()
 }
 
-/// What a refused program leaves unwritten, as a line of text; nothing where no file was asked for.
+/// What a refused program leaves unwritten, as a line of text; nothing where no file was requested.
 pub(super) fn not_written(named: &[NamedFile<'_>]) -> String {
     if named.is_empty() {
         return String::new();

@@ -146,20 +146,20 @@ fn sections(source: &mut Source<'_>) -> Result<PartFiles, Aborted> {
 }
 
 /// Share of the volume within which the text of a STEP file states it: programs that read the file are compared with it.
-const NEAR_VOLUME: f64 = 1e-7;
+const VOLUME_SHARE: f64 = 1e-7;
 
 /// Most blades of a STEP file. Each takes some 6 MB of memory while the file is made, so these take 1.8 GB.
-const MOST_IN_STEP: usize = 300;
+const MAX_BLADES_IN_STEP: usize = 300;
 
 /// Refuses a wheel with too many blades for a STEP file.
 fn fits_step(program: &Program) -> Result<(), Diag> {
     let sectors = usize::try_from(program.part.vane_count).unwrap_or(usize::MAX);
     let count = sectors.saturating_mul(program.part.blades.len());
-    if count <= MOST_IN_STEP {
+    if count <= MAX_BLADES_IN_STEP {
         return Ok(());
     }
     Err(Diag::error(files::CANNOT_WRITE, format!("a STEP file of {count} blades is not written"))
-        .label(program.name_span, format!("at most {MOST_IN_STEP} blades, with splitters, are written"))
+        .label(program.name_span, format!("at most {MAX_BLADES_IN_STEP} blades, with splitters, are written"))
         .help("write `--emit stl` or `--emit sections`, or a part with fewer `vanes`: all sectors are alike"))
 }
 
@@ -171,7 +171,7 @@ fn step(source: &mut Source<'_>) -> Result<PartFiles, Aborted> {
     let sharp = program.part.without_fillets();
     let made = stages.run("shell", || shell(&sharp, &program.stock));
     let shell = or_reported(made.map_err(|fault| no_shell(&fault, program)), sink)?;
-    let volume = stages.run("volume", || solid::volume(&sharp, &program.stock, NEAR_VOLUME));
+    let volume = stages.run("volume", || solid::volume(&sharp, &program.stock, VOLUME_SHARE));
     let said = said(&shell, volume.as_ref(), &program.part);
     let file = StepFile { name: &program.name, description: &said, shell: &shell, protocol: options.protocol };
     let text = stages.run("write", || file.text());

@@ -12,7 +12,7 @@ use tool_stock::stock::{Field, Mesh};
 use verify::{Certificate, Verified, stock::Settings};
 
 /// Options of the stock simulation.
-pub(super) struct Asked<'a> {
+pub(super) struct StockRequest<'a> {
     /// Edge of the cells, mm, instead of the default.
     pub(super) cell: Option<f64>,
     /// Largest cell of the meshes where the simulation takes its default, mm.
@@ -39,8 +39,8 @@ pub(super) fn examine(
     stages.extend(at_start(program).filter(|_| options.report.is_some()));
     let stages = options.report.is_some().then_some(stages);
     let usual = verify::stock::usual_cell(&program.stock.profile);
-    let asked = Asked { cell: options.stock_cell, usual, folder: options.stock.as_deref(), outputs, stages };
-    simulated(asked, &names, sink, |settings, sink| verify::examine(program, motion, settings, progress, sink))
+    let request = StockRequest { cell: options.stock_cell, usual, folder: options.stock.as_deref(), outputs, stages };
+    simulated(request, &names, sink, |settings, sink| verify::examine(program, motion, settings, progress, sink))
 }
 
 /// Names of the operations of a motion.
@@ -50,12 +50,12 @@ pub(super) fn names(program: &Program, motion: &Motion) -> Vec<String> {
 
 /// Runs a verification with the options; `names` are those of the operations.
 pub(super) fn simulated<T>(
-    asked: Asked<'_>,
+    request: StockRequest<'_>,
     names: &[String],
     sink: &mut Sink,
     work: impl FnOnce(&mut Settings<'_>, &mut Sink) -> Result<T, Aborted>,
 ) -> Result<T, Aborted> {
-    let Asked { cell, usual, folder, outputs, mut stages } = asked;
+    let StockRequest { cell, usual, folder, outputs, mut stages } = request;
     let wanted = folder.is_some() || stages.is_some();
     let mut failed: Option<Diag> = None;
     let mut after = |o: usize, field: &Field| {

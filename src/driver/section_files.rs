@@ -12,10 +12,10 @@ use wheel::part::Part;
 use wheel::part::blade_loops::{BladeLoops, blade_loops};
 
 /// Largest distance of a point to the curve of its section, mm, with which the sections are read back.
-const FIT: f64 = 1e-3;
+const FIT_MM: f64 = 1e-3;
 
 /// Of so many points of a loop one is compared.
-const COMPARED: usize = 5;
+const COMPARED_EVERY: usize = 5;
 
 /// Paths of the four files beside the `.inf` file, and the names by which it calls them.
 pub(super) fn places(index: &Path) -> ([PathBuf; 3], TurboGridNames) {
@@ -62,11 +62,11 @@ pub(super) fn distance_between(part: &Part, written: &[BladeLoops], read: &Impor
     let mut worst = 0.0_f64;
     for (blade, sections) in finer.iter().zip(divided) {
         let outlines: Vec<Outline> = sections.into_iter().map(|section| section.outline).collect();
-        let LoftedBlade { faces, edges, .. } = loft(&outlines, FIT).ok()?;
+        let LoftedBlade { faces, edges, .. } = loft(&outlines, FIT_MM).ok()?;
         let surfaces: Vec<_> = faces.iter().chain(edges.iter().flatten()).collect();
         let whole = Patch { u: [0.0, 1.0], v: [0.0, 1.0] };
         for points in blade.loops.iter().skip(1).step_by(2) {
-            for p in points.iter().step_by(COMPARED) {
+            for p in points.iter().step_by(COMPARED_EVERY) {
                 let off = surfaces.iter().map(|surface| surface.closest(p, whole).distance);
                 worst = worst.max(off.fold(f64::INFINITY, f64::min));
             }

@@ -11,7 +11,7 @@ use ir::stage_file::{self, StageFault, StageFile, StageValue, VERSION};
 use std::path::Path;
 
 /// Largest stage file, bytes: that of a million moves has 300 MB.
-const MOST_BYTES: u64 = 1 << 30;
+const MAX_STAGE_FILE_BYTES: u64 = 1 << 30;
 
 /// How a stage file is made.
 const DUE: &str = "write it from the job: `impellerc job.imp --emit motion --format json -o motion.json`";
@@ -50,13 +50,14 @@ pub(super) fn read(
 /// Text of a stage file.
 fn text(path: &Path) -> Result<String, Diag> {
     let shown = shown_path(path);
-    match reading::read(path, MOST_BYTES).map(|bytes| bytes.map(String::from_utf8)) {
+    match reading::read(path, MAX_STAGE_FILE_BYTES).map(|bytes| bytes.map(String::from_utf8)) {
         Ok(Some(Ok(text))) => Ok(text),
         Ok(Some(Err(error))) => Err(Diag::error(files::STAGE_FILE, format!("{shown} is no stage file"))
             .note(reading::no_text(&error))
             .help(DUE)),
         Ok(None) => {
-            Err(Diag::error(files::STAGE_FILE, format!("{shown} has more than {} MB", MOST_BYTES >> 20)).help(DUE))
+            Err(Diag::error(files::STAGE_FILE, format!("{shown} has more than {} MB", MAX_STAGE_FILE_BYTES >> 20))
+                .help(DUE))
         }
         Err(error) => Err(reading::unreadable(path, &error, "give the file that `--emit STAGE --format json` wrote")),
     }

@@ -64,27 +64,27 @@ pub struct Stages {
 }
 
 /// Time after which a stage is shown; shorter stages would flicker.
-const PATIENCE: Duration = Duration::from_secs(1);
+const SHOWN_AFTER: Duration = Duration::from_secs(1);
 
 /// Time between two images of the spinner.
-const TICK: Duration = Duration::from_millis(100);
+const SPINNER_INTERVAL: Duration = Duration::from_millis(100);
 
 /// Template of the line of a stage.
-const LINE: &str = "{spinner} {prefix:>2} {elapsed_precise} {msg}";
+const LINE_TEMPLATE: &str = "{spinner} {prefix:>2} {elapsed_precise} {msg}";
 
 /// Columns of the bar; the whole line fits into 80 columns.
-const BAR: usize = 24;
+const BAR_COLUMNS: usize = 24;
 
 /// Name of a stage, with the share of its current work where this is known. Both are set as one text: if they were set
 /// one after the other, the name of one work could be shown with the share of another for a moment.
 fn line(stage: &str, work: Option<&State>) -> String {
     let Some(work) = work else { return stage.to_owned() };
     let (share, name) = (work.share(), format!("{stage}: {}", work.name));
-    let full = (share * BAR as f64) as usize;
-    format!("{name:<30.30} [{}{}] {:>3.0} %", "#".repeat(full), ".".repeat(BAR - full), (100.0 * share).floor())
+    let full = (share * BAR_COLUMNS as f64) as usize;
+    format!("{name:<30.30} [{}{}] {:>3.0} %", "#".repeat(full), ".".repeat(BAR_COLUMNS - full), (100.0 * share).floor())
 }
 
-/// The line of a stage, shown from [`PATIENCE`] on until the stage ends.
+/// The line of a stage, shown from [`SHOWN_AFTER`] on until the stage ends.
 struct StageLine {
     /// Dropped when the stage ends.
     running: Sender<()>,
@@ -97,15 +97,15 @@ impl StageLine {
         let (running, ended) = channel();
         let start = Instant::now();
         let draw = move || {
-            if ended.recv_timeout(PATIENCE) != Err(RecvTimeoutError::Timeout) {
+            if ended.recv_timeout(SHOWN_AFTER) != Err(RecvTimeoutError::Timeout) {
                 return;
             }
             let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
             let bar = bar.with_prefix(number.to_string()).with_elapsed(start.elapsed());
-            if let Ok(style) = ProgressStyle::with_template(LINE) {
+            if let Ok(style) = ProgressStyle::with_template(LINE_TEMPLATE) {
                 bar.set_style(style);
             }
-            while ended.recv_timeout(TICK) == Err(RecvTimeoutError::Timeout) {
+            while ended.recv_timeout(SPINNER_INTERVAL) == Err(RecvTimeoutError::Timeout) {
                 bar.set_message(line(name, progress.as_ref().and_then(|p| p.current()).as_ref()));
                 bar.tick();
             }

@@ -6,7 +6,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Most symbolic links in a row, as on Linux.
-const MOST_LINKS: usize = 40;
+const MAX_SYMBOLIC_LINKS: usize = 40;
 
 /// An existing file or folder, independent of the spelling of its path.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -92,7 +92,7 @@ pub(super) fn folder(path: &Path) -> &Path {
 /// The path after all symbolic links at its end.
 fn followed(path: &Path) -> Result<PathBuf, String> {
     let mut at = path.to_path_buf();
-    for _ in 0..MOST_LINKS {
+    for _ in 0..MAX_SYMBOLIC_LINKS {
         let Ok(to) = std::fs::read_link(&at) else { return Ok(at) };
         // Such a link is an open file of a process, for example `/dev/stdout` and `/dev/fd/3`. The process continues
         // with the open file, not with a file that takes its place.

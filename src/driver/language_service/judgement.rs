@@ -242,7 +242,7 @@ impl JobJudge {
                         tell(json!({ "kind": "report", "message": now }));
                         told = now;
                     }
-                    std::thread::park_timeout(TELL);
+                    std::thread::park_timeout(PROGRESS_INTERVAL);
                 }
             });
             // Also when the work panics: otherwise the scope would wait for ever.
@@ -260,5 +260,5 @@ impl JobJudge {
     }
 }
 
-/// Time between two looks at the progress.
-const TELL: Duration = Duration::from_millis(200);
+/// Time between two reports of the progress.
+const PROGRESS_INTERVAL: Duration = Duration::from_millis(200);

@@ -10,13 +10,13 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 /// Largest file beside the text that is read.
-const MOST: u64 = 256 << 20;
+const MAX_FILE_BYTES: u64 = 256 << 20;
 
-/// Most files beside the text that are looked at.
-const MOST_FILES: usize = 200;
+/// Most files beside the text that are examined.
+const MAX_FILES: usize = 200;
 
 /// Bytes at the beginning of a file in which its format stands.
-const HEAD: usize = 200;
+const FORMAT_BYTES: usize = 200;
 
 /// What is known of an NC text.
 #[derive(Debug, Default)]
@@ -36,7 +36,7 @@ fn beside(path: &Path) -> Vec<PathBuf> {
     let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let files = entries.map(|entry| entry.path()).filter(|path| path.extension().is_some_and(|e| e == "json"));
-    let mut files: Vec<PathBuf> = files.take(MOST_FILES).collect();
+    let mut files: Vec<PathBuf> = files.take(MAX_FILES).collect();
     files.sort();
     files
 }
@@ -45,11 +45,11 @@ fn beside(path: &Path) -> Vec<PathBuf> {
 fn of_format(files: &[PathBuf], format: &str) -> Vec<String> {
     let begins = |path: &&PathBuf| {
         let mut head = Vec::new();
-        let read = File::open(path).and_then(|file| file.take(HEAD as u64).read_to_end(&mut head));
+        let read = File::open(path).and_then(|file| file.take(FORMAT_BYTES as u64).read_to_end(&mut head));
         read.is_ok() && head.windows(format.len()).any(|bytes| bytes == format.as_bytes())
     };
     let found = files.iter().filter(begins);
-    found.filter_map(|path| String::from_utf8(reading::read(path, MOST).ok()??).ok()).collect()
+    found.filter_map(|path| String::from_utf8(reading::read(path, MAX_FILE_BYTES).ok()??).ok()).collect()
 }
 
 impl TextBeside {
