@@ -26,6 +26,7 @@ mod part_form;
 mod reading;
 mod report;
 mod rest_stock;
+mod run_options;
 mod saved;
 mod section_files;
 mod stage_file;
@@ -46,8 +47,9 @@ pub use library_list::{LibraryKind, library_schema, list_library};
 pub use nc_check::{NcCheck, verify};
 pub use nc_diff::{NcDiff, diff};
 pub use new_job::{BEGINNINGS, Beginning, new_job};
-pub use options::{Options, Outcome, RunOptions};
+pub use options::{Options, Outcome};
 pub use part_form::{PartForm, PartOptions};
+pub use run_options::RunOptions;
 pub use stages::{RunState, Stages};
 
 use ::report::certificate_file::Inputs;

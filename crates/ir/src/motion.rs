@@ -36,7 +36,7 @@ pub struct MotionOperation {
 }
 
 /// A block that the control interpolates as polynomials. Some moves in a row are its chords: the tool leaves them by no more
-/// than [`five_axis::pose_curve::CHORD`].
+/// than [`five_axis::pose_curve::MAX_CHORD_ERROR_MM`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SplineBlock {
