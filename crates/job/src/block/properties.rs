@@ -440,15 +440,19 @@ impl<'a, 'c> Properties<'a, 'c> {
     }
 }
 
-/// A property with a fixed list of names; the first name is the default.
+/// The value of a property whose row lists its words: of `all`, those that the row has. Without it, the default of the row is
+/// the value, or the first word where the row has no word for the default.
 pub(crate) fn named<T: Copy>(
     p: &mut Properties<'_, '_>,
-    property: &str,
+    property: &Property,
     all: &[T],
     name: fn(T) -> &'static str,
 ) -> Option<T> {
-    let default = *all.first()?;
-    Some(name_of(p, property, all, name)?.unwrap_or(default))
+    let Form::Word(words) = property.form else { return None };
+    let words = words();
+    let values: Vec<T> = all.iter().copied().filter(|value| words.contains(&name(*value))).collect();
+    let default = values.iter().find(|value| property.without == Without::Is(name(**value))).or(values.first());
+    Some(name_of(p, property.name, &values, name)?.unwrap_or(*default?))
 }
 
 /// A property with one of some names. Outer `None`: faulty; inner `None`: not given.

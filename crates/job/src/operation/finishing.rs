@@ -4,6 +4,7 @@ use crate::block::eval::suggest;
 use crate::block::properties::{Properties, Range, named};
 use crate::model::{CutterKind, OperationKind, ToolSpec};
 use crate::property::quantity::Dimension;
+use crate::vocabulary::operations::{CONFLICT, FLANK_METHOD, METHOD, MILLING, ORDER, SIDE};
 use base::units::Mm;
 use diagnostics::Diag;
 use diagnostics::codes::job as codes;
@@ -23,7 +24,7 @@ pub(super) fn point_axes(tool: Option<&ToolSpec>, p: &mut Properties<'_, '_>) ->
     let turns = tool
         .is_none_or(|t| matches!(t.kind, CutterKind::Ball | CutterKind::Lollipop { .. } | CutterKind::TaperedBall(_)));
     if turns {
-        return named(p, "method", &AxisMethod::ALL, AxisMethod::name);
+        return named(p, &METHOD, &AxisMethod::ALL, AxisMethod::name);
     }
     if !p.has("method") {
         return Some(AxisMethod::Blend);
@@ -44,13 +45,13 @@ pub(super) fn point_axes(tool: Option<&ToolSpec>, p: &mut Properties<'_, '_>) ->
             return None;
         }
     }
-    named(p, "method", &AxisMethod::ALL, AxisMethod::name)
+    named(p, &METHOD, &AxisMethod::ALL, AxisMethod::name)
 }
 
 /// Sense of milling of lines on faces and fillets; `Some(None)` for `zigzag`, which cannot keep one.
 pub(super) fn milling_of(lines: Lines, p: &mut Properties<'_, '_>) -> Option<Option<Milling>> {
     if lines != Lines::Zigzag {
-        return named(p, "milling", &Milling::ALL, Milling::name).map(Some);
+        return named(p, &MILLING, &Milling::ALL, Milling::name).map(Some);
     }
     if !p.has("milling") {
         return Some(None);
@@ -67,7 +68,7 @@ pub(super) fn milling_of(lines: Lines, p: &mut Properties<'_, '_>) -> Option<Opt
 /// Order of the faces of a vane: levels go from face to face, so that a single face has none.
 pub(super) fn face_order(faces: usize, p: &mut Properties<'_, '_>) -> Option<FaceOrder> {
     if faces > 1 || !p.is_word("order", FaceOrder::Levels.name()) {
-        return named(p, "order", &FaceOrder::ALL, FaceOrder::name);
+        return named(p, &ORDER, &FaceOrder::ALL, FaceOrder::name);
     }
     let span = p.words("order", "order levels")?.first()?.span;
     p.sink.push(
@@ -173,7 +174,7 @@ pub(super) fn flank(names: &[String], p: &mut Properties<'_, '_>) -> Option<Oper
     let blades = blades(names, p)?;
     let given = faces(p)?;
     let faces = blades.into_iter().flat_map(BladeId::faces).filter(|face| given.contains(&face.name())).collect();
-    let method = named(p, "method", &FlankMethod::ALL, FlankMethod::name)?;
+    let method = named(p, &FLANK_METHOD, &FlankMethod::ALL, FlankMethod::name)?;
     let optimised = method == FlankMethod::Minimax;
     for property in ["side", "conflict"] {
         if p.has(property) && !optimised {
@@ -186,8 +187,8 @@ pub(super) fn flank(names: &[String], p: &mut Properties<'_, '_>) -> Option<Oper
             return None;
         }
     }
-    let side = named(p, "side", &ErrorSide::ALL, ErrorSide::name)?;
-    let conflict = named(p, "conflict", &Conflict::ALL, Conflict::name)?;
+    let side = named(p, &SIDE, &ErrorSide::ALL, ErrorSide::name)?;
+    let conflict = named(p, &CONFLICT, &Conflict::ALL, Conflict::name)?;
     let strips = if p.is_word("strips", "auto") && optimised {
         p.take("strips");
         None
@@ -196,7 +197,7 @@ pub(super) fn flank(names: &[String], p: &mut Properties<'_, '_>) -> Option<Oper
     } else {
         (!optimised).then_some(1)
     };
-    let milling = named(p, "milling", &Milling::ALL, Milling::name)?;
+    let milling = named(p, &MILLING, &Milling::ALL, Milling::name)?;
     let order = face_order(given.len(), p)?;
     let flank = Flank { method, strips, side, conflict, milling, order };
     Some(OperationKind::Flank { faces, flank })

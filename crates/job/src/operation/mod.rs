@@ -14,7 +14,9 @@ use crate::model::{MachineSpec, OperationKind, OperationSpec, ToolSpec};
 use crate::property::limits;
 use crate::property::quantity::Dimension;
 use crate::property::{Form, Property, ToolSize};
-use crate::vocabulary::operations::{DEPTH, FLOOR_SCALLOP, LEAD_IN, LEAD_OUT, LINK_FEED, RESIDUAL, SCALLOP};
+use crate::vocabulary::operations::{
+    DEPTH, FLOOR_SCALLOP, LEAD_IN, LEAD_OUT, LINES, LINES_ROUND, LINK_FEED, METHOD, RESIDUAL, SCALLOP, SPACING,
+};
 use crate::vocabulary::{self, TopicKind};
 use base::source::Span;
 use base::units::{Mm, MmPerMin, Rpm, length, trim};
@@ -485,9 +487,9 @@ impl OperationReader<'_> {
                 let of_kind = blades.into_iter().flat_map(by_lines).filter(|s| s.1 == kind.text);
                 let faces = given.as_ref().map_or(0, Vec::len);
                 let surfaces = given.map(|given| of_kind.filter(|s| given.contains(&s.2)).map(|s| s.0).collect());
-                let all: &[Lines] = if kind.text == "point" { &Lines::ROUND } else { &Lines::ALL };
+                let row = if kind.text == "point" { LINES_ROUND } else { LINES };
                 let spiral = p.is_word("lines", "spiral");
-                let lines = named(p, "lines", all, Lines::name);
+                let lines = named(p, &row, &Lines::ROUND, Lines::name);
                 if spiral && faces == 1 {
                     p.sink.push(
                         Diag::error(codes::WRONG_FORM, format!("`lines spiral` of {} needs both faces", self.name))
@@ -506,8 +508,8 @@ impl OperationReader<'_> {
             _ => {
                 let scallop = length_of(&FLOOR_SCALLOP, tool, p);
                 let (spacing, lines) =
-                    (named(p, "spacing", &Spacing::ALL, Spacing::name), named(p, "lines", &Lines::ALL, Lines::name));
-                let method = named(p, "method", &AxisMethod::ALL, AxisMethod::name);
+                    (named(p, &SPACING, &Spacing::ALL, Spacing::name), named(p, &LINES, &Lines::ALL, Lines::name));
+                let method = named(p, &METHOD, &AxisMethod::ALL, AxisMethod::name);
                 let scallop = scallop?;
                 Some(OperationKind::Channel {
                     scallop,

@@ -6,7 +6,7 @@ use crate::block::properties::{Properties, Range, named};
 use crate::model::{CutterKind, OperationKind, OperationSpec, ToolSpec};
 use crate::property::limits;
 use crate::property::quantity::Dimension;
-use crate::vocabulary::operations::ENGAGEMENT;
+use crate::vocabulary::operations::{ENGAGEMENT, LEVELS, MILLING, SLOTS};
 use crate::vocabulary::{self, TopicKind};
 use base::units::{Mm, Rad};
 use diagnostics::{Diag, codes::job as codes};
@@ -58,10 +58,8 @@ impl OperationReader<'_> {
         let rest = self.rest(&mut p);
         let sectors = self.sectors(&mut p);
         let allowances = allowances(&mut p);
-        let (levels, milling) = (
-            named(&mut p, "levels", &Levels::ALL, Levels::name),
-            named(&mut p, "milling", &Milling::ALL, Milling::name),
-        );
+        let (levels, milling) =
+            (named(&mut p, &LEVELS, &Levels::ALL, Levels::name), named(&mut p, &MILLING, &Milling::ALL, Milling::name));
         let slots = slots(&mut p);
         let mut operations = Vec::new();
         let (speeds, feeds, depths, stepovers) = (speeds?, feeds?, depths?, stepovers?);
@@ -140,7 +138,7 @@ fn has_ball(tool: &ToolSpec) -> bool {
 
 /// Whether loops make the slots, and their arc of engagement where the job gives one.
 fn slots(p: &mut Properties<'_, '_>) -> Option<(bool, Option<Rad>)> {
-    let trochoidal = named(p, "slots", &Slots::NAMES, |name| name)? != Slots::NAMES[0];
+    let trochoidal = named(p, &SLOTS, &Slots::NAMES, |name| name)? != Slots::NAMES[0];
     let Some((arc, span)) = p.read(&ENGAGEMENT)? else { return Some((trochoidal, None)) };
     if !trochoidal {
         p.sink.push(

@@ -111,41 +111,46 @@ pub(crate) const RESIDUAL: Property = typed(
 )
 .like("0.5 mm");
 
-const METHOD: &[Property] = &[typed(
+/// How tool axes are chosen.
+pub(crate) const METHOD: Property = typed(
     "method",
     Form::Word(|| AxisMethod::ALL.map(AxisMethod::name).to_vec()),
     Means("`corridor`; `blend` for cutters without a ball"),
     "How tool axes are chosen: a smooth way through all axes that are free (`corridor`), the rulings of both walls with one tilt for \
      each line (`blend`), the greedy choice of Xu 2013 (`xu`), the ruling itself (`ruling`).",
-)];
+);
 
-const LINES: &[Property] = &[typed(
+/// Direction of lines.
+pub(crate) const LINES: Property = typed(
     "lines",
     Form::Word(|| Lines::ALL.map(Lines::name).to_vec()),
     Is("zigzag"),
     "Direction of the lines: every other line backwards, or all in one direction.",
-)];
+);
 
-const LINES_ROUND: &[Property] = &[typed(
+/// The same where a line may run round the vane.
+pub(crate) const LINES_ROUND: Property = typed(
     "lines",
     Form::Word(|| Lines::ROUND.map(Lines::name).to_vec()),
     Is("zigzag"),
     "Direction of the lines: every other line backwards, all in one direction, or one line round the vane.",
-)];
+);
 
-const MILLING: &[Property] = &[typed(
+/// Sense of milling.
+pub(crate) const MILLING: Property = typed(
     "milling",
     Form::Word(|| Milling::ALL.map(Milling::name).to_vec()),
     Is("climb"),
     "Sense of milling. `point` and `fillet` keep it only with lines that all run in one direction.",
-)];
+);
 
-const ORDER: &[Property] = &[typed(
+/// Order of the faces of a vane.
+pub(crate) const ORDER: Property = typed(
     "order",
     Form::Word(|| FaceOrder::ALL.map(FaceOrder::name).to_vec()),
     Is("faces"),
     "One face after the other, or both faces level by level, so that thin blades stay stiff.",
-)];
+);
 
 /// Step down of a groove.
 pub(crate) const DEPTH: Property = typed(
@@ -155,6 +160,54 @@ pub(crate) const DEPTH: Property = typed(
     "Largest step down from layer to layer.",
 )
 .like("1.5 mm");
+
+/// How levels of roughing lie.
+pub(crate) const LEVELS: Property = typed(
+    "levels",
+    Form::Word(|| Levels::ALL.map(Levels::name).to_vec()),
+    Is("from-hub"),
+    "Levels at constant height over the hub, at constant depth under the shroud, or at equal shares of the height.",
+);
+
+/// How a slot is opened.
+pub(crate) const SLOTS: Property = typed(
+    "slots",
+    Form::Word(|| Slots::NAMES.to_vec()),
+    Is("full"),
+    "How a slot is opened: at full width, or by loops.",
+);
+
+/// How axes of flank milling are found.
+pub(crate) const FLANK_METHOD: Property = typed(
+    "method",
+    Form::Word(|| FlankMethod::ALL.map(FlankMethod::name).to_vec()),
+    Is("minimax"),
+    "How axes are found: the least largest error of the swept tool, or the offsets of Wei 2021 (formulas 10 to 12).",
+);
+
+/// Sides on which the error of a flank may lie.
+pub(crate) const SIDE: Property = typed(
+    "side",
+    Form::Word(|| ErrorSide::ALL.map(ErrorSide::name).to_vec()),
+    Is("both"),
+    "Whether the error may lie on both sides of the surface, or only outside of it.",
+);
+
+/// What counts where face and floor cannot both be reached.
+pub(crate) const CONFLICT: Property = typed(
+    "conflict",
+    Form::Word(|| Conflict::ALL.map(Conflict::name).to_vec()),
+    Is("balance"),
+    "What counts where face and floor cannot both be reached.",
+);
+
+/// Distance of the lines of the floor.
+pub(crate) const SPACING: Property = typed(
+    "spacing",
+    Form::Word(|| Spacing::ALL.map(Spacing::name).to_vec()),
+    Is("constant-scallop"),
+    "Distance of the lines: everywhere what the scallop height allows, or equal shares of the width (Wei 2021, formula 13).",
+);
 
 pub(super) const TOPICS: &[Topic] = &[
     topic_of(
@@ -180,22 +233,9 @@ pub(super) const TOPICS: &[Topic] = &[
                 ),
             ],
             ALLOWANCE,
-            &[typed(
-                "levels",
-                Form::Word(|| Levels::ALL.map(Levels::name).to_vec()),
-                Is("from-hub"),
-                "Levels at constant height over the hub, at constant depth under the shroud, or at equal shares of the height.",
-            )],
-            MILLING,
-            &[
-                typed(
-                    "slots",
-                    Form::Word(|| Slots::NAMES.to_vec()),
-                    Is("full"),
-                    "How a slot is opened: at full width, or by loops.",
-                ),
-                ENGAGEMENT,
-            ],
+            &[LEVELS],
+            &[MILLING],
+            &[SLOTS, ENGAGEMENT],
         ],
     ),
     topic_of(
@@ -251,33 +291,18 @@ pub(super) const TOPICS: &[Topic] = &[
             FACES,
             BLADES,
             &[
-                typed(
-                    "method",
-                    Form::Word(|| FlankMethod::ALL.map(FlankMethod::name).to_vec()),
-                    Is("minimax"),
-                    "How axes are found: the least largest error of the swept tool, or the offsets of Wei 2021 (formulas 10 to 12).",
-                ),
+                FLANK_METHOD,
                 property(
                     "strips",
                     "`auto`, or a number from 1 to 20 (to 100 with the other methods)",
                     Means("`auto` with `minimax`, 1 otherwise"),
                     "Passes from tip to root of a face.",
                 ),
-                typed(
-                    "side",
-                    Form::Word(|| ErrorSide::ALL.map(ErrorSide::name).to_vec()),
-                    Is("both"),
-                    "Whether the error may lie on both sides of the surface, or only outside of it.",
-                ),
-                typed(
-                    "conflict",
-                    Form::Word(|| Conflict::ALL.map(Conflict::name).to_vec()),
-                    Is("balance"),
-                    "What counts where face and floor cannot both be reached.",
-                ),
+                SIDE,
+                CONFLICT,
             ],
-            MILLING,
-            ORDER,
+            &[MILLING],
+            &[ORDER],
         ],
     ),
     topic_of(
@@ -291,16 +316,16 @@ pub(super) const TOPICS: &[Topic] = &[
             FACES,
             BLADES,
             &[SCALLOP],
-            LINES_ROUND,
-            MILLING,
-            ORDER,
+            &[LINES_ROUND],
+            &[MILLING],
+            &[ORDER],
             &[property(
                 "depth",
                 "length from 0.01 mm",
                 Means("an error with `order levels`; otherwise not allowed"),
                 "Height of a level with `order levels`.",
             )],
-            METHOD,
+            &[METHOD],
         ],
     ),
     topic_of(
@@ -308,7 +333,7 @@ pub(super) const TOPICS: &[Topic] = &[
         "fillet",
         "Finishes the fillets between vanes and hub, along lines of constant scallop height. The cutter needs a ball that fits into the fillet.",
         "operation fillet { tool t1  speed 8000 rpm  feed 250 mm/min  scallop 20 um }",
-        &[TOOL, COMMON, FACES, BLADES, &[SCALLOP], LINES, MILLING, METHOD],
+        &[TOOL, COMMON, FACES, BLADES, &[SCALLOP], &[LINES], &[MILLING], &[METHOD]],
     ),
     topic_of(
         TopicKind::Operation,
@@ -321,8 +346,8 @@ pub(super) const TOPICS: &[Topic] = &[
             &[property("edges", "`inlet`, `outlet`", Is("inlet, outlet"), "Edges to finish.")],
             BLADES,
             &[SCALLOP],
-            LINES,
-            METHOD,
+            &[LINES],
+            &[METHOD],
         ],
     ),
     topic_of(
@@ -330,25 +355,13 @@ pub(super) const TOPICS: &[Topic] = &[
         "tip",
         "Finishes the tips of the vanes, which the lathe otherwise leaves.",
         "operation tip { tool t1  speed 8000 rpm  feed 250 mm/min  scallop 20 um }",
-        &[TOOL, COMMON, BLADES, &[SCALLOP], LINES, METHOD],
+        &[TOOL, COMMON, BLADES, &[SCALLOP], &[LINES], &[METHOD]],
     ),
     topic_of(
         TopicKind::Operation,
         "channel",
         "Finishes the hub between the vanes. With a list `tools` instead of `tool`, the wider tools finish the middle and the last one the rest.",
         "operation channel { tool t1  speed 8000 rpm  feed 250 mm/min  scallop 20 um }",
-        &[
-            TOOL,
-            COMMON,
-            &[FLOOR_SCALLOP],
-            &[typed(
-                "spacing",
-                Form::Word(|| Spacing::ALL.map(Spacing::name).to_vec()),
-                Is("constant-scallop"),
-                "Distance of the lines: everywhere what the scallop height allows, or equal shares of the width (Wei 2021, formula 13).",
-            )],
-            LINES,
-            METHOD,
-        ],
+        &[TOOL, COMMON, &[FLOOR_SCALLOP], &[SPACING], &[LINES], &[METHOD]],
     ),
 ];
