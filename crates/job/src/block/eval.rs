@@ -1,7 +1,7 @@
 //! Values of expressions: names, units, dimensions.
 
-use crate::property::other_names;
 use crate::property::quantity::{Dimension, Quantity, unit_names};
+use crate::vocabulary::other_names;
 use base::source::Span;
 use diagnostics::codes::job as codes;
 use diagnostics::codes::syntax::MISWRITTEN;

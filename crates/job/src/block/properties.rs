@@ -3,10 +3,10 @@
 
 use super::eval::{LetScope, mismatch, nc_entry, nearest, suggest, unknown, unknown_unit};
 pub(crate) use crate::property::Range;
-use crate::property::other_names::instead;
 use crate::property::quantity::Dimension;
 use crate::property::{Form, Property, Without};
 use crate::vocabulary;
+use crate::vocabulary::other_names::instead;
 use base::source::Span;
 use diagnostics::codes::job as codes;
 use diagnostics::{Diag, Sink};

@@ -30,72 +30,93 @@ const DIAMETER: Form = form(Dimension::LENGTH, limits::DIAMETER);
 const CORNER: Form = form(Dimension::LENGTH, limits::CORNER);
 
 /// Properties of tools.
-pub(crate) const PROPERTIES: &[Property] = &[
-    typed(
-        "number",
-        Form::Whole(1, 9999),
-        Means("the place of the tool in the job, from 1"),
-        "Number in the tool table of the control.",
-    )
-    .like("1"),
-    typed("diameter", DIAMETER, Required, "Diameter of the cutter; of a tapered ball that of the ball.").like("6 mm"),
-    typed("corner", CORNER, Required, "Radius of the corner.").like("1 mm").of(&["bull"]),
-    typed("angle", form(Dimension::ANGLE, limits::TAPER), Required, "Angle between the side and the tool axis.")
-        .like("3 deg")
-        .of(&["tapered-ball"]),
-    typed("barrel", LENGTH, Required, "Radius of the side.").like("85 mm").of(&["barrel"]),
-    typed("tip", CORNER, Required, "Radius of the ball at the tip.").like("2 mm").of(&["barrel"]),
-    typed("neck", DIAMETER, Required, "Diameter of the neck.").like("4 mm").of(&["lollipop"]),
-    typed("neck-end", LENGTH, Means("the reach"), "End of the neck, from the tip.").like("20 mm").of(&["lollipop"]),
-    typed("flutes", Form::Whole(limits::FLUTES[0], limits::FLUTES[1]), Required, "Number of cutting edges.").like("4"),
-    typed("flute", LENGTH, Required, "Length of the cutting edges, from the tip.").like("30 mm").of(FLUTED),
-    typed(
-        "shank",
-        DIAMETER,
-        Means("the diameter"),
-        "Diameter of the shank: from the end of the flutes, or of the neck, to the holder.",
-    )
-    .like("6 mm"),
-    typed("reach", LENGTH, Required, "From the tip to the holder: the stick-out.").like("40 mm"),
-    typed(
-        "holder",
-        Form::Text("quoted name of a holder"),
-        Means("no holder: nothing of it is checked"),
-        "Holder of the library, with its contour.",
-    )
-    .like("\"er16-mini\""),
-    typed(
-        "max-chip",
-        form(Dimension::LENGTH, limits::CHIP),
-        Means("by diameter, stick-out and material"),
-        "Largest feed per tooth. A stated one holds for each material.",
-    )
-    .like("0.1 mm"),
-    typed(
-        "max-depth",
-        LENGTH,
-        Means("by diameter, stick-out and material"),
-        "Largest depth of a slot. A stated one holds for each material.",
-    )
-    .like("12 mm"),
-    typed("max-rate", form(Dimension::REMOVAL_RATE, limits::RATE), Means("no limit"), "Largest removal rate.")
-        .like("120 cm3/min"),
-    typed(
-        "plunge-width",
-        LENGTH,
-        Means("the corner and half of the flat part of the end"),
-        "How wide, from the rim, the teeth of the end cut; half of the diameter is a tool that cuts at its centre.",
-    )
-    .like("1.5 mm")
-    .of(PLUNGING),
-    typed(
-        "ramp",
-        form(Dimension::ANGLE, limits::RAMP),
-        Means("by `plunge-width` and corner"),
-        "How steeply the tool may go down while it moves sideways in material.",
-    )
-    .like("3 deg"),
-];
+pub(crate) const PROPERTIES: &[Property] =
+    &[
+        typed(
+            "number",
+            Form::Whole(1, 9999),
+            Means("the place of the tool in the job, from 1"),
+            "Number in the tool table of the control.",
+        )
+        .like("1"),
+        typed("diameter", DIAMETER, Required, "Diameter of the cutter; of a tapered ball that of the ball.")
+            .like("6 mm")
+            .also(&["d", "dc", "dia"]),
+        typed("corner", CORNER, Required, "Radius of the corner.").like("1 mm").of(&["bull"]).also(&[
+            "re",
+            "r",
+            "corner-radius",
+        ]),
+        typed("angle", form(Dimension::ANGLE, limits::TAPER), Required, "Angle between the side and the tool axis.")
+            .like("3 deg")
+            .of(&["tapered-ball"]),
+        typed("barrel", LENGTH, Required, "Radius of the side.").like("85 mm").of(&["barrel"]),
+        typed("tip", CORNER, Required, "Radius of the ball at the tip.").like("2 mm").of(&["barrel"]),
+        typed("neck", DIAMETER, Required, "Diameter of the neck.").like("4 mm").of(&["lollipop"]),
+        typed("neck-end", LENGTH, Means("the reach"), "End of the neck, from the tip.").like("20 mm").of(&["lollipop"]),
+        typed("flutes", Form::Whole(limits::FLUTES[0], limits::FLUTES[1]), Required, "Number of cutting edges.")
+            .like("4")
+            .also(&["z", "teeth"]),
+        typed("flute", LENGTH, Required, "Length of the cutting edges, from the tip.")
+            .like("30 mm")
+            .of(FLUTED)
+            .also(&["lcf", "apmx", "flute-length", "cutting-length"]),
+        typed(
+            "shank",
+            DIAMETER,
+            Means("the diameter"),
+            "Diameter of the shank: from the end of the flutes, or of the neck, to the holder.",
+        )
+        .like("6 mm")
+        .also(&["shaft"]),
+        typed("reach", LENGTH, Required, "From the tip to the holder: the stick-out.").like("40 mm").also(&[
+            "lf",
+            "oal",
+            "stickout",
+            "stick-out",
+            "overhang",
+            "length",
+            "gauge-length",
+        ]),
+        typed(
+            "holder",
+            Form::Text("quoted name of a holder"),
+            Means("no holder: nothing of it is checked"),
+            "Holder of the library, with its contour.",
+        )
+        .like("\"er16-mini\""),
+        typed(
+            "max-chip",
+            form(Dimension::LENGTH, limits::CHIP),
+            Means("by diameter, stick-out and material"),
+            "Largest feed per tooth. A stated one holds for each material.",
+        )
+        .like("0.1 mm"),
+        typed(
+            "max-depth",
+            LENGTH,
+            Means("by diameter, stick-out and material"),
+            "Largest depth of a slot. A stated one holds for each material.",
+        )
+        .like("12 mm"),
+        typed("max-rate", form(Dimension::REMOVAL_RATE, limits::RATE), Means("no limit"), "Largest removal rate.")
+            .like("120 cm3/min"),
+        typed(
+            "plunge-width",
+            LENGTH,
+            Means("the corner and half of the flat part of the end"),
+            "How wide, from the rim, the teeth of the end cut; half of the diameter is a tool that cuts at its centre.",
+        )
+        .like("1.5 mm")
+        .of(PLUNGING),
+        typed(
+            "ramp",
+            form(Dimension::ANGLE, limits::RAMP),
+            Means("by `plunge-width` and corner"),
+            "How steeply the tool may go down while it moves sideways in material.",
+        )
+        .like("3 deg"),
+    ];
 
 /// Keys of a tool in a file: its kind in the place of the number, which is of a job.
 pub(crate) const KEYS: &[Property] = &{

@@ -2,7 +2,6 @@
 //! files, vocabulary, reference page and JSON schemas take them from here.
 
 pub(crate) mod limits;
-pub(crate) mod other_names;
 pub mod quantity;
 
 use base::units::trim;
@@ -117,6 +116,8 @@ pub struct Property {
     pub example: &'static str,
     /// Kinds of the block that have it; empty for all.
     pub of: &'static [&'static str],
+    /// Its names in other systems.
+    pub also: &'static [&'static str],
 }
 
 /// The least length of a range, with its unit.
@@ -136,13 +137,18 @@ pub(crate) const fn property(
 
 /// A property with the form of its value.
 pub(crate) const fn typed(name: &'static str, form: Form, without: Without, meaning: &'static str) -> Property {
-    Property { name, form, without, meaning, example: "", of: &[] }
+    Property { name, form, without, meaning, example: "", of: &[], also: &[] }
 }
 
 impl Property {
     /// With a value for messages.
     pub(crate) const fn like(self, example: &'static str) -> Self {
         Self { example, ..self }
+    }
+
+    /// With its names in other systems.
+    pub(crate) const fn also(self, also: &'static [&'static str]) -> Self {
+        Self { also, ..self }
     }
 
     /// With something else that holds where it is not given.

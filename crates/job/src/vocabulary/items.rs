@@ -67,7 +67,8 @@ pub(super) const TOPICS: &[Topic] = &[
                 "whole number from 2",
                 Required,
                 "Number of main blades, which is the number of sectors.",
-            ),
+            )
+            .also(&["blades"]),
             property("vane", "name and block", Required, "The main blade: by faces, sections, or angles."),
             property("splitter", "name and block", Means("no splitters"), "A further blade in each channel; repeated."),
             property("hub", "`revolve` with a curve", Required, "Surface between the blades."),
@@ -93,8 +94,8 @@ pub(super) const TOPICS: &[Topic] = &[
         "stock turned { over shroud 0 mm  bore 10 mm  back -40 mm  material titanium }",
         &[&[
             property("over", "`shroud` with a length from 0 to 100 mm", Required, "Stock over the shroud."),
-            property("bore", "length from 0 mm to 10 m", Required, "Diameter of the bore."),
-            property("back", "height", Required, "Height of the back face."),
+            property("bore", "length from 0 mm to 10 m", Required, "Diameter of the bore.").also(&["hole"]),
+            property("back", "height", Required, "Height of the back face.").also(&["bottom"]),
             property("from", "quoted name of an STL file", Means("the whole blank"), "What is left of the blank."),
             property("clamping", "block", Means("nothing goes below the back face"), "Space of chuck and table."),
             property(
@@ -130,8 +131,10 @@ pub(super) const TOPICS: &[Topic] = &[
                 "length from 10 nm to 1 mm",
                 Is("1 um"),
                 "Tolerance of finishing; paths keep it between two blocks.",
-            ),
-            property("rough", "length from 10 nm to 1 mm", Is("10 um"), "Tolerance of roughing."),
+            )
+            .also(&["finish-tolerance", "tol"]),
+            property("rough", "length from 10 nm to 1 mm", Is("10 um"), "Tolerance of roughing.")
+                .also(&["roughing-tolerance"]),
         ]],
     ),
     topic_of(

@@ -3,6 +3,7 @@
 
 pub(crate) mod items;
 pub(crate) mod operations;
+pub(crate) mod other_names;
 mod part;
 mod tools;
 

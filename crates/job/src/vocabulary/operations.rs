@@ -18,12 +18,14 @@ pub(crate) const LINK_FEED: Property = typed(
 const LEAD: Form = Form::Quantity(Dimension::LENGTH, Range::NotNegative(100.0));
 
 /// Way before each pass.
-pub(crate) const LEAD_IN: Property =
-    typed("lead-in", LEAD, Is("2 mm"), "Way before each pass, outside of the part.").like("2 mm");
+pub(crate) const LEAD_IN: Property = typed("lead-in", LEAD, Is("2 mm"), "Way before each pass, outside of the part.")
+    .like("2 mm")
+    .also(&["leadin", "approach"]);
 
 /// Way behind each pass.
-pub(crate) const LEAD_OUT: Property =
-    typed("lead-out", LEAD, Is("2 mm"), "Way behind each pass, outside of the part.").like("2 mm");
+pub(crate) const LEAD_OUT: Property = typed("lead-out", LEAD, Is("2 mm"), "Way behind each pass, outside of the part.")
+    .like("2 mm")
+    .also(&["leadout", "retract"]);
 
 /// Arc of engagement of loops.
 pub(crate) const ENGAGEMENT: Property = typed(
@@ -34,7 +36,8 @@ pub(crate) const ENGAGEMENT: Property = typed(
 )
 .like("60 deg");
 
-const TOOL: &[Property] = &[property("tool", "name of a tool", Required, "The tool of the operation.")];
+const TOOL: &[Property] =
+    &[property("tool", "name of a tool", Required, "The tool of the operation.").also(&["cutter", "mill"])];
 
 const TOOLS: &[Property] = &[property(
     "tools",
@@ -49,13 +52,15 @@ const COMMON: &[Property] = &[
         "rpm, or cutting speed in m/min",
         Required,
         "Speed of the spindle; a cutting speed is that at the diameter.",
-    ),
+    )
+    .also(&["vc", "cutting-speed", "n", "s", "velocity", "max-speed", "vmax", "spindle", "rpm", "spindle-speed"]),
     property(
         "feed",
         "mm/min or mm/tooth",
         Required,
         "Feed of the tip while cutting. Each tool has a largest feed per tooth.",
-    ),
+    )
+    .also(&["fz", "vf", "f", "feedrate", "feed-rate"]),
     LINK_FEED,
     LEAD_IN,
     LEAD_OUT,
@@ -78,17 +83,20 @@ const ALLOWANCE: &[Property] = &[property(
     "`vane` with a length or `TIP .. ROOT`, and `hub` with a length",
     Required,
     "Stock that is left on vanes and hub; it must be larger than `tolerance rough`.",
-)];
+)
+.also(&["stock-to-leave", "leave", "stock", "offset"])];
 
 const FACES: &[Property] =
-    &[property("faces", "`pressure`, `suction`", Is("pressure, suction"), "Faces of the vanes to finish.")];
+    &[property("faces", "`pressure`, `suction`", Is("pressure, suction"), "Faces of the vanes to finish.")
+        .also(&["side"])];
 
 const BLADES: &[Property] = &[property(
     "blades",
     "names of blades",
     Means("all blades of a sector"),
     "Blades to finish: the main blade and splitters, by their names.",
-)];
+)
+.also(&["blade"])];
 
 /// Height of the ridges that lines leave on vanes.
 pub(crate) const SCALLOP: Property = typed(
@@ -97,7 +105,8 @@ pub(crate) const SCALLOP: Property = typed(
     Required,
     "Height of the ridges between two lines.",
 )
-.like("5 um");
+.like("5 um")
+.also(&["step-over", "stepover", "ae", "cusp", "cusp-height"]);
 
 /// The same on the floor.
 pub(crate) const FLOOR_SCALLOP: Property = SCALLOP.like("10 um");
@@ -126,7 +135,8 @@ pub(crate) const LINES: Property = typed(
     Form::Word(|| Lines::ALL.map(Lines::name).to_vec()),
     Is("zigzag"),
     "Direction of the lines: every other line backwards, or all in one direction.",
-);
+)
+.also(&["passes"]);
 
 /// The same where a line may run round the vane.
 pub(crate) const LINES_ROUND: Property = typed(
@@ -142,7 +152,8 @@ pub(crate) const MILLING: Property = typed(
     Form::Word(|| Milling::ALL.map(Milling::name).to_vec()),
     Is("climb"),
     "Sense of milling. `point` and `fillet` keep it only with lines that all run in one direction.",
-);
+)
+.also(&["direction", "cut-direction", "cutting-mode", "climb"]);
 
 /// Order of the faces of a vane.
 pub(crate) const ORDER: Property = typed(
@@ -152,6 +163,9 @@ pub(crate) const ORDER: Property = typed(
     "One face after the other, or both faces level by level, so that thin blades stay stiff.",
 );
 
+/// Names of the step down in other systems.
+const STEP_DOWN: &[&str] = &["stepdown", "step-down", "step", "ap"];
+
 /// Step down of a groove.
 pub(crate) const DEPTH: Property = typed(
     "depth",
@@ -159,7 +173,8 @@ pub(crate) const DEPTH: Property = typed(
     Required,
     "Largest step down from layer to layer.",
 )
-.like("1.5 mm");
+.like("1.5 mm")
+.also(STEP_DOWN);
 
 /// How levels of roughing lie.
 pub(crate) const LEVELS: Property = typed(
@@ -224,13 +239,15 @@ pub(super) const TOPICS: &[Topic] = &[
                     "length; one, or one for each tool",
                     Means("0.375 of the diameter; 0.33 for a ball"),
                     "Step down from level to level.",
-                ),
+                )
+                .also(STEP_DOWN),
                 property(
                     "stepover",
                     "length; one, or one for each tool",
                     Means("0.75 of the diameter; 0.4 for a ball"),
                     "Distance of neighbouring lines.",
-                ),
+                )
+                .also(&["step", "step-over", "ae"]),
             ],
             ALLOWANCE,
             &[LEVELS],
@@ -297,7 +314,8 @@ pub(super) const TOPICS: &[Topic] = &[
                     "`auto`, or a number from 1 to 20 (to 100 with the other methods)",
                     Means("`auto` with `minimax`, 1 otherwise"),
                     "Passes from tip to root of a face.",
-                ),
+                )
+                .also(&["passes"]),
                 SIDE,
                 CONFLICT,
             ],

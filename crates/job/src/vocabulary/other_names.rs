@@ -1,16 +1,17 @@
-//! Words of other systems for words of the language.
+//! Words of other systems for words of the language. Those of a property stand in its row.
 
-/// A word of other systems, and the words of the language that it may mean; the first one that fits a place is suggested.
+use super::{Topic, topics};
+
+/// A word of other systems, and the words that are no property of a block and that it may mean; the first one that fits a place is
+/// suggested.
 const OTHER_NAMES: &[(&str, &[&str])] = &[
-    ("blade", &["vane", "blades"]),
-    ("blades", &["vanes", "blades"]),
+    ("blade", &["vane"]),
     ("main-blade", &["vane"]),
-    ("side", &["faces"]),
     ("swarf", &["flank"]),
     ("flank-milling", &["flank"]),
     ("swarfing", &["flank"]),
     ("floor", &["channel"]),
-    ("hub", &["channel", "hub"]),
+    ("hub", &["channel"]),
     ("hub-finish", &["channel"]),
     ("finish", &["flank", "point"]),
     ("finishing", &["flank", "point"]),
@@ -20,22 +21,6 @@ const OTHER_NAMES: &[(&str, &[&str])] = &[
     ("adaptive", &["rough"]),
     ("plunging", &["plunge"]),
     ("slot", &["groove"]),
-    ("vc", &["speed"]),
-    ("cutting-speed", &["speed"]),
-    ("n", &["speed"]),
-    ("s", &["speed"]),
-    ("fz", &["feed"]),
-    ("vf", &["feed"]),
-    ("f", &["feed"]),
-    ("z", &["flutes"]),
-    ("d", &["diameter"]),
-    ("dc", &["diameter"]),
-    ("re", &["corner"]),
-    ("r", &["corner"]),
-    ("lcf", &["flute"]),
-    ("apmx", &["flute"]),
-    ("lf", &["reach"]),
-    ("oal", &["reach"]),
     ("tolerance", &["gouge"]),
     ("accuracy", &["gouge"]),
     ("deviation", &["gouge"]),
@@ -46,9 +31,6 @@ const OTHER_NAMES: &[(&str, &[&str])] = &[
     ("cusps", &["excess"]),
     ("runtime", &["time"]),
     ("duration", &["time"]),
-    ("velocity", &["speed"]),
-    ("max-speed", &["speed"]),
-    ("vmax", &["speed"]),
     ("amax", &["acceleration"]),
     ("accel", &["acceleration"]),
     ("range", &["travel"]),
@@ -58,8 +40,6 @@ const OTHER_NAMES: &[(&str, &[&str])] = &[
     ("max", &["travel"]),
     ("digits", &["decimals"]),
     ("precision", &["decimals"]),
-    ("cutter", &["tool"]),
-    ("mill", &["tool"]),
     ("ballnose", &["ball"]),
     ("ball-nose", &["ball"]),
     ("ball-end", &["ball"]),
@@ -73,47 +53,8 @@ const OTHER_NAMES: &[(&str, &[&str])] = &[
     ("toroid", &["bull"]),
     ("toroidal", &["bull"]),
     ("torus", &["bull"]),
-    ("corner-radius", &["corner"]),
     ("conical", &["tapered-ball"]),
     ("tapered", &["tapered-ball"]),
-    ("dia", &["diameter"]),
-    ("stickout", &["reach"]),
-    ("stick-out", &["reach"]),
-    ("overhang", &["reach"]),
-    ("length", &["reach"]),
-    ("gauge-length", &["reach"]),
-    ("flute-length", &["flute"]),
-    ("cutting-length", &["flute"]),
-    ("teeth", &["flutes"]),
-    ("shaft", &["shank"]),
-    ("spindle", &["speed"]),
-    ("rpm", &["speed"]),
-    ("spindle-speed", &["speed"]),
-    ("feedrate", &["feed"]),
-    ("feed-rate", &["feed"]),
-    ("stepdown", &["depth"]),
-    ("step-down", &["depth"]),
-    ("step", &["depth", "stepover"]),
-    ("ap", &["depth"]),
-    ("step-over", &["stepover", "scallop"]),
-    ("stepover", &["stepover", "scallop"]),
-    ("ae", &["stepover", "scallop"]),
-    ("cusp", &["scallop"]),
-    ("cusp-height", &["scallop"]),
-    ("stock-to-leave", &["allowance"]),
-    ("leave", &["allowance"]),
-    ("stock", &["allowance"]),
-    ("offset", &["allowance"]),
-    ("passes", &["strips", "lines"]),
-    ("leadin", &["lead-in"]),
-    ("leadout", &["lead-out"]),
-    ("approach", &["lead-in"]),
-    ("retract", &["lead-out"]),
-    ("hole", &["bore"]),
-    ("bottom", &["back"]),
-    ("finish-tolerance", &["chord"]),
-    ("tol", &["chord"]),
-    ("roughing-tolerance", &["rough"]),
     ("cylinder", &["turned"]),
     ("round", &["turned"]),
     ("overcut", &["gouge"]),
@@ -136,10 +77,6 @@ const OTHER_NAMES: &[(&str, &[&str])] = &[
     ("m700", &["mitsubishi"]),
     ("emc2", &["linuxcnc"]),
     ("apt", &["apt-cl"]),
-    ("direction", &["milling"]),
-    ("cut-direction", &["milling"]),
-    ("cutting-mode", &["milling"]),
-    ("climb", &["milling"]),
     ("axial", &["meridian"]),
     ("meridional", &["meridian"]),
     ("tangential", &["tangent"]),
@@ -235,8 +172,9 @@ pub(crate) fn digits(word: &str) -> Option<usize> {
 /// The known word that a word of another system means.
 pub(crate) fn meant<'k>(text: &str, known: &[&'k str]) -> Option<&'k str> {
     let text = text.to_ascii_lowercase().replace('_', "-");
-    let (_, words) = OTHER_NAMES.iter().find(|(other, _)| *other == text)?;
-    words.iter().find_map(|word| known.iter().copied().find(|k| k == word))
+    let words = OTHER_NAMES.iter().find(|(other, _)| *other == text).map_or(&[][..], |(_, words)| words);
+    let properties = topics().flat_map(Topic::all).filter(|p| p.also.contains(&text.as_str())).map(|p| p.name);
+    words.iter().copied().chain(properties).find_map(|word| known.iter().copied().find(|k| *k == word))
 }
 
 #[cfg(test)]
@@ -252,6 +190,8 @@ mod tests {
         assert_eq!(meant("Step_Down", &["speed", "depth"]), Some("depth"));
         assert_eq!(meant("blade", &["vanes", "vane"]), Some("vane"));
         assert_eq!(meant("stepover", &["scallop"]), Some("scallop"));
+        assert_eq!(meant("step", &["stepover", "depth"]), Some("depth"));
+        assert_eq!(meant("step", &["stepover"]), Some("stepover"));
         assert_eq!(meant("speed", &["feed"]), None);
     }
 }
