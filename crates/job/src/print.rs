@@ -14,13 +14,18 @@ use crate::model::{
 use crate::property::Property;
 use crate::property::quantity::{angle, mm, short};
 use crate::resolve::EDITION;
+use crate::vocabulary::operations::{
+    ALLOWANCE, BLADES, CONFLICT, DEPTH, EDGES, ENGAGEMENT, FACES, FEED, FLANK_METHOD, FLOOR_SCALLOP, LEAD_IN, LEAD_OUT,
+    LEVEL_DEPTH, LEVELS, LINES, LINK_FEED, METHOD, MILLING, ORDER, RESIDUAL, REST, SCALLOP, SECTORS, SIDE, SLOTS,
+    SPACING, SPEED, STEPOVER, STRIPS, STROKE_STEP, TOOL, TOOLS,
+};
 use base::units::{Mm, Rad, trim};
 use blade::LOOP_EDGES;
 use blade::angles::EdgeShape;
 use five_axis::control::{LengthTo, Planning};
-use std::fmt::Write;
+use std::fmt::{Display, Write};
 use wheel::contract::{Bound, ContractKind};
-use wheel::method::FlankMethod;
+use wheel::method::{FaceOrder, FlankMethod};
 use wheel::operation::{Allowances, VaneAllowance, distinct, word};
 use wheel::part::{BladeId, FaceId, Fillet};
 use wheel::post_file::PostFile;
@@ -393,11 +398,17 @@ fn tool(out: &mut String, job: &Job, t: &ToolSpec) {
     out.push_str("}\n");
 }
 
+/// A property with its value.
+fn put(out: &mut String, property: &Property, value: impl Display) {
+    // Writing to a string does not fail.
+    let _ = writeln!(out, "  {} {value}", property.name);
+}
+
 /// The blades of surfaces, for a job whose sectors have several.
 fn blades(out: &mut String, job: &Job, of_surfaces: impl Iterator<Item = BladeId>) {
     if job.part.blades.len() > 1 {
         let names = of_surfaces.filter_map(|blade| job.part.blades.get(blade.index())).map(|blade| blade.name.as_str());
-        let _ = writeln!(out, "  blades {}", distinct(names).join(", "));
+        put(out, &BLADES, distinct(names).join(", "));
     }
 }
 
@@ -415,15 +426,17 @@ fn operations(out: &mut String, job: &Job) {
         let tools = of_all(&|o| job.tools.get(o.tool).map_or_else(String::new, |tool| tool.name.clone()));
         let listed = item.len() > 1 || matches!(first.kind, OperationKind::Rough { .. });
         let _ = writeln!(out, "operation {} {} {{", first.kind.keyword(), first.name);
-        let _ = writeln!(out, "  {} {tools}", if listed { "tools" } else { "tool" });
-        let speeds = of_all(&|o| format!("{} rpm", o.speed.get()));
-        let feeds = of_all(&|o| format!("{} mm/min", o.feed.get()));
-        let _ = writeln!(out, "  speed {speeds}\n  feed {feeds}\n  link-feed {} mm/min", first.link_feed.get());
-        let _ = writeln!(out, "  lead-in {}\n  lead-out {}", mm(first.lead_in), mm(first.lead_out));
-        let _ = writeln!(out, "  rest {}", first.rest.map_or_else(|| "off".to_owned(), |t| format!("over {}", mm(t))));
-        let sectors: Vec<String> = first.sectors.iter().map(|s| (s + 1).to_string()).collect();
-        let _ = writeln!(out, "  sectors {}", sectors.join(", "));
-        larger(first).map(|vane| writeln!(out, "  allowance vane {}", mm(vane)));
+        put(out, if listed { &TOOLS } else { &TOOL }, tools);
+        put(out, &SPEED, of_all(&|o| format!("{} rpm", o.speed.get())));
+        put(out, &FEED, of_all(&|o| format!("{} mm/min", o.feed.get())));
+        put(out, &LINK_FEED, format!("{} mm/min", first.link_feed.get()));
+        put(out, &LEAD_IN, mm(first.lead_in));
+        put(out, &LEAD_OUT, mm(first.lead_out));
+        put(out, &REST, first.rest.map_or_else(|| "off".to_owned(), |t| format!("over {}", mm(t))));
+        put(out, &SECTORS, first.sectors.iter().map(|s| (s + 1).to_string()).collect::<Vec<_>>().join(", "));
+        if let Some(vane) = larger(first) {
+            put(out, &ALLOWANCE, format!("vane {}", mm(vane)));
+        }
         operation_kind(out, job, &last.kind);
         out.push_str("}\n");
     }
@@ -437,38 +450,41 @@ fn allowance(vane: VaneAllowance) -> String {
 /// The properties of a kind.
 fn operation_kind(out: &mut String, job: &Job, kind: &OperationKind) {
     if let Some(depth) = kind.step_down() {
-        let _ = writeln!(out, "  depth {}", mm(depth));
+        put(out, &DEPTH, mm(depth));
     }
     if let Some(Allowances { vane, hub }) = kind.roughing() {
-        let _ = writeln!(out, "  allowance vane {}, hub {}", allowance(vane), mm(hub));
+        put(out, &ALLOWANCE, format!("vane {}, hub {}", allowance(vane), mm(hub)));
     }
     match kind {
         OperationKind::Groove { .. } => {}
-        OperationKind::Expand { residual, .. } => {
-            let _ = writeln!(out, "  residual {}", mm(*residual));
+        OperationKind::Expand { residual, .. } => put(out, &RESIDUAL, mm(*residual)),
+        OperationKind::Rough { stepover, levels, milling, slots, .. } => {
+            put(out, &STEPOVER, mm(*stepover));
+            put(out, &LEVELS, levels.name());
+            put(out, &MILLING, milling.name());
+            put(out, &SLOTS, slots.name());
+            if let Some(arc) = slots.engagement() {
+                put(out, &ENGAGEMENT, angle(arc.get()));
+            }
         }
-        OperationKind::Rough { stepover, levels: form, milling, slots, .. } => {
-            let _ =
-                writeln!(out, "  stepover {}\n  levels {}\n  milling {}", mm(*stepover), form.name(), milling.name());
-            let _ = writeln!(out, "  slots {}", slots.name());
-            slots.engagement().map(|arc| writeln!(out, "  engagement {}", angle(arc.get())));
-        }
-        OperationKind::Plunge { stepover, .. } => {
-            let _ = writeln!(out, "  stepover {}", mm(*stepover));
-        }
+        OperationKind::Plunge { stepover, .. } => put(out, &STROKE_STEP, mm(*stepover)),
         OperationKind::Flank { faces, flank } => {
             blades(out, job, faces.iter().map(|face| face.blade));
-            let faces = distinct(faces.iter().map(|face| face.name()));
-            let (method, strips) = (flank.method.name(), flank.strips_text());
-            let _ = writeln!(out, "  faces {}\n  method {method}\n  strips {strips}", faces.join(", "));
+            put(out, &FACES, distinct(faces.iter().map(|face| face.name())).join(", "));
+            put(out, &FLANK_METHOD, flank.method.name());
+            put(out, &STRIPS, flank.strips_text());
             if flank.method == FlankMethod::Minimax {
-                let _ = writeln!(out, "  side {}\n  conflict {}", flank.side.name(), flank.conflict.name());
+                put(out, &SIDE, flank.side.name());
+                put(out, &CONFLICT, flank.conflict.name());
             }
-            let _ = writeln!(out, "  milling {}\n  order {}", flank.milling.name(), flank.order.name());
+            put(out, &MILLING, flank.milling.name());
+            put(out, &ORDER, flank.order.name());
         }
         OperationKind::Channel { scallop, spacing, lines, method, .. } => {
-            let _ = writeln!(out, "  scallop {}\n  spacing {}", mm(*scallop), spacing.name());
-            let _ = writeln!(out, "  lines {}\n  method {}", lines.name(), method.name());
+            put(out, &FLOOR_SCALLOP, mm(*scallop));
+            put(out, &SPACING, spacing.name());
+            put(out, &LINES, lines.name());
+            put(out, &METHOD, method.name());
         }
         OperationKind::Point { .. } => in_lines(out, job, kind),
     }
@@ -478,20 +494,20 @@ fn operation_kind(out: &mut String, job: &Job, kind: &OperationKind) {
 fn in_lines(out: &mut String, job: &Job, kind: &OperationKind) {
     let OperationKind::Point { surfaces, scallop, lines, milling, levels, method } = kind else { return };
     blades(out, job, surfaces.iter().filter_map(|s| word(*s)).map(|w| w.2));
-    let names = distinct(surfaces.iter().filter_map(|s| word(*s)).map(|w| w.1));
-    let property = match kind.keyword() {
-        "edge" => Some("edges"),
-        "tip" => None,
-        _ => Some("faces"),
-    };
-    if let Some(property) = property {
-        let _ = writeln!(out, "  {property} {}", names.join(", "));
+    let names = distinct(surfaces.iter().filter_map(|s| word(*s)).map(|w| w.1)).join(", ");
+    match kind.keyword() {
+        "edge" => put(out, &EDGES, names),
+        "tip" => {}
+        _ => put(out, &FACES, names),
     }
-    let _ = writeln!(out, "  scallop {}\n  lines {}\n  method {}", mm(*scallop), lines.name(), method.name());
+    put(out, &SCALLOP, mm(*scallop));
+    put(out, &LINES, lines.name());
+    put(out, &METHOD, method.name());
     if let Some(milling) = milling {
-        let _ = writeln!(out, "  milling {}", milling.name());
+        put(out, &MILLING, milling.name());
     }
     if let Some(height) = levels {
-        let _ = writeln!(out, "  order levels\n  depth {}", mm(*height));
+        put(out, &ORDER, FaceOrder::Levels.name());
+        put(out, &LEVEL_DEPTH, mm(*height));
     }
 }

@@ -299,6 +299,26 @@ impl<'a, 'c> Properties<'a, 'c> {
         }
     }
 
+    /// The words of a property of the table; where it is not given, it is reported as missing.
+    pub(crate) fn required_words(&mut self, property: &Property) -> Option<Vec<&'a Name>> {
+        self.given(property)?;
+        self.words(property.name, &property.written())
+    }
+
+    /// The value of a property of the table as an expression; where it is not given, it is reported as missing.
+    pub(crate) fn required_expression(&mut self, property: &Property) -> Option<&'a Expr> {
+        self.given(property)?;
+        self.expression(property.name, &property.written())
+    }
+
+    fn given(&mut self, property: &Property) -> Option<()> {
+        let given = self.has(property.name);
+        if !given {
+            self.missing(property.name, &property.written());
+        }
+        given.then_some(())
+    }
+
     /// True when the property is given and not yet removed.
     pub(crate) fn has(&self, name: &str) -> bool {
         self.entries.iter().any(|(n, _)| n.text == name)

@@ -1,11 +1,12 @@
 //! The operation `channel` with several tools: one item of the job, one operation for each of its tools.
 
 use super::rough::each;
-use super::{ALLOWANCE, OperationReader, leads};
+use super::{ALLOWANCES, OperationReader, leads};
 use crate::block::context::{Context, head};
 use crate::block::properties::Properties;
 use crate::model::{OperationKind, OperationSpec, ToolSpec};
 use crate::property::quantity::Dimension;
+use crate::vocabulary::operations::{ALLOWANCE, FEED, SPACING, SPEED, TOOL, TOOLS};
 use crate::vocabulary::{self, TopicKind};
 use base::units::Mm;
 use diagnostics::Diag;
@@ -17,13 +18,11 @@ use wheel::method::{AxisMethod, Spacing};
 /// vanes.
 const VANE: Mm = Mm(0.2);
 
-const TOOLS: &str = "tools";
-
 const BULL: &str = "bull";
 
 /// The tools of a `channel` item, where it has a list of them.
 fn list(body: &Block) -> Option<&Entry> {
-    body.entries.iter().find(|entry| entry.name.text == TOOLS)
+    body.entries.iter().find(|entry| entry.name.text == TOOLS.name)
 }
 
 impl OperationReader<'_> {
@@ -37,16 +36,17 @@ impl OperationReader<'_> {
         let ItemKind::Operation { kind, body, .. } = &item.kind else { return None };
         let count = list(body).map_or(0, |entry| entry.values.len());
         // A single tool finishes the whole floor and leaves nothing.
-        let allowance: &[&str] = if count > 1 { &["allowance"] } else { &[] };
-        let others = vocabulary::properties(TopicKind::Operation, "channel").into_iter().filter(|name| *name != "tool");
-        let known: Vec<&str> = [TOOLS].into_iter().chain(others).chain(allowance.iter().copied()).collect();
+        let allowance: &[&str] = if count > 1 { &[ALLOWANCE.name] } else { &[] };
+        let others =
+            vocabulary::properties(TopicKind::Operation, "channel").into_iter().filter(|name| *name != TOOL.name);
+        let known: Vec<&str> = [TOOLS.name].into_iter().chain(others).chain(allowance.iter().copied()).collect();
         let owner = format!("operation {}", self.name);
         let mut p = Properties::new(owner, head(item), body, &known, &mut cx.scope, cx.sink);
-        let words = p.words(TOOLS, "tools t1, t2")?;
+        let words = p.required_words(&TOOLS)?;
         let tools: Option<Vec<usize>> =
             words.iter().enumerate().map(|(k, word)| self.floor_tool(kind, (word, k + 1 < count), &mut p)).collect();
-        let speeds = each(&mut p, "speed", count, "speed 8000 rpm", true);
-        let feeds = each(&mut p, "feed", count, "feed 250 mm/min", true);
+        let speeds = each(&mut p, &SPEED, count);
+        let feeds = each(&mut p, &FEED, count);
         let link_feed = self.link_feed(&mut p);
         let [lead_in, lead_out] = leads(&mut p);
         let rest = self.rest(&mut p);
@@ -120,8 +120,8 @@ impl OperationReader<'_> {
             holds = None;
         }
         let whole = Spacing::EqualDivision.name();
-        if specs.len() > 1 && p.is_word("spacing", whole) {
-            let span = p.words("spacing", "spacing constant-scallop")?.first()?.span;
+        if specs.len() > 1 && p.is_word(SPACING.name, whole) {
+            let span = p.words(SPACING.name, "spacing constant-scallop")?.first()?.span;
             p.sink.push(
                 Diag::error(codes::WRONG_FORM, format!("`spacing {whole}` of operation {} needs one tool", self.name))
                     .label(span, "it divides the whole floor from wall to wall")
@@ -135,10 +135,10 @@ impl OperationReader<'_> {
 
 /// What larger tools leave beside vanes and fillets.
 fn allowance_vane(p: &mut Properties<'_, '_>) -> Option<Mm> {
-    if !p.has("allowance") {
+    if !p.has(ALLOWANCE.name) {
         return Some(VANE);
     }
-    let values = p.labelled("allowance", &["vane"], "allowance vane 0.2 mm");
+    let values = p.labelled(ALLOWANCE.name, &["vane"], "allowance vane 0.2 mm");
     let (_, expr) = values.first()?;
-    p.value_of(expr, "allowance vane", Dimension::LENGTH, ALLOWANCE).map(Mm)
+    p.value_of(expr, "allowance vane", Dimension::LENGTH, ALLOWANCES).map(Mm)
 }

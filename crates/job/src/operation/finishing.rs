@@ -3,8 +3,11 @@
 use crate::block::eval::suggest;
 use crate::block::properties::{Properties, Range, named};
 use crate::model::{CutterKind, OperationKind, ToolSpec};
+use crate::property::Property;
 use crate::property::quantity::Dimension;
-use crate::vocabulary::operations::{CONFLICT, FLANK_METHOD, METHOD, MILLING, ORDER, SIDE};
+use crate::vocabulary::operations::{
+    BLADES, CONFLICT, FACES, FLANK_METHOD, LEVEL_DEPTH, METHOD, MILLING, ORDER, SIDE, STRIPS,
+};
 use base::units::Mm;
 use diagnostics::Diag;
 use diagnostics::codes::job as codes;
@@ -13,10 +16,10 @@ use wheel::part::{BladeId, FaceId};
 
 /// Most strips of a face by minimax: the error falls with the cube of their height, and each strip takes about a
 /// second.
-const MOST_OPTIMISED: u32 = 20;
+const MAX_OPTIMISED_STRIPS: u32 = 20;
 
 /// Least height of a level of finishing, mm.
-const LEAST_LEVEL: f64 = 0.01;
+const MIN_LEVEL_MM: f64 = 0.01;
 
 /// How tool axes of point milling are chosen: the tool turns about the middle of its ball, or keeps one tilt angle for
 /// each line.
@@ -53,10 +56,10 @@ pub(super) fn milling_of(lines: Lines, p: &mut Properties<'_, '_>) -> Option<Opt
     if lines != Lines::Zigzag {
         return named(p, &MILLING, &Milling::ALL, Milling::name).map(Some);
     }
-    if !p.has("milling") {
+    if !p.has(MILLING.name) {
         return Some(None);
     }
-    let span = p.words("milling", "milling climb")?.first()?.span;
+    let span = p.words(MILLING.name, "milling climb")?.first()?.span;
     p.sink.push(
         Diag::error(codes::WRONG_FORM, "`milling` needs lines that all run in one direction")
             .label(span, "`lines zigzag` mills every other line in the other sense")
@@ -67,10 +70,10 @@ pub(super) fn milling_of(lines: Lines, p: &mut Properties<'_, '_>) -> Option<Opt
 
 /// Order of the faces of a vane: levels go from face to face, so that a single face has none.
 pub(super) fn face_order(faces: usize, p: &mut Properties<'_, '_>) -> Option<FaceOrder> {
-    if faces > 1 || !p.is_word("order", FaceOrder::Levels.name()) {
+    if faces > 1 || !p.is_word(ORDER.name, FaceOrder::Levels.name()) {
         return named(p, &ORDER, &FaceOrder::ALL, FaceOrder::name);
     }
-    let span = p.words("order", "order levels")?.first()?.span;
+    let span = p.words(ORDER.name, "order levels")?.first()?.span;
     p.sink.push(
         Diag::error(codes::WRONG_FORM, "`order levels` needs both faces")
             .label(span, "this operation finishes one face only")
@@ -81,8 +84,8 @@ pub(super) fn face_order(faces: usize, p: &mut Properties<'_, '_>) -> Option<Fac
 
 /// Height of the levels of point milling; `Some(None)` for one face after the other.
 pub(super) fn levels(lines: Lines, faces: usize, p: &mut Properties<'_, '_>) -> Option<Option<Mm>> {
-    if lines == Lines::Spiral && p.is_word("order", FaceOrder::Levels.name()) {
-        let span = p.words("order", "order levels")?.first()?.span;
+    if lines == Lines::Spiral && p.is_word(ORDER.name, FaceOrder::Levels.name()) {
+        let span = p.words(ORDER.name, "order levels")?.first()?.span;
         p.sink.push(
             Diag::error(codes::WRONG_FORM, "`order levels` needs lines on each face")
                 .label(span, "`lines spiral` falls evenly round both faces already")
@@ -91,11 +94,13 @@ pub(super) fn levels(lines: Lines, faces: usize, p: &mut Properties<'_, '_>) -> 
         return None;
     }
     if face_order(faces, p)? == FaceOrder::Levels {
-        let range = Range::Between(LEAST_LEVEL, 1000.0);
-        return p.required("depth", Dimension::LENGTH, range, "depth 5 mm").map(|depth| Some(Mm(depth.0)));
+        let range = Range::Between(MIN_LEVEL_MM, 1000.0);
+        return p
+            .required(LEVEL_DEPTH.name, Dimension::LENGTH, range, &LEVEL_DEPTH.written())
+            .map(|depth| Some(Mm(depth.0)));
     }
-    if p.has("depth") {
-        let span = p.expression("depth", "depth 5 mm")?.span;
+    if p.has(LEVEL_DEPTH.name) {
+        let span = p.required_expression(&LEVEL_DEPTH)?.span;
         p.sink.push(
             Diag::error(codes::WRONG_FORM, "`depth` needs `order levels`")
                 .label(span, "the lines of a face follow each other from the tip to the root")
@@ -108,11 +113,11 @@ pub(super) fn levels(lines: Lines, faces: usize, p: &mut Properties<'_, '_>) -> 
 
 /// The named blades, by their places among the blades of a sector; all where none is named.
 pub(super) fn blades(names: &[String], p: &mut Properties<'_, '_>) -> Option<Vec<BladeId>> {
-    if !p.has("blades") {
+    if !p.has(BLADES.name) {
         return Some((0..names.len().max(1)).map(BladeId::new).collect());
     }
     let mut chosen = Vec::new();
-    for word in p.words("blades", "blades main")? {
+    for word in p.required_words(&BLADES)? {
         let Some(blade) = names.iter().position(|name| *name == word.text).map(BladeId::new) else {
             // Without a part nothing is known about its blades.
             if !names.is_empty() {
@@ -137,21 +142,21 @@ pub(super) fn blades(names: &[String], p: &mut Properties<'_, '_>) -> Option<Vec
 
 /// The named faces; both where none is named.
 pub(super) fn faces(p: &mut Properties<'_, '_>) -> Option<Vec<&'static str>> {
-    chosen(p, "faces", "face", FaceId::NAMES)
+    chosen(p, &FACES, "face", FaceId::NAMES)
 }
 
 /// The chosen ones of two words, none twice; both where the property is not given.
 pub(super) fn chosen(
     p: &mut Properties<'_, '_>,
-    property: &str,
+    property: &Property,
     what: &str,
     all: [&'static str; 2],
 ) -> Option<Vec<&'static str>> {
-    if !p.has(property) {
+    if !p.has(property.name) {
         return Some(all.to_vec());
     }
     let mut named = Vec::new();
-    for word in p.words(property, &format!("{property} {}", all.join(", ")))? {
+    for word in p.required_words(property)? {
         let Some(found) = all.into_iter().find(|f| *f == word.text) else {
             let diag = Diag::error(codes::UNKNOWN_NAME, format!("no {what} is called `{}`", word.text));
             p.sink.push(suggest(diag, &word.text, word.span, what, &all));
@@ -176,7 +181,7 @@ pub(super) fn flank(names: &[String], p: &mut Properties<'_, '_>) -> Option<Oper
     let faces = blades.into_iter().flat_map(BladeId::faces).filter(|face| given.contains(&face.name())).collect();
     let method = named(p, &FLANK_METHOD, &FlankMethod::ALL, FlankMethod::name)?;
     let optimised = method == FlankMethod::Minimax;
-    for property in ["side", "conflict"] {
+    for property in [SIDE.name, CONFLICT.name] {
         if p.has(property) && !optimised {
             let span = p.words(property, property)?.first()?.span;
             p.sink.push(
@@ -189,11 +194,11 @@ pub(super) fn flank(names: &[String], p: &mut Properties<'_, '_>) -> Option<Oper
     }
     let side = named(p, &SIDE, &ErrorSide::ALL, ErrorSide::name)?;
     let conflict = named(p, &CONFLICT, &Conflict::ALL, Conflict::name)?;
-    let strips = if p.is_word("strips", "auto") && optimised {
-        p.take("strips");
+    let strips = if p.is_word(STRIPS.name, "auto") && optimised {
+        p.take(STRIPS.name);
         None
-    } else if p.has("strips") {
-        Some(p.count("strips", 1, if optimised { MOST_OPTIMISED } else { 100 }, "strips 2")?.0)
+    } else if p.has(STRIPS.name) {
+        Some(p.count(STRIPS.name, 1, if optimised { MAX_OPTIMISED_STRIPS } else { 100 }, &STRIPS.written())?.0)
     } else {
         (!optimised).then_some(1)
     };

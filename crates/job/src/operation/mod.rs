@@ -15,7 +15,8 @@ use crate::property::limits;
 use crate::property::quantity::Dimension;
 use crate::property::{Form, Property, ToolSize};
 use crate::vocabulary::operations::{
-    DEPTH, FLOOR_SCALLOP, LEAD_IN, LEAD_OUT, LINES, LINES_ROUND, LINK_FEED, METHOD, RESIDUAL, SCALLOP, SPACING,
+    ALLOWANCE, DEPTH, EDGES, FEED, FLOOR_SCALLOP, LEAD_IN, LEAD_OUT, LINES, LINES_ROUND, LINK_FEED, METHOD, RESIDUAL,
+    REST, SCALLOP, SECTORS, SPACING, SPEED, TOOL,
 };
 use crate::vocabulary::{self, TopicKind};
 use base::source::Span;
@@ -37,7 +38,7 @@ pub(super) const ROUGHS: [&str; 4] = ["flat", "ball", "bull", "tapered-ball"];
 
 /// Thicknesses of rest machining, mm. The ends of the stock are known to a micrometre and paths to their tolerances;
 /// stock above the upper limit does not count as a rest.
-const REST: Range = Range::Between(0.02, 10.0);
+const REST_THICKNESS: Range = Range::Between(0.02, 10.0);
 
 /// What operations take from part and stock.
 pub(super) struct Workpiece {
@@ -209,13 +210,9 @@ impl OperationReader<'_> {
     }
 
     fn tool(&mut self, kind: &Name, p: &mut Properties<'_, '_>) -> Option<(usize, Span)> {
-        if !p.has("tool") {
-            p.missing("tool", "tool t1");
-            return None;
-        }
-        let words = p.words("tool", "tool t1")?;
+        let words = p.required_words(&TOOL)?;
         let [word] = words.as_slice() else {
-            p.wrong_form(words.first()?.span, "tool", "one tool", "tool t1");
+            p.wrong_form(words.first()?.span, TOOL.name, "one tool", &TOOL.written());
             return None;
         };
         self.named_tool(kind, word, p)
@@ -270,11 +267,7 @@ impl OperationReader<'_> {
 
     /// Spindle speed, given directly or as the cutting speed at the tool's diameter.
     fn speed(&self, tool: Option<&ToolSpec>, p: &mut Properties<'_, '_>) -> Option<Rpm> {
-        if !p.has("speed") {
-            p.missing("speed", "speed 8000 rpm");
-            return None;
-        }
-        let expr = p.expression("speed", "speed 8000 rpm")?;
+        let expr = p.required_expression(&SPEED)?;
         self.speed_of(expr, tool, p)
     }
 
@@ -307,11 +300,7 @@ impl OperationReader<'_> {
 
     /// Feed, given directly or per tooth.
     fn feed(&self, tool: Option<&ToolSpec>, speed: Option<Rpm>, p: &mut Properties<'_, '_>) -> Option<MmPerMin> {
-        if !p.has("feed") {
-            p.missing("feed", "feed 250 mm/min");
-            return None;
-        }
-        let expr = p.expression("feed", "feed 250 mm/min")?;
+        let expr = p.required_expression(&FEED)?;
         self.feed_of(expr, tool, speed, p)
     }
 
@@ -409,17 +398,16 @@ impl OperationReader<'_> {
 
     /// Thickness of rest machining; `Some(None)` when it is off.
     pub(super) fn rest(&self, p: &mut Properties<'_, '_>) -> Option<Option<Mm>> {
-        let example = "rest over 0.05 mm";
-        if !p.has("rest") {
+        if !p.has(REST.name) {
             return Some(None);
         }
-        if p.is_word("rest", "off") {
-            p.take("rest");
+        if p.is_word(REST.name, "off") {
+            p.take(REST.name);
             return Some(None);
         }
-        let values = p.labelled("rest", &["over"], example);
+        let values = p.labelled(REST.name, &["over"], &REST.written());
         let (label, expr) = values.first()?;
-        let thickness = p.value_of(expr, "rest over", Dimension::LENGTH, REST)?;
+        let thickness = p.value_of(expr, "rest over", Dimension::LENGTH, REST_THICKNESS)?;
         if self.on_whole_blank {
             p.sink.push(
                 Diag::error(
@@ -438,10 +426,10 @@ impl OperationReader<'_> {
 
     pub(super) fn sectors(&self, p: &mut Properties<'_, '_>) -> Option<Vec<u32>> {
         let count = self.workpiece.vanes.unwrap_or(10_000);
-        if !p.has("sectors") {
+        if !p.has(SECTORS.name) {
             return Some((0..count).collect());
         }
-        let sectors = p.counts("sectors", 1, count, "sectors 1, 2")?;
+        let sectors = p.counts(SECTORS.name, 1, count, &SECTORS.written())?;
         let mut seen = BTreeSet::new();
         for (sector, span) in &sectors {
             if !seen.insert(*sector) {
@@ -480,7 +468,7 @@ impl OperationReader<'_> {
                 let scallop = length_of(&SCALLOP, tool, p);
                 let blades = blades(&self.workpiece.blades, p)?;
                 let given = match kind.text.as_str() {
-                    "edge" => chosen(p, "edges", "edge", ["inlet", "outlet"]),
+                    "edge" => chosen(p, &EDGES, "edge", ["inlet", "outlet"]),
                     "tip" => Some(vec!["tip"]),
                     _ => faces(p),
                 };
@@ -526,11 +514,11 @@ impl OperationReader<'_> {
     fn layers(&self, inherits: bool, tool: Option<&ToolSpec>, p: &mut Properties<'_, '_>) -> Option<Layers> {
         let before = self.groove.filter(|_| inherits);
         let depth = match before {
-            Some(before) if !p.has("depth") => Some(before.depth),
+            Some(before) if !p.has(DEPTH.name) => Some(before.depth),
             _ => length_of(&DEPTH, tool, p),
         };
         let (allowance_vane, allowance_hub) = match before {
-            Some(before) if !p.has("allowance") => (before.allowance_vane, before.allowance_hub),
+            Some(before) if !p.has(ALLOWANCE.name) => (before.allowance_vane, before.allowance_hub),
             _ => allowances(p)?,
         };
         Some(Layers { depth: depth?, allowance_vane, allowance_hub })
@@ -549,34 +537,34 @@ fn length_of(property: &Property, tool: Option<&ToolSpec>, p: &mut Properties<'_
 }
 
 /// Largest allowance, mm.
-pub(super) const ALLOWANCE: Range = Range::NotNegative(100.0);
+pub(super) const ALLOWANCES: Range = Range::NotNegative(100.0);
 
 /// Allowances on vane and hub.
 pub(super) fn allowances(p: &mut Properties<'_, '_>) -> Option<(VaneAllowance, Mm)> {
-    let example = "allowance vane 0.2 mm, hub 0.5 mm";
-    if !p.has("allowance") {
-        p.missing("allowance", example);
+    let (name, example) = (ALLOWANCE.name, &ALLOWANCE.written());
+    if !p.has(name) {
+        p.missing(name, example);
         return None;
     }
-    let values = p.labelled_ranges("allowance", &["vane", "hub"], example);
+    let values = p.labelled_ranges(name, &["vane", "hub"], example);
     let [vane, hub] = ["vane", "hub"].map(|label| {
         let found = values.iter().copied().find(|(l, _)| l.text == label);
         if found.is_none() {
-            p.missing(&format!("allowance {label}"), example);
+            p.missing(&format!("{name} {label}"), example);
         }
         found
     });
     let vane = vane.and_then(|(_, of)| vane_allowance(of, p));
     let hub = hub.and_then(|(label, of)| {
-        let one = p.single("allowance", label, of, example)?;
-        p.value_of(one, "allowance hub", Dimension::LENGTH, ALLOWANCE).map(Mm)
+        let one = p.single(name, label, of, example)?;
+        p.value_of(one, "allowance hub", Dimension::LENGTH, ALLOWANCES).map(Mm)
     });
     Some((vane?, hub?))
 }
 
 /// Allowance on the vanes: one value, or one at the tip and one at the root.
 fn vane_allowance(of: LabelledValue<'_>, p: &mut Properties<'_, '_>) -> Option<VaneAllowance> {
-    let mut value = |expr| p.value_of(expr, "allowance vane", Dimension::LENGTH, ALLOWANCE).map(Mm);
+    let mut value = |expr| p.value_of(expr, "allowance vane", Dimension::LENGTH, ALLOWANCES).map(Mm);
     let tip = value(of.first);
     let Some(second) = of.second else { return tip.map(VaneAllowance::even) };
     let (root, tip) = (value(second)?, tip?);

@@ -4,6 +4,7 @@ use super::{OperationReader, allowances};
 use crate::block::properties::{Properties, Range};
 use crate::model::{CutterKind, OperationKind, ToolSpec};
 use crate::property::quantity::Dimension;
+use crate::vocabulary::operations::STROKE_STEP;
 use base::units::{Mm, length, trim};
 use diagnostics::Diag;
 use diagnostics::codes::job as codes;
@@ -25,7 +26,6 @@ impl OperationReader<'_> {
 
     /// The distance of neighbouring strokes that the job gives, within what the tool permits, or its default.
     fn plunge_step(&self, tool: Option<&ToolSpec>, p: &mut Properties<'_, '_>) -> Option<Mm> {
-        const EXAMPLE: &str = "stepover 1 mm";
         let tool = tool?;
         let (diameter, most) = (tool.diameter.get(), tool.largest_plunge_step()?);
         let least = MIN_STROKE_STEP * diameter;
@@ -38,11 +38,11 @@ impl OperationReader<'_> {
             );
             return None;
         }
-        if !p.has("stepover") {
+        if !p.has(STROKE_STEP.name) {
             return Some(Mm(most.min(USUAL_STEP * diameter)));
         }
-        let expr = p.expression("stepover", EXAMPLE)?;
-        let step = p.value_of(expr, "stepover", Dimension::LENGTH, Range::Between(least, 0.5 * diameter))?;
+        let expr = p.required_expression(&STROKE_STEP)?;
+        let step = p.value_of(expr, STROKE_STEP.name, Dimension::LENGTH, Range::Between(least, 0.5 * diameter))?;
         // Room for rounding where the job states the limit itself.
         if step <= most * (1.0 + 1e-9) {
             return Some(Mm(step));

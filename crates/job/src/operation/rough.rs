@@ -6,20 +6,23 @@ use crate::block::properties::{Properties, Range, named};
 use crate::model::{CutterKind, OperationKind, OperationSpec, ToolSpec};
 use crate::property::limits;
 use crate::property::quantity::Dimension;
-use crate::vocabulary::operations::{ENGAGEMENT, LEVELS, MILLING, SLOTS};
+use crate::property::{Property, Without};
+use crate::vocabulary::operations::{
+    ENGAGEMENT, FEED, LEVELS, MILLING, REST, ROUGH_DEPTH, SLOTS, SPEED, STEPOVER, TOOLS,
+};
 use crate::vocabulary::{self, TopicKind};
 use base::units::{Mm, Rad};
 use diagnostics::{Diag, codes::job as codes};
 use syntax::ast::{Expr, Item, ItemKind, Name};
 use wheel::method::{Levels, Milling, Slots};
 
-/// Default of `rest over` for the tools after the first: this share of the diameter, at most [`REST`].
+/// Default of `rest over` for the tools after the first: this share of the diameter, at most [`MAX_REST_MM`].
 const REST_SHARE: f64 = 0.1;
-const REST: f64 = 0.2;
+const MAX_REST_MM: f64 = 0.2;
 
 /// Step of the tool down or across, which has a default for each tool.
 struct StepSize {
-    name: &'static str,
+    property: Property,
     /// Defaults as shares of the diameter, for a tool with a flat end and for one with a ball.
     flat: f64,
     ball: f64,
@@ -27,8 +30,8 @@ struct StepSize {
     most: fn(&ToolSpec) -> Mm,
 }
 
-const DEPTH: StepSize = StepSize { name: "depth", flat: 0.375, ball: 0.33, most: |tool| tool.flute };
-const STEPOVER: StepSize = StepSize { name: "stepover", flat: 0.75, ball: 0.4, most: |tool| tool.diameter };
+const DOWN: StepSize = StepSize { property: ROUGH_DEPTH, flat: 0.375, ball: 0.33, most: |tool| tool.flute };
+const ACROSS: StepSize = StepSize { property: STEPOVER, flat: 0.75, ball: 0.4, most: |tool| tool.diameter };
 
 impl OperationReader<'_> {
     /// The operations of a `rough` item, one for each tool, in the order of the job.
@@ -45,13 +48,13 @@ impl OperationReader<'_> {
         );
         let tools = self.tools_of(kind, &mut p)?;
         let count = tools.len();
-        let speeds = each(&mut p, "speed", count, "speed 8000 rpm", true);
-        let feeds = each(&mut p, "feed", count, "feed 1000 mm/min", true);
-        let depths = each(&mut p, "depth", count, "depth 3 mm", false);
-        let stepovers = each(&mut p, "stepover", count, "stepover 5 mm", false);
+        let speeds = each(&mut p, &SPEED, count);
+        let feeds = each(&mut p, &FEED.like("1000 mm/min"), count);
+        let depths = each(&mut p, &ROUGH_DEPTH, count);
+        let stepovers = each(&mut p, &STEPOVER, count);
         let link_feed = self.link_feed(&mut p);
         let [lead_in, lead_out] = leads(&mut p);
-        let given_rest = p.has("rest");
+        let given_rest = p.has(REST.name);
         // `rest` of the first operation on a whole blank speaks of its later tools.
         let finds_rest = !self.on_whole_blank;
         self.on_whole_blank &= count < 2;
@@ -68,8 +71,8 @@ impl OperationReader<'_> {
             let spec = self.tools.get(tool).and_then(|t| t.spec.as_ref());
             let speed = self.speed_of(speeds.get(k).copied().flatten()?, spec, &mut p);
             let feed = self.feed_of(feeds.get(k).copied().flatten()?, spec, speed, &mut p);
-            let depth = DEPTH.of(&mut p, depths.get(k).copied().flatten(), spec);
-            let stepover = STEPOVER.of(&mut p, stepovers.get(k).copied().flatten(), spec);
+            let depth = DOWN.of(&mut p, depths.get(k).copied().flatten(), spec);
+            let stepover = ACROSS.of(&mut p, stepovers.get(k).copied().flatten(), spec);
             let slots = match slots? {
                 (false, _) => Slots::Full,
                 (true, given) => Slots::Trochoidal { engagement: given.unwrap_or(beside(stepover?, spec?)) },
@@ -77,7 +80,7 @@ impl OperationReader<'_> {
             let (allowance_vane, allowance_hub) = allowances?;
             let rest = match (k, given_rest) {
                 (0, _) => rest?.filter(|_| finds_rest),
-                (_, false) => spec.map(|tool| Mm(REST.min(REST_SHARE * tool.diameter.get()))),
+                (_, false) => spec.map(|tool| Mm(MAX_REST_MM.min(REST_SHARE * tool.diameter.get()))),
                 (_, true) => rest?,
             };
             operations.push(OperationSpec {
@@ -108,9 +111,8 @@ impl OperationReader<'_> {
     /// The tools that the job names, `None` in the place of an unreadable one; by default all tools of the job that can
     /// rough, the widest one first; of two as wide as each other the one without a ball.
     fn tools_of(&self, kind: &Name, p: &mut Properties<'_, '_>) -> Option<Vec<Option<usize>>> {
-        let example = "tools t1, t2";
-        if p.has("tools") {
-            let words = p.words("tools", example)?;
+        if p.has(TOOLS.name) {
+            let words = p.required_words(&TOOLS)?;
             return Some(words.iter().map(|word| self.named_tool(kind, word, p).map(|found| found.0)).collect());
         }
         let specs = self.tools.iter().map(|declared| declared.spec.as_ref());
@@ -124,7 +126,7 @@ impl OperationReader<'_> {
             b.diameter.get().total_cmp(&a.diameter.get()).then(has_ball(a).cmp(&has_ball(b)))
         });
         if tools.is_empty() {
-            p.missing("tools", example);
+            p.missing(TOOLS.name, &TOOLS.written());
             return None;
         }
         Some(tools.into_iter().map(|(at, _)| Some(at)).collect())
@@ -159,15 +161,10 @@ fn beside(stepover: Mm, tool: &ToolSpec) -> Rad {
 
 /// One expression for each of `count` tools: a single value holds for all. `None` in the list where an optional property
 /// is not given.
-pub(super) fn each<'a>(
-    p: &mut Properties<'a, '_>,
-    name: &str,
-    count: usize,
-    example: &str,
-    required: bool,
-) -> Option<Vec<Option<&'a Expr>>> {
+pub(super) fn each<'a>(p: &mut Properties<'a, '_>, property: &Property, count: usize) -> Option<Vec<Option<&'a Expr>>> {
+    let (name, example) = (property.name, &property.written());
     if !p.has(name) {
-        if required {
+        if property.without == Without::Required {
             p.missing(name, example);
             return None;
         }
@@ -191,7 +188,7 @@ impl StepSize {
         let tool = tool?;
         if let Some(expr) = expr {
             let range = Range::Between(limits::LEAST_DEPTH, (self.most)(tool).get());
-            return p.value_of(expr, self.name, Dimension::LENGTH, range).map(Mm);
+            return p.value_of(expr, self.property.name, Dimension::LENGTH, range).map(Mm);
         }
         let share = if has_ball(tool) { self.ball } else { self.flat };
         Some(Mm(share * tool.diameter.get()))

@@ -36,67 +36,136 @@ pub(crate) const ENGAGEMENT: Property = typed(
 )
 .like("60 deg");
 
-const TOOL: &[Property] =
-    &[property("tool", "name of a tool", Required, "The tool of the operation.").also(&["cutter", "mill"])];
+/// Tool of an operation.
+pub(crate) const TOOL: Property =
+    property("tool", "name of a tool", Required, "The tool of the operation.").like("t1").also(&["cutter", "mill"]);
 
-const TOOLS: &[Property] = &[property(
+/// Tools of an operation, one after the other.
+pub(crate) const TOOLS: Property = property(
     "tools",
     "names of tools",
     Means("all tools of the job that can rough, the widest first"),
     "One operation for each tool, in this order; a later tool cuts what the earlier ones left.",
-)];
+)
+.like("t1, t2");
 
-const COMMON: &[Property] = &[
-    property(
-        "speed",
-        "rpm, or cutting speed in m/min",
-        Required,
-        "Speed of the spindle; a cutting speed is that at the diameter.",
-    )
-    .also(&["vc", "cutting-speed", "n", "s", "velocity", "max-speed", "vmax", "spindle", "rpm", "spindle-speed"]),
-    property(
-        "feed",
-        "mm/min or mm/tooth",
-        Required,
-        "Feed of the tip while cutting. Each tool has a largest feed per tooth.",
-    )
-    .also(&["fz", "vf", "f", "feedrate", "feed-rate"]),
-    LINK_FEED,
-    LEAD_IN,
-    LEAD_OUT,
-    property(
-        "rest",
-        "`off`, or `over` with a length from 0.02 to 10 mm",
-        Is("off"),
-        "Cuts only where earlier operations left more stock than this.",
-    ),
-    property(
-        "sectors",
-        "numbers of sectors, with commas",
-        Means("all sectors"),
-        "The sectors to machine; sector 1 lies at vane 1.",
-    ),
-];
+/// Speed of the spindle.
+pub(crate) const SPEED: Property = property(
+    "speed",
+    "rpm, or cutting speed in m/min",
+    Required,
+    "Speed of the spindle; a cutting speed is that at the diameter.",
+)
+.like("8000 rpm")
+.also(&["vc", "cutting-speed", "n", "s", "velocity", "max-speed", "vmax", "spindle", "rpm", "spindle-speed"]);
 
-const ALLOWANCE: &[Property] = &[property(
+/// Feed while cutting.
+pub(crate) const FEED: Property = property(
+    "feed",
+    "mm/min or mm/tooth",
+    Required,
+    "Feed of the tip while cutting. Each tool has a largest feed per tooth.",
+)
+.like("250 mm/min")
+.also(&["fz", "vf", "f", "feedrate", "feed-rate"]);
+
+/// Rest machining.
+pub(crate) const REST: Property = property(
+    "rest",
+    "`off`, or `over` with a length from 0.02 to 10 mm",
+    Is("off"),
+    "Cuts only where earlier operations left more stock than this.",
+)
+.like("over 0.05 mm");
+
+/// Sectors to machine.
+pub(crate) const SECTORS: Property = property(
+    "sectors",
+    "numbers of sectors, with commas",
+    Means("all sectors"),
+    "The sectors to machine; sector 1 lies at vane 1.",
+)
+.like("1, 2");
+
+const COMMON: &[Property] = &[SPEED, FEED, LINK_FEED, LEAD_IN, LEAD_OUT, REST, SECTORS];
+
+/// Stock that roughing leaves.
+pub(crate) const ALLOWANCE: Property = property(
     "allowance",
     "`vane` with a length or `TIP .. ROOT`, and `hub` with a length",
     Required,
     "Stock that is left on vanes and hub; it must be larger than `tolerance rough`.",
 )
-.also(&["stock-to-leave", "leave", "stock", "offset"])];
+.like("vane 0.2 mm, hub 0.5 mm")
+.also(&["stock-to-leave", "leave", "stock", "offset"]);
 
-const FACES: &[Property] =
-    &[property("faces", "`pressure`, `suction`", Is("pressure, suction"), "Faces of the vanes to finish.")
-        .also(&["side"])];
+/// Faces to finish.
+pub(crate) const FACES: Property =
+    property("faces", "`pressure`, `suction`", Is("pressure, suction"), "Faces of the vanes to finish.")
+        .like("pressure, suction")
+        .also(&["side"]);
 
-const BLADES: &[Property] = &[property(
+/// Edges to finish.
+pub(crate) const EDGES: Property =
+    property("edges", "`inlet`, `outlet`", Is("inlet, outlet"), "Edges to finish.").like("inlet, outlet");
+
+/// Blades to finish.
+pub(crate) const BLADES: Property = property(
     "blades",
     "names of blades",
     Means("all blades of a sector"),
     "Blades to finish: the main blade and splitters, by their names.",
 )
-.also(&["blade"])];
+.like("main")
+.also(&["blade"]);
+
+/// Number of strips of a face.
+pub(crate) const STRIPS: Property = property(
+    "strips",
+    "`auto`, or a number from 1 to 20 (to 100 with the other methods)",
+    Means("`auto` with `minimax`, 1 otherwise"),
+    "Passes from tip to root of a face.",
+)
+.like("2")
+.also(&["passes"]);
+
+/// Step down of roughing.
+pub(crate) const ROUGH_DEPTH: Property = property(
+    "depth",
+    "length; one, or one for each tool",
+    Means("0.375 of the diameter; 0.33 for a ball"),
+    "Step down from level to level.",
+)
+.like("3 mm")
+.also(STEP_DOWN);
+
+/// Distance of the lines of roughing.
+pub(crate) const STEPOVER: Property = property(
+    "stepover",
+    "length; one, or one for each tool",
+    Means("0.75 of the diameter; 0.4 for a ball"),
+    "Distance of neighbouring lines.",
+)
+.like("5 mm")
+.also(&["step", "step-over", "ae"]);
+
+/// Distance of the strokes of plunging.
+pub(crate) const STROKE_STEP: Property = property(
+    "stepover",
+    "length from 0.01 to 0.5 of the diameter",
+    Means("a quarter of the diameter, where the tool permits it"),
+    "Distance of neighbouring strokes.",
+)
+.like("1 mm");
+
+/// Height of the levels of point milling.
+pub(crate) const LEVEL_DEPTH: Property = property(
+    "depth",
+    "length from 0.01 mm",
+    Means("an error with `order levels`; otherwise not allowed"),
+    "Height of a level with `order levels`.",
+)
+.like("5 mm");
 
 /// Height of the ridges that lines leave on vanes.
 pub(crate) const SCALLOP: Property = typed(
@@ -230,54 +299,21 @@ pub(super) const TOPICS: &[Topic] = &[
         "rough",
         "Clears the channels level by level, by lines from the middle out to both walls.",
         "operation rough {\n  tools t1  speed 8000 rpm  feed 1000 mm/min  depth 2 mm  stepover 2 mm  allowance vane 0.3 mm, hub 0.3 mm\n}",
-        &[
-            TOOLS,
-            COMMON,
-            &[
-                property(
-                    "depth",
-                    "length; one, or one for each tool",
-                    Means("0.375 of the diameter; 0.33 for a ball"),
-                    "Step down from level to level.",
-                )
-                .also(STEP_DOWN),
-                property(
-                    "stepover",
-                    "length; one, or one for each tool",
-                    Means("0.75 of the diameter; 0.4 for a ball"),
-                    "Distance of neighbouring lines.",
-                )
-                .also(&["step", "step-over", "ae"]),
-            ],
-            ALLOWANCE,
-            &[LEVELS],
-            &[MILLING],
-            &[SLOTS, ENGAGEMENT],
-        ],
+        &[&[TOOLS], COMMON, &[ROUGH_DEPTH, STEPOVER], &[ALLOWANCE], &[LEVELS], &[MILLING], &[SLOTS, ENGAGEMENT]],
     ),
     topic_of(
         TopicKind::Operation,
         "plunge",
         "Clears the channels by strokes along the tool axis down to the floor, row by row; for deep and narrow channels.",
         "operation plunge { tool t4  speed 8000 rpm  feed 150 mm/min  allowance vane 0.3 mm, hub 0.3 mm }",
-        &[
-            TOOL,
-            COMMON,
-            &[property(
-                "stepover",
-                "length from 0.01 to 0.5 of the diameter",
-                Means("a quarter of the diameter, where the tool permits it"),
-                "Distance of neighbouring strokes.",
-            )],
-            ALLOWANCE,
-        ],
+        &[&[TOOL], COMMON, &[STROKE_STEP], &[ALLOWANCE]],
     ),
     topic_of(
         TopicKind::Operation,
         "groove",
         "Cuts a slot in the middle of each channel, layer by layer (Wei 2021, section 3.1).",
         "operation groove { tool t1  speed 8000 rpm  feed 300 mm/min  depth 2 mm  allowance vane 0.3 mm, hub 0.3 mm }",
-        &[TOOL, COMMON, &[DEPTH], ALLOWANCE],
+        &[&[TOOL], COMMON, &[DEPTH], &[ALLOWANCE]],
     ),
     topic_of(
         TopicKind::Operation,
@@ -285,15 +321,13 @@ pub(super) const TOPICS: &[Topic] = &[
         "Opens the slot of `groove` to both walls, along V-shaped lines (Wei 2021, section 3.2). `depth` and `allowance` are by default those of the groove before it.",
         "operation groove { tool t1  speed 8000 rpm  feed 300 mm/min  depth 2 mm  allowance vane 0.3 mm, hub 0.3 mm }\noperation expand { tool t1  speed 8000 rpm  feed 300 mm/min  residual 0.5 mm }",
         &[
-            TOOL,
+            &[TOOL],
             COMMON,
             &[DEPTH.without(Means("that of the groove before it"))],
-            &[property(
-                "allowance",
-                "`vane` with a length or `TIP .. ROOT`, and `hub` with a length",
-                Means("that of the groove before it"),
-                "Stock that is left on vanes and hub.",
-            )],
+            &[Property {
+                meaning: "Stock that is left on vanes and hub.",
+                ..ALLOWANCE.without(Means("that of the groove before it"))
+            }],
             &[RESIDUAL],
         ],
     ),
@@ -302,26 +336,7 @@ pub(super) const TOPICS: &[Topic] = &[
         "flank",
         "Finishes the faces of the vanes with the side of the cutter.",
         "operation flank { tool t1  speed 8000 rpm  feed 250 mm/min  faces pressure, suction }",
-        &[
-            TOOL,
-            COMMON,
-            FACES,
-            BLADES,
-            &[
-                FLANK_METHOD,
-                property(
-                    "strips",
-                    "`auto`, or a number from 1 to 20 (to 100 with the other methods)",
-                    Means("`auto` with `minimax`, 1 otherwise"),
-                    "Passes from tip to root of a face.",
-                )
-                .also(&["passes"]),
-                SIDE,
-                CONFLICT,
-            ],
-            &[MILLING],
-            &[ORDER],
-        ],
+        &[&[TOOL], COMMON, &[FACES, BLADES], &[FLANK_METHOD, STRIPS, SIDE, CONFLICT], &[MILLING], &[ORDER]],
     ),
     topic_of(
         TopicKind::Operation,
@@ -329,20 +344,14 @@ pub(super) const TOPICS: &[Topic] = &[
         "Finishes the faces of the vanes with the tip of the cutter, along lines of constant scallop height.",
         "operation point { tool t1  speed 8000 rpm  feed 250 mm/min  scallop 20 um }",
         &[
-            TOOL,
+            &[TOOL],
             COMMON,
-            FACES,
-            BLADES,
+            &[FACES, BLADES],
             &[SCALLOP],
             &[LINES_ROUND],
             &[MILLING],
             &[ORDER],
-            &[property(
-                "depth",
-                "length from 0.01 mm",
-                Means("an error with `order levels`; otherwise not allowed"),
-                "Height of a level with `order levels`.",
-            )],
+            &[LEVEL_DEPTH],
             &[METHOD],
         ],
     ),
@@ -351,35 +360,27 @@ pub(super) const TOPICS: &[Topic] = &[
         "fillet",
         "Finishes the fillets between vanes and hub, along lines of constant scallop height. The cutter needs a ball that fits into the fillet.",
         "operation fillet { tool t1  speed 8000 rpm  feed 250 mm/min  scallop 20 um }",
-        &[TOOL, COMMON, FACES, BLADES, &[SCALLOP], &[LINES], &[MILLING], &[METHOD]],
+        &[&[TOOL], COMMON, &[FACES, BLADES, SCALLOP], &[LINES], &[MILLING], &[METHOD]],
     ),
     topic_of(
         TopicKind::Operation,
         "edge",
         "Finishes leading and trailing edges of the vanes, by lines that wrap round them.",
         "operation edge { tool t1  speed 8000 rpm  feed 250 mm/min  scallop 20 um }",
-        &[
-            TOOL,
-            COMMON,
-            &[property("edges", "`inlet`, `outlet`", Is("inlet, outlet"), "Edges to finish.")],
-            BLADES,
-            &[SCALLOP],
-            &[LINES],
-            &[METHOD],
-        ],
+        &[&[TOOL], COMMON, &[EDGES], &[BLADES], &[SCALLOP], &[LINES], &[METHOD]],
     ),
     topic_of(
         TopicKind::Operation,
         "tip",
         "Finishes the tips of the vanes, which the lathe otherwise leaves.",
         "operation tip { tool t1  speed 8000 rpm  feed 250 mm/min  scallop 20 um }",
-        &[TOOL, COMMON, BLADES, &[SCALLOP], &[LINES], &[METHOD]],
+        &[&[TOOL], COMMON, &[BLADES, SCALLOP], &[LINES], &[METHOD]],
     ),
     topic_of(
         TopicKind::Operation,
         "channel",
         "Finishes the hub between the vanes. With a list `tools` instead of `tool`, the wider tools finish the middle and the last one the rest.",
         "operation channel { tool t1  speed 8000 rpm  feed 250 mm/min  scallop 20 um }",
-        &[TOOL, COMMON, &[FLOOR_SCALLOP], &[SPACING], &[LINES], &[METHOD]],
+        &[&[TOOL], COMMON, &[FLOOR_SCALLOP], &[SPACING], &[LINES], &[METHOD]],
     ),
 ];
