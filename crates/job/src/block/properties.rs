@@ -112,9 +112,12 @@ impl<'a, 'c> Properties<'a, 'c> {
             self.entries.retain(|(n, _)| before.is_none_or(|b| n.span != b.name.span));
             return;
         }
-        // `N10 tool t1` and `M8 allowance vane 0.2 mm`: the word took the next property for its value.
-        let took = before.filter(|b| nc_entry(&b.name.text, b.name.span).is_some()).and_then(|b| b.values.first());
-        if took.is_some_and(|value| matches!(value, Value::Expr(Expr { kind: ExprKind::Path(path), .. }) if known.contains(&path.text().as_str()))) {
+        // `N10 tool t1` and `0.2 inch  spacing equal-division`: an unknown word took the next property for its value, and its value is
+        // read as a property here. The unknown word is the cause.
+        let took = before.filter(|b| !known.contains(&b.name.text.as_str())).is_some_and(|b| {
+            b.values.iter().any(|value| matches!(value, Value::Expr(Expr { kind: ExprKind::Path(path), .. }) if known.contains(&path.text().as_str())))
+        });
+        if took {
             return;
         }
         if name.text == "let" {
