@@ -8,7 +8,7 @@ use impellerc::diagnostics::{Diag, Severity, Sink};
 use impellerc::driver::{Options, Stages, compile};
 use impellerc::ir::{Contract, ContractKind, OperationKind, Program};
 use impellerc::nurbs::NurbsCurve;
-use impellerc::plan::facts::beside::{self, Beside};
+use impellerc::plan::facts::free_space::{self, FreeSpace};
 use impellerc::plan::facts::reach::{self, Reach};
 use impellerc::plan::facts::{self, outliers, throat, twist};
 use impellerc::tool_stock::collide::Cutter;
@@ -30,8 +30,8 @@ fn reaches(program: &Program) -> Vec<Reach> {
 }
 
 /// Free space for the tool of each operation that point mills faces or fillets.
-fn besides(program: &Program) -> Vec<Beside> {
-    beside::check(program, &mut Sink::default())
+fn free_spaces(program: &Program) -> Vec<FreeSpace> {
+    free_space::check(program, &mut Sink::default())
 }
 
 /// The paper's part, roughed with one cutter after the other, finished with a ball of 6 mm.
@@ -282,7 +282,7 @@ const FACES: [SurfaceKind; 2] = [SurfaceKind::Face(FaceId::PRESSURE), SurfaceKin
 const FILLETS: [SurfaceKind; 2] = [SurfaceKind::Fillet(FaceId::PRESSURE), SurfaceKind::Fillet(FaceId::SUCTION)];
 
 /// What is said of point milling some surfaces of a part with a cutter.
-fn pointed(part: &Part, cutter: Cutter, surfaces: &[SurfaceKind]) -> (Vec<Beside>, Vec<Diag>) {
+fn pointed(part: &Part, cutter: Cutter, surfaces: &[SurfaceKind]) -> (Vec<FreeSpace>, Vec<Diag>) {
     let mut program = program(None, &[]);
     program.part = part.clone();
     (program.tools, program.operations) = (PrimaryMap::new(), PrimaryMap::new());
@@ -296,7 +296,7 @@ fn pointed(part: &Part, cutter: Cutter, surfaces: &[SurfaceKind]) -> (Vec<Beside
         method: AxisMethod::Blend,
     };
     program.operations.push(operation(kind.keyword(), kind, id, vec![0], 8.0));
-    (besides(&program), check(&program))
+    (free_spaces(&program), check(&program))
 }
 
 #[test]
@@ -310,15 +310,15 @@ fn point_milling_asks_for_no_floor() {
         "{told:?}"
     );
     for surfaces in [FACES, FILLETS] {
-        let (beside, diags) = pointed(&part, Cutter::ball(3.0), &surfaces);
-        assert!(beside[0].fits && errors(&diags).is_empty(), "{diags:?}");
+        let (space, diags) = pointed(&part, Cutter::ball(3.0), &surfaces);
+        assert!(space[0].fits && errors(&diags).is_empty(), "{diags:?}");
     }
     // Nor does a corner of a wide bull nose care, or anything that stands before an edge.
     let bull = Cutter::bull(5.0, 1.0);
     assert!(errors(&pointed(&wei_part(Some(3.0)), bull, &FACES).1).is_empty());
     let edges = [SurfaceKind::InletEdge(BladeId::MAIN), SurfaceKind::OutletEdge(BladeId::MAIN)];
-    let (beside, diags) = pointed(&part, Cutter::ball(20.0), &edges);
-    assert!(beside.is_empty() && errors(&diags).is_empty(), "{diags:?}");
+    let (space, diags) = pointed(&part, Cutter::ball(20.0), &edges);
+    assert!(space.is_empty() && errors(&diags).is_empty(), "{diags:?}");
 }
 
 #[test]
@@ -331,11 +331,11 @@ fn a_ball_that_meets_the_next_vane_is_told() {
     // On the paper's part the largest is the border, by another search: over all points of the next face.
     let part = wei_part(None);
     let ball = |radius: f64| pointed(&part, Cutter::ball(radius), &FACES);
-    let (beside, diags) = ball(9.0);
+    let (space, diags) = ball(9.0);
     let told = errors(&diags);
-    assert!(told.len() == 1 && !beside[0].fits, "{diags:?}");
+    assert!(told.len() == 1 && !space[0].fits, "{diags:?}");
     assert!(told[0].code.id() == "IMP0450" && told[0].place.as_ref().unwrap().what.contains("vane 1"), "{:?}", told[0]);
-    let largest = beside[0].largest;
+    let largest = space[0].largest;
     assert!(told[0].help.as_ref().unwrap().contains(&format!("{largest} mm")), "{:?}", told[0]);
     assert!(ball(largest).0[0].fits && !ball(largest + 0.02).0[0].fits, "{largest}");
     let face = |side: FaceId| part.face(side);

@@ -1,11 +1,11 @@
 //! Facts about the part, found before planning: the width of the channel, the tools that reach its floor, twist, straightness and
 //! concave radii of the faces, what flank milling would leave, and data points that break the pattern of the others.
 
-pub mod beside;
 pub mod channel;
 pub mod concave;
 pub mod flank;
 pub mod flat_edges;
+pub mod free_space;
 pub mod machine_kind;
 pub mod outliers;
 pub mod reach;
@@ -116,6 +116,6 @@ fn report(program: &Program, fits: Option<&Progress>, sink: &mut Sink) {
     reach::check(program, &throats, sink);
     // Where the fillets fill the channel, they are the cause that is told, and not each ball.
     if sink.errors() == before || !reach::fillets_fill(program, &throats) {
-        beside::check(program, sink);
+        free_space::check(program, sink);
     }
 }

@@ -11,7 +11,7 @@ use super::floor::{ChannelFloor, TURN_OFF, azimuth, contacts};
 use super::middle::{Middle, Middles, StretchFloor, before};
 use crate::passes::context::{
     PassContext, STATIONS, in_passage,
-    limits::{check_fillet, less_than_radius},
+    largest_ball::{check_fillet, less_than_radius},
 };
 use crate::passes::lines::{self, DriveSurface, LaidLines, LineDirection, constant_scallop, left_to_ridges, scallop};
 use diagnostics::{Aborted, Diag, codes::planning};

@@ -2,7 +2,7 @@
 //! tool for messages.
 
 mod channel_chart;
-pub(crate) mod limits;
+pub(crate) mod largest_ball;
 mod maximal_ranges;
 mod milling_direction;
 mod obstacles;

@@ -9,7 +9,9 @@
 use super::refusals::{MOST_STRIPS, NEARLY, fitting, never, no_ball, out_of_tolerance};
 use super::strip::{self, LEAVE, Strip, Surroundings, WorstError};
 use super::sweep::{self, NO_VIOLATION, StripPath, StripTask};
-use crate::passes::context::{Obstacles, PassContext, STATIONS, from_outlet, leads_at_ends, limits::check_fillet};
+use crate::passes::context::{
+    Obstacles, PassContext, STATIONS, from_outlet, largest_ball::check_fillet, leads_at_ends,
+};
 use base::progress::Progress;
 use base::units::length;
 use diagnostics::Aborted;

@@ -10,7 +10,7 @@ use super::spiral::Around;
 use super::vane_surface::{CutBeside, VaneSurface, nominal_tilt};
 use crate::passes::context::{
     AxisTilt, PassContext, from_outlet,
-    limits::{check_fillet, less_than_radius},
+    largest_ball::{check_fillet, less_than_radius},
 };
 use crate::passes::lines::{self, DriveSurface, constant_scallop};
 use base::units::length;

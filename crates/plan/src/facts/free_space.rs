@@ -15,7 +15,7 @@ use wheel::part::{
 
 /// Free space for the tool of a point milling operation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Beside {
+pub struct FreeSpace {
     /// Operation.
     pub operation: OperationId,
     /// Largest radius of a ball that fits at every place of its surfaces, at most the fillet radius, mm, rounded down
@@ -46,7 +46,7 @@ struct Spot {
 }
 
 /// Measures every point milling operation, and reports tools that are too large.
-pub fn check(program: &Program, sink: &mut Sink) -> Vec<Beside> {
+pub fn check(program: &Program, sink: &mut Sink) -> Vec<FreeSpace> {
     let part = &program.part;
     let mut spots: Vec<Spot> = Vec::new();
     let mut found = Vec::new();
@@ -63,11 +63,11 @@ pub fn check(program: &Program, sink: &mut Sink) -> Vec<Beside> {
         let own: Vec<&Spot> = spots.iter().filter(|s| surfaces.contains(&s.kind)).collect();
         let radius = program.tools[operation.tool].solid.cutter.tip_radius();
         let fits = narrowest(part, &own, radius).is_none_or(|s| s.radius_limit >= radius);
-        let beside = Beside { operation: id, largest: largest(part, &own), fits };
+        let space = FreeSpace { operation: id, largest: largest(part, &own), fits };
         if !fits {
-            sink.push(too_large(program, operation, &beside, narrowest(part, &own, radius)));
+            sink.push(too_large(program, operation, &space, narrowest(part, &own, radius)));
         }
-        found.push(beside);
+        found.push(space);
     }
     found
 }
@@ -137,7 +137,7 @@ fn largest(part: &Part, spots: &[&Spot]) -> f64 {
     (200.0 * largest).floor() / 200.0
 }
 
-fn too_large(program: &Program, operation: &Operation, beside: &Beside, at: Option<&Spot>) -> Diag {
+fn too_large(program: &Program, operation: &Operation, space: &FreeSpace, at: Option<&Spot>) -> Diag {
     let tool = &program.tools[operation.tool];
     let cutter = &tool.solid.cutter;
     let end = match cutter.first().ring {
@@ -152,7 +152,7 @@ fn too_large(program: &Program, operation: &Operation, beside: &Beside, at: Opti
     )
     .label(tool.span, format!("{} mm in diameter", 2.0 * radius))
     .label(operation.span, format!("`{}` uses `{}`", operation.name, tool.name))
-    .help(format!("use a {end} of at most {} mm radius", beside.largest));
+    .help(format!("use a {end} of at most {} mm radius", space.largest));
     if let Some(spot) = at {
         let [u, v] = spot.place.parameters;
         diag = diag.note(format!("a radius of {:.3} mm fits there", spot.radius_limit)).place(
