@@ -1,7 +1,6 @@
 //! Outputs of a compilation beside the NC text, a row each: option, help, form of the file, and what makes its bytes.
 
 use super::file_form::Form;
-use super::inputs;
 use super::written::{SHOWN_HASH, Written, restarts};
 use ::report::certificate_file::{self, sha256};
 use ::report::picture;
@@ -45,7 +44,7 @@ pub struct Output {
 }
 
 /// The outputs beside the NC text, in the order in which they are written.
-pub const OUTPUTS: [Output; 4] = [
+pub const OUTPUTS: &[Output] = &[
     Output {
         flag: "--certificate",
         value: "FILE.json",
@@ -88,8 +87,7 @@ pub struct OutputFile {
 impl OutputFile {
     /// The output with an option, such as `--picture`, and its file; `None` where there is no such output.
     pub fn new(flag: &str, path: impl Into<PathBuf>) -> Option<Self> {
-        const ROWS: &[Output] = &OUTPUTS;
-        ROWS.iter().find(|output| output.flag == flag).map(|output| Self { output, path: path.into() })
+        OUTPUTS.iter().find(|output| output.flag == flag).map(|output| Self { output, path: path.into() })
     }
 }
 
@@ -121,9 +119,8 @@ fn source_map(accepted: &Accepted<'_>) -> Result<String, Diag> {
         let frame = line.frame.and_then(|span| Some((sources.get(span.source)?.name.as_str(), line_of(span))));
         WrittenLine { text: &line.text, source: line.source, again: &line.again, frame }
     });
-    let inputs = inputs(sources);
-    let job = inputs.files.first().map_or("", |file| file.name.as_str());
-    SourceMapFile::new(program, motion, job, line_of, lines).json().map_err(|reason| {
+    let job = sources.files().first().map(|file| file.own_name()).unwrap_or_default();
+    SourceMapFile::new(program, motion, &job, line_of, lines).json().map_err(|reason| {
         Diag::error(files::INTERNAL, format!("the source map cannot be written: {reason}"))
             .help("report the job file: this is a fault of the compiler")
     })

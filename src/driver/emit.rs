@@ -37,8 +37,7 @@ impl Emit {
 
     /// All values with their names and what they are: the stage values, then the forms of the part.
     pub fn all() -> impl Iterator<Item = (Self, &'static str, &'static str)> {
-        const FORMS: &[PartForm] = &PART_FORMS;
-        Self::STAGES.into_iter().chain(FORMS.iter().map(|form| (Self::Part(form), form.name, form.help)))
+        Self::STAGES.into_iter().chain(PART_FORMS.iter().map(|form| (Self::Part(form), form.name, form.help)))
     }
 
     /// The value with a name.

@@ -55,7 +55,7 @@ impl PartialEq for PartForm {
 impl Eq for PartForm {}
 
 /// The forms of the part.
-pub(super) const PART_FORMS: [PartForm; 4] = [
+pub(super) const PART_FORMS: &[PartForm] = &[
     PartForm {
         name: "step",
         help: "The part as a solid in a STEP file, which `-o` names",

@@ -7,6 +7,9 @@ use crate::outline::Side;
 use nalgebra::Point3;
 use nurbs::bracket::Bracket;
 
+/// Most halvings of an interval of the camber line: more change no digit.
+const BISECTION_ROUNDS: usize = 60;
+
 /// Intervals of a face between its points.
 const FACE: usize = 160;
 
@@ -223,7 +226,6 @@ impl SectionLine<'_> {
 
     /// The share of the way at a distance along the camber line from an edge, mm.
     fn inside(&self, edge: usize, distance: f64) -> f64 {
-        const BISECTION_ROUNDS: usize = 60;
         let [from, far] = [self.ends[edge], self.ends[1 - edge]];
         let (mut near, mut beyond) = (from, far);
         let mut x = from;
@@ -253,7 +255,6 @@ impl SectionLine<'_> {
 
     /// The place of the camber line whose point on a side lies where an edge is cut off.
     fn cut(&self, edge: usize, side: f64) -> Option<f64> {
-        const BISECTION_ROUNDS: usize = 60;
         let end = self.ends[edge];
         let over = |x: f64| self.beside(x, side, 1.0)[0] - end;
         let first = over(end);

@@ -98,12 +98,12 @@ impl<'a, 'c> Properties<'a, 'c> {
         let bare = before.and_then(|b| b.values.last()).is_some_and(
             |v| matches!(v, Value::Expr(e) | Value::Labelled(_, e) | Value::Range(_, [_, e]) if matches!(e.kind, ExprKind::Number(_, None))),
         );
+        let is_known = |value: &Value| matches!(value, Value::Expr(Expr { kind: ExprKind::Path(path), .. }) if known.contains(&path.text().as_str()));
         // A property of another item has a value of its own; a unit is followed by the next property or by nothing.
         let unit = match entry.values.as_slice() {
             [] => true,
             [Value::Labelled(label, _), ..] => known.contains(&label.text.as_str()),
-            [Value::Expr(Expr { kind: ExprKind::Path(path), .. }), ..] => known.contains(&path.text().as_str()),
-            _ => false,
+            [first, ..] => is_known(first),
         };
         if bare && unit && nearest(&name.text, known.iter().copied()).is_none() {
             self.sink.push(unknown_unit(name));
@@ -114,10 +114,8 @@ impl<'a, 'c> Properties<'a, 'c> {
         }
         // `N10 tool t1` and `0.2 inch  spacing equal-division`: an unknown word took the next property for its value, and its value is
         // read as a property here. The unknown word is the cause.
-        let took = before.filter(|b| !known.contains(&b.name.text.as_str())).is_some_and(|b| {
-            b.values.iter().any(|value| matches!(value, Value::Expr(Expr { kind: ExprKind::Path(path), .. }) if known.contains(&path.text().as_str())))
-        });
-        if took {
+        let unknown_before = before.filter(|b| !known.contains(&b.name.text.as_str()));
+        if unknown_before.is_some_and(|b| b.values.iter().any(is_known)) {
             return;
         }
         if name.text == "let" {
@@ -288,12 +286,8 @@ impl<'a, 'c> Properties<'a, 'c> {
     /// inner `None`: not given, or no number.
     pub(crate) fn read(&mut self, property: &Property) -> Option<Option<(f64, Span)>> {
         let (name, example) = (property.name, property.written());
-        if !self.has(name) {
-            if property.without == Without::Required {
-                self.missing(name, &example);
-                return None;
-            }
-            return Some(None);
+        if !self.given(property) {
+            return (property.without != Without::Required).then_some(None);
         }
         match property.form {
             Form::Quantity(due, range) => self.number(name, due, range, &example).map(Some),
@@ -302,24 +296,23 @@ impl<'a, 'c> Properties<'a, 'c> {
         }
     }
 
-    /// The words of a property of the table; where it is not given, it is reported as missing.
-    pub(crate) fn required_words(&mut self, property: &Property) -> Option<Vec<&'a Name>> {
-        self.given(property)?;
-        self.words(property.name, &property.written())
+    /// The words of a property of the table; `None` where it is faulty or not given.
+    pub(crate) fn words_of(&mut self, property: &Property) -> Option<Vec<&'a Name>> {
+        if self.given(property) { self.words(property.name, &property.written()) } else { None }
     }
 
-    /// The value of a property of the table as an expression; where it is not given, it is reported as missing.
-    pub(crate) fn required_expression(&mut self, property: &Property) -> Option<&'a Expr> {
-        self.given(property)?;
-        self.expression(property.name, &property.written())
+    /// The value of a property of the table as an expression; `None` where it is faulty or not given.
+    pub(crate) fn expression_of(&mut self, property: &Property) -> Option<&'a Expr> {
+        if self.given(property) { self.expression(property.name, &property.written()) } else { None }
     }
 
-    fn given(&mut self, property: &Property) -> Option<()> {
+    /// True when a property of the table is given. One that is not, but is required, is reported as missing.
+    pub(crate) fn given(&mut self, property: &Property) -> bool {
         let given = self.has(property.name);
-        if !given {
+        if !given && property.without == Without::Required {
             self.missing(property.name, &property.written());
         }
-        given.then_some(())
+        given
     }
 
     /// True when the property is given and not yet removed.

@@ -42,7 +42,7 @@ impl OperationReader<'_> {
         let known: Vec<&str> = [TOOLS.name].into_iter().chain(others).chain(allowance.iter().copied()).collect();
         let owner = format!("operation {}", self.name);
         let mut p = Properties::new(owner, head(item), body, &known, &mut cx.scope, cx.sink);
-        let words = p.required_words(&TOOLS)?;
+        let words = p.words_of(&TOOLS)?;
         let tools: Option<Vec<usize>> =
             words.iter().enumerate().map(|(k, word)| self.floor_tool(kind, (word, k + 1 < count), &mut p)).collect();
         let speeds = each(&mut p, &SPEED, count);

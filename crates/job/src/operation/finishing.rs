@@ -100,7 +100,7 @@ pub(super) fn levels(lines: Lines, faces: usize, p: &mut Properties<'_, '_>) -> 
             .map(|depth| Some(Mm(depth.0)));
     }
     if p.has(LEVEL_DEPTH.name) {
-        let span = p.required_expression(&LEVEL_DEPTH)?.span;
+        let span = p.expression_of(&LEVEL_DEPTH)?.span;
         p.sink.push(
             Diag::error(codes::WRONG_FORM, "`depth` needs `order levels`")
                 .label(span, "the lines of a face follow each other from the tip to the root")
@@ -117,7 +117,7 @@ pub(super) fn blades(names: &[String], p: &mut Properties<'_, '_>) -> Option<Vec
         return Some((0..names.len().max(1)).map(BladeId::new).collect());
     }
     let mut chosen = Vec::new();
-    for word in p.required_words(&BLADES)? {
+    for word in p.words_of(&BLADES)? {
         let Some(blade) = names.iter().position(|name| *name == word.text).map(BladeId::new) else {
             // Without a part nothing is known about its blades.
             if !names.is_empty() {
@@ -156,7 +156,7 @@ pub(super) fn chosen(
         return Some(all.to_vec());
     }
     let mut named = Vec::new();
-    for word in p.required_words(property)? {
+    for word in p.words_of(property)? {
         let Some(found) = all.into_iter().find(|f| *f == word.text) else {
             let diag = Diag::error(codes::UNKNOWN_NAME, format!("no {what} is called `{}`", word.text));
             p.sink.push(suggest(diag, &word.text, word.span, what, &all));

@@ -210,7 +210,7 @@ impl OperationReader<'_> {
     }
 
     fn tool(&mut self, kind: &Name, p: &mut Properties<'_, '_>) -> Option<(usize, Span)> {
-        let words = p.required_words(&TOOL)?;
+        let words = p.words_of(&TOOL)?;
         let [word] = words.as_slice() else {
             p.wrong_form(words.first()?.span, TOOL.name, "one tool", &TOOL.written());
             return None;
@@ -267,7 +267,7 @@ impl OperationReader<'_> {
 
     /// Spindle speed, given directly or as the cutting speed at the tool's diameter.
     fn speed(&self, tool: Option<&ToolSpec>, p: &mut Properties<'_, '_>) -> Option<Rpm> {
-        let expr = p.required_expression(&SPEED)?;
+        let expr = p.expression_of(&SPEED)?;
         self.speed_of(expr, tool, p)
     }
 
@@ -300,7 +300,7 @@ impl OperationReader<'_> {
 
     /// Feed, given directly or per tooth.
     fn feed(&self, tool: Option<&ToolSpec>, speed: Option<Rpm>, p: &mut Properties<'_, '_>) -> Option<MmPerMin> {
-        let expr = p.required_expression(&FEED)?;
+        let expr = p.expression_of(&FEED)?;
         self.feed_of(expr, tool, speed, p)
     }
 
@@ -542,8 +542,7 @@ pub(super) const ALLOWANCES: Range = Range::NotNegative(100.0);
 /// Allowances on vane and hub.
 pub(super) fn allowances(p: &mut Properties<'_, '_>) -> Option<(VaneAllowance, Mm)> {
     let (name, example) = (ALLOWANCE.name, &ALLOWANCE.written());
-    if !p.has(name) {
-        p.missing(name, example);
+    if !p.given(&ALLOWANCE) {
         return None;
     }
     let values = p.labelled_ranges(name, &["vane", "hub"], example);

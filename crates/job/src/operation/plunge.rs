@@ -41,7 +41,7 @@ impl OperationReader<'_> {
         if !p.has(STROKE_STEP.name) {
             return Some(Mm(most.min(USUAL_STEP * diameter)));
         }
-        let expr = p.required_expression(&STROKE_STEP)?;
+        let expr = p.expression_of(&STROKE_STEP)?;
         let step = p.value_of(expr, STROKE_STEP.name, Dimension::LENGTH, Range::Between(least, 0.5 * diameter))?;
         // Room for rounding where the job states the limit itself.
         if step <= most * (1.0 + 1e-9) {

@@ -112,7 +112,7 @@ impl OperationReader<'_> {
     /// rough, the widest one first; of two as wide as each other the one without a ball.
     fn tools_of(&self, kind: &Name, p: &mut Properties<'_, '_>) -> Option<Vec<Option<usize>>> {
         if p.has(TOOLS.name) {
-            let words = p.required_words(&TOOLS)?;
+            let words = p.words_of(&TOOLS)?;
             return Some(words.iter().map(|word| self.named_tool(kind, word, p).map(|found| found.0)).collect());
         }
         let specs = self.tools.iter().map(|declared| declared.spec.as_ref());
@@ -163,12 +163,8 @@ fn beside(stepover: Mm, tool: &ToolSpec) -> Rad {
 /// is not given.
 pub(super) fn each<'a>(p: &mut Properties<'a, '_>, property: &Property, count: usize) -> Option<Vec<Option<&'a Expr>>> {
     let (name, example) = (property.name, &property.written());
-    if !p.has(name) {
-        if property.without == Without::Required {
-            p.missing(name, example);
-            return None;
-        }
-        return Some(vec![None; count]);
+    if !p.given(property) {
+        return (property.without != Without::Required).then(|| vec![None; count]);
     }
     let given = p.expressions(name, example)?;
     match given.as_slice() {

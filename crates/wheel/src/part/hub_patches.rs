@@ -23,7 +23,7 @@ type HubLine = Vec<Point3<f64>>;
 
 /// How far a cut leaves the line on which its face would go on, over the opening between the blades; and how far its blade at most.
 const MAX_CUT_DEVIATION: f64 = 0.25;
-const MAX_BLADE_DEPARTURE: f64 = 0.45;
+const MAX_BLADE_DEVIATION: f64 = 0.45;
 
 /// Least and largest share of its way to the circle after which a cut has left its blade.
 const LEAVES: [f64; 2] = [0.3, 0.7];
@@ -240,7 +240,7 @@ impl Layout<'_> {
         let [on_angle, over_angle] = [on, over].map(|[x, y]| libm::atan2(y, x));
         let half = (0.5 * (on_angle + over_angle)).min(MAX_CUT_ANGLE);
         let beside = slope * way.signum() * outward * depth + MAX_CUT_DEVIATION * opening.abs();
-        (libm::tan(half) * depth * along / across).min(beside).min(MAX_BLADE_DEPARTURE * opening.abs())
+        (libm::tan(half) * depth * along / across).min(beside).min(MAX_BLADE_DEVIATION * opening.abs())
     }
 
     /// Adds the patch between four borders.

@@ -14,6 +14,9 @@ pub(crate) const LEAST_OUTWARD: f64 = 0.2;
 /// cutter would rest on the twisted wall far above the tip, and the tip could not reach the root.
 const AWAY_FROM_WALL: f64 = 0.12;
 
+/// Step of differences of the map, as a share of the channel.
+const DIFFERENCE_STEP: f64 = 1e-3;
+
 /// Width over which the outward tilt sets in, so that the axes remain smooth.
 const TILT_SOFTNESS: f64 = 0.05;
 
@@ -58,7 +61,6 @@ impl<'a> ChannelChart<'a> {
 
     /// Distance of the walls square to the direction of the channel at (u, v).
     pub(crate) fn across(&self, u: f64, v: f64) -> f64 {
-        const DIFFERENCE_STEP: f64 = 1e-3;
         let at = self.crossing(u);
         let middle = at.point(v, 0.5);
         let along = self.point(u + DIFFERENCE_STEP, v, 0.5) - middle;
@@ -69,7 +71,6 @@ impl<'a> ChannelChart<'a> {
     /// Direction of the channel on the hub at (u, w), from inlet to outlet: its parts along the meridian and around Z, of unit
     /// length together.
     pub(crate) fn direction(&self, u: f64, w: f64) -> [f64; 2] {
-        const DIFFERENCE_STEP: f64 = 1e-3;
         let [a, b] = [u - DIFFERENCE_STEP, u + DIFFERENCE_STEP].map(|u| self.point(u, 0.0, w));
         let [from, to] = [a, b].map(|p| libm::hypot(p.x, p.y));
         let along = libm::hypot(to - from, b.z - a.z);
