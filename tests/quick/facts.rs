@@ -6,7 +6,7 @@ use impellerc::base::source::{SourceId, Span};
 use impellerc::base::units::Mm;
 use impellerc::diagnostics::{Diag, Severity, Sink};
 use impellerc::driver::{Options, Stages, compile};
-use impellerc::ir::{Contract, ContractKind, OperationKind, Program};
+use impellerc::ir::{Allowances, Contract, ContractKind, OperationKind, Program, RoughingStrategy};
 use impellerc::nurbs::NurbsCurve;
 use impellerc::plan::facts::free_space::{self, FreeSpace};
 use impellerc::plan::facts::reach::{self, Reach};
@@ -49,15 +49,9 @@ fn program(fillet: Option<f64>, roughers: &[Cutter]) -> Program {
         program.operations.push(o);
     };
     for (i, cutter) in roughers.iter().enumerate() {
-        add(
-            *cutter,
-            OperationKind::Groove {
-                depth: Mm(1.5),
-                allowance_vane: VaneAllowance::even(Mm(0.2)),
-                allowance_hub: Mm(0.5),
-            },
-            i,
-        );
+        let allowances = Allowances { vane: VaneAllowance::even(Mm(0.2)), hub: Mm(0.5) };
+        let strategy = RoughingStrategy::Groove { depth: Mm(1.5) };
+        add(*cutter, OperationKind::Roughing { allowances, strategy }, i);
     }
     add(Cutter::ball(3.0), support::channel(0.012), 50);
     program

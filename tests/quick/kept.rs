@@ -9,7 +9,10 @@ use impellerc::base::source::Span;
 use impellerc::base::units::{Mm, Mm3PerMin};
 use impellerc::diagnostics::{Severity, Sink};
 use impellerc::five_axis::Chain;
-use impellerc::ir::{Allowed, Contract, ContractKind, Motion, MoveKind, Operation, OperationKind, Program, Tool};
+use impellerc::ir::{
+    Allowances, Allowed, Contract, ContractKind, Motion, MoveKind, Operation, OperationKind, Program, RoughingStrategy,
+    Tool,
+};
 use impellerc::plan::passes::pipeline;
 use impellerc::tool_stock::collide::{Cutter, Section, ToolSolid};
 use impellerc::verify::kept::{KeptReport, KeptSurfaces};
@@ -291,8 +294,8 @@ fn roughing_keeps_its_allowance_on_the_vanes() {
     let height = support::Heights::new(&part).at(&place);
     assert!((0.2..0.4).contains(&height), "{height}");
     for (root, fails) in [(0.2, false), (0.3, false), (0.6, true)] {
-        let allowance_vane = VaneAllowance::growing(Mm(0.2), Mm(root)).unwrap();
-        let kind = OperationKind::Groove { depth: Mm(3.0), allowance_vane, allowance_hub: Mm(0.2) };
+        let allowances = Allowances { vane: VaneAllowance::growing(Mm(0.2), Mm(root)).unwrap(), hub: Mm(0.2) };
+        let kind = OperationKind::Roughing { allowances, strategy: RoughingStrategy::Groove { depth: Mm(3.0) } };
         let mut program = Program { operations: PrimaryMap::new(), ..planned.clone() };
         for (_, operation) in planned.operations.iter() {
             program.operations.push(Operation { kind: kind.clone(), ..operation.clone() });

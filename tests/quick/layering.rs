@@ -239,14 +239,13 @@ fn planning_asks_the_control_and_never_the_post() {
 
 /// Lines of arms `_ =>` that stand below an arm of a kind of operation.
 fn swallowed(text: &str) -> Vec<usize> {
-    const KINDS: [&str; 7] = ["Groove", "Expand", "Rough", "Plunge", "Flank", "Channel", "Point"];
+    const KINDS: [&str; 8] = ["Roughing", "Groove", "Expand", "Rough", "Plunge", "Flank", "Channel", "Point"];
+    const ENUMS: [&str; 3] = ["OperationKind::", "RoughingStrategy::", "Self::"];
     let lines: Vec<&str> = text.lines().collect();
     let indentation = |line: &str| line.len() - line.trim_start().len();
     let of_kind = |line: &str| {
-        let arm = line.trim_start().trim_start_matches("| ").trim_start_matches('(');
-        KINDS
-            .iter()
-            .any(|kind| ["OperationKind::", "Self::"].iter().any(|of| arm.starts_with(&format!("{of}{kind} {{"))))
+        let arm = line.trim_start().trim_start_matches("| ").trim_start_matches("Some").trim_start_matches('(');
+        KINDS.iter().any(|kind| ENUMS.iter().any(|of| arm.starts_with(&format!("{of}{kind} {{"))))
     };
     let wild = lines.iter().enumerate().filter(|(_, line)| line.trim_start().starts_with("_ =>"));
     let below = wild.filter(|(at, line)| {
@@ -261,7 +260,7 @@ fn swallowed(text: &str) -> Vec<usize> {
 
 #[test]
 fn no_match_swallows_a_new_operation() {
-    assert_eq!(swallowed("match kind {\n    OperationKind::Groove { .. } => 1,\n    _ => 2,\n}\n"), [3]);
+    assert_eq!(swallowed("match kind {\n    Some(RoughingStrategy::Groove { .. }) => 1,\n    _ => 2,\n}\n"), [3]);
     let found: Vec<String> = all_files()
         .iter()
         .flat_map(|path| {

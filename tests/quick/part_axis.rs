@@ -5,7 +5,7 @@ use crate::support::{self, jobs::Compiled};
 use impellerc::base::source::Span;
 use impellerc::diagnostics::Sink;
 use impellerc::five_axis::Joints;
-use impellerc::ir::{OperationKind, Program};
+use impellerc::ir::{Program, RoughingStrategy};
 use impellerc::nc;
 use impellerc::wheel::control::{Decimals, PathForm};
 use nalgebra::{Rotation3, Vector3};
@@ -209,8 +209,13 @@ fn a_part_that_is_reached_from_below_alone_is_told() {
     let (program, _) = front("ab-table", &ab_table("direction = [0, 1, 0]"));
     let mut program = program.unwrap();
     assert_eq!(program.machine.reached_from_below(), Some(Vector3::new(0.0, -1.0, 0.0)));
-    let groove =
-        program.operations.iter().find(|(_, o)| matches!(o.kind, OperationKind::Groove { .. })).unwrap().1.clone();
+    let groove = program
+        .operations
+        .iter()
+        .find(|(_, o)| matches!(o.kind.strategy(), Some(RoughingStrategy::Groove { .. })))
+        .unwrap()
+        .1
+        .clone();
     program.operations = impellerc::base::entity::PrimaryMap::new();
     program.operations.push(groove);
     let mut sink = Sink::default();

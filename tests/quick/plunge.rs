@@ -15,7 +15,7 @@ use impellerc::plan::passes::pipeline;
 use impellerc::syntax;
 use impellerc::tool_stock::collide::{Cutter, ToolSolid};
 use impellerc::verify::stock::{OperationStock, Settings, report, simulate};
-use impellerc::wheel::operation::{OperationKind, VaneAllowance};
+use impellerc::wheel::operation::{Allowances, OperationKind, RoughingStrategy};
 use impellerc::wheel::part::{Surface, TurnedProfile};
 use nalgebra::{Point3, Vector3};
 use std::sync::LazyLock;
@@ -49,7 +49,7 @@ fn step_and_width_follow_from_the_tool() {
         ("ball { diameter 2 mm", 1.0, 0.5),
     ] {
         let (widths, operations) = read("flat { diameter 2 mm", tool).unwrap();
-        let OperationKind::Plunge { stepover, .. } = operations[0].kind else { panic!("{tool}") };
+        let Some(RoughingStrategy::Plunge { stepover }) = operations[0].kind.strategy() else { panic!("{tool}") };
         let found = [widths[0].unwrap().get(), stepover.get()];
         assert!((found[0] - width).abs() < 1e-12 && (found[1] - step).abs() < 1e-12, "{tool}: {found:?}");
         assert!(operations[0].kind.roughing().is_some() && operations[0].kind.step_down().is_none());
@@ -133,8 +133,8 @@ pub(crate) fn block(radius: f64, plunge_width: f64) -> Program {
     }
     program.stock.profile = TurnedProfile::new(vec![[0.0, -8.0], [6.0, -8.0], [6.0, 0.0], [0.0, 0.0]]);
     program.contracts.clear();
-    let none = VaneAllowance::NONE;
-    let kind = OperationKind::Plunge { stepover: Mm(1.0), allowance_vane: none, allowance_hub: Mm(0.0) };
+    let strategy = RoughingStrategy::Plunge { stepover: Mm(1.0) };
+    let kind = OperationKind::Roughing { allowances: Allowances::NONE, strategy };
     let tool = tools.ids().next().unwrap();
     program.operations = PrimaryMap::new();
     program.operations.push(support::operation("plunge", kind, tool, vec![0], 1.0));

@@ -8,7 +8,7 @@ use impellerc::job::model::OperationSpec;
 use impellerc::job::{self, InMemory};
 use impellerc::syntax;
 use impellerc::wheel::method::{Levels, Milling};
-use impellerc::wheel::operation::OperationKind;
+use impellerc::wheel::operation::RoughingStrategy;
 
 const JOB: &str = include_str!("../../jobs/small/rough.imp");
 
@@ -32,8 +32,8 @@ fn read_text(text: &str) -> Result<Vec<OperationSpec>, Vec<&'static str>> {
 #[test]
 fn one_item_is_one_operation_a_tool() {
     let operations = read("tools t1, t2", "tools t1, t2").unwrap();
-    let figures = |o: &OperationSpec| match o.kind {
-        OperationKind::Rough { depth, stepover, levels, milling, .. } => {
+    let figures = |o: &OperationSpec| match o.kind.strategy() {
+        Some(RoughingStrategy::Rough { depth, stepover, levels, milling, .. }) => {
             (o.name.clone(), o.tool, depth.get(), stepover.get(), levels, milling, o.rest.map(|r| r.get()))
         }
         _ => panic!("{:?}", o.kind),
@@ -82,8 +82,8 @@ fn by_default_all_tools_rough_that_can() {
 #[test]
 fn slots_are_full_or_trochoidal() {
     let arcs = |text: &str| -> Vec<Option<f64>> {
-        let arc = |o: &OperationSpec| match o.kind {
-            OperationKind::Rough { slots, .. } => slots.engagement().map(|arc| arc.get().to_degrees()),
+        let arc = |o: &OperationSpec| match o.kind.strategy() {
+            Some(RoughingStrategy::Rough { slots, .. }) => slots.engagement().map(|arc| arc.get().to_degrees()),
             _ => panic!("{:?}", o.kind),
         };
         read("feed 300 mm/min", &format!("feed 300 mm/min  {text}")).unwrap().iter().map(arc).collect()

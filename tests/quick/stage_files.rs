@@ -399,8 +399,8 @@ fn values_that_no_run_writes_are_refused_with_a_reason() {
         assert!(found.contains(says), "{place}: {found}");
     }
     let mut other = whole.clone();
-    other["version"] = json!(2);
-    assert_eq!(read(&other).err(), Some(StageFault::Version(2)));
+    other["version"] = json!(1);
+    assert_eq!(read(&other).err(), Some(StageFault::Version(1)));
     other["format"] = json!("impellerc-certificate");
     assert_eq!(read(&other).err(), Some(StageFault::Other));
     for text in ["[]", "1", "{}", "null"] {

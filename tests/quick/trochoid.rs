@@ -3,7 +3,7 @@
 use impellerc::base::progress::Progress;
 use impellerc::diagnostics::Sink;
 use impellerc::driver::{self, Options, Outcome, Stages};
-use impellerc::ir::{MoveKind, OperationKind};
+use impellerc::ir::{MoveKind, RoughingStrategy};
 use impellerc::plan::passes::pipeline;
 use impellerc::verify::stock::{Settings, simulate};
 
@@ -14,8 +14,8 @@ const CELL: f64 = 0.06;
 fn loops_keep_to_their_arc_and_are_one_run() {
     let options = Options { job: "jobs/small/trochoidal.imp".into(), ..Options::default() };
     let program = driver::front(&options, &mut Stages::default(), &mut Outcome::default()).unwrap().unwrap();
-    let limit = match program.operations.iter().next().unwrap().1.kind {
-        OperationKind::Rough { slots, .. } => slots.engagement().unwrap().deg(),
+    let limit = match program.operations.iter().next().unwrap().1.kind.strategy() {
+        Some(RoughingStrategy::Rough { slots, .. }) => slots.engagement().unwrap().deg(),
         _ => panic!("no roughing"),
     };
     let mut sink = Sink::default();

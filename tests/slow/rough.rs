@@ -7,7 +7,7 @@ use impellerc::base::progress::Progress;
 use impellerc::base::units::Mm;
 use impellerc::diagnostics::Sink;
 use impellerc::driver::{self, Options, Outcome, Stages};
-use impellerc::ir::{Motion, MoveKind, Operation, OperationKind, Program, Tool};
+use impellerc::ir::{Allowances, Motion, MoveKind, Operation, OperationKind, Program, RoughingStrategy, Tool};
 use impellerc::plan::passes::pipeline;
 use impellerc::tool_stock::collide::Cloud;
 use impellerc::verify::proof::sweep::Sweep;
@@ -64,8 +64,8 @@ fn the_allowances_are_kept() {
 /// than 0.4 mm more count.
 fn left_on_vanes(vane: VaneAllowance, hub: Mm) -> Vec<(f64, f64)> {
     let program = changed(|o| {
-        if let OperationKind::Rough { allowance_vane, allowance_hub, .. } = &mut o.kind {
-            (*allowance_vane, *allowance_hub) = (vane, hub);
+        if let OperationKind::Roughing { allowances, .. } = &mut o.kind {
+            *allowances = Allowances { vane, hub };
         }
     });
     let motion = pipeline::run(&program, &mut Sink::default()).expect("a plan").motion;
@@ -181,7 +181,7 @@ fn links_remove_nothing() {
 
 /// The sense of the lines of an operation `rough`.
 fn sense_of(operation: &Operation) -> Milling {
-    let OperationKind::Rough { milling, .. } = operation.kind else { panic!("rough") };
+    let Some(RoughingStrategy::Rough { milling, .. }) = operation.kind.strategy() else { panic!("rough") };
     milling
 }
 
@@ -191,7 +191,7 @@ fn lines_keep_their_sense() {
     let (climbing, by_default) = ROUGHED.planned();
     assert!(climbing.operations.iter().all(|(_, o)| sense_of(o) == Milling::Climb));
     let conventional = changed(|o| {
-        if let OperationKind::Rough { milling, .. } = &mut o.kind {
+        if let OperationKind::Roughing { strategy: RoughingStrategy::Rough { milling, .. }, .. } = &mut o.kind {
             *milling = Milling::Conventional;
         }
     });
@@ -279,7 +279,7 @@ fn rest(program: &Program, motion: &Motion) -> [f64; 2] {
 fn each_form_of_levels_reaches_the_floor() {
     for form in Levels::ALL {
         let program = changed(|o| {
-            if let OperationKind::Rough { levels, .. } = &mut o.kind {
+            if let OperationKind::Roughing { strategy: RoughingStrategy::Rough { levels, .. }, .. } = &mut o.kind {
                 *levels = form;
             }
         });

@@ -21,8 +21,8 @@ use impellerc::five_axis::control::Planning;
 use impellerc::five_axis::{Chain, LinearAxis, Machine, RotaryAxis};
 use impellerc::ir::program::DEFAULT_MEMORY;
 use impellerc::ir::{
-    Allowed, ContractKind, DataCurve, DataPoint, Operation, OperationId, OperationKind, Program, Tolerances, Tool,
-    ToolId,
+    Allowances, Allowed, ContractKind, DataCurve, DataPoint, Operation, OperationId, OperationKind, Program,
+    RoughingStrategy, Tolerances, Tool, ToolId,
 };
 use impellerc::job::shipped_post;
 use impellerc::nurbs::{LoftedSurface, NurbsCurve, interpolate};
@@ -246,13 +246,10 @@ pub fn wei_program(sectors: &[u32]) -> Program {
     let t2: ToolId = tools.push(tool("t2", 2, Cutter::ball(3.0), 30.0, 42.0));
     let mut operations: PrimaryMap<OperationId, Operation> = PrimaryMap::new();
     let (vane, hub) = (VaneAllowance::even(Mm(0.2)), Mm(0.5));
-    let groove = |depth: f64| OperationKind::Groove { depth: Mm(depth), allowance_vane: vane, allowance_hub: hub };
-    let expand = |depth: f64, residual: f64| OperationKind::Expand {
-        depth: Mm(depth),
-        allowance_vane: vane,
-        allowance_hub: hub,
-        residual: Mm(residual),
-    };
+    let roughing = |strategy| OperationKind::Roughing { allowances: Allowances { vane, hub }, strategy };
+    let groove = |depth: f64| roughing(RoughingStrategy::Groove { depth: Mm(depth) });
+    let expand =
+        |depth: f64, residual: f64| roughing(RoughingStrategy::Expand { depth: Mm(depth), residual: Mm(residual) });
     let sectors = sectors.to_vec();
     operations.push(operation("groove", groove(3.0), t1, sectors.clone(), 12.0));
     operations.push(operation("expand", expand(3.0, 1.4), t1, sectors.clone(), 12.0));

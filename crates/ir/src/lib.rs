@@ -137,6 +137,6 @@ pub use cc::{CcOperation, CcPass, CcPlan, CcPoint, Drive};
 pub use cl::{ClOperation, ClPass, ClPlan, ClPoint};
 pub use motion::{JointMove, Motion, MotionOperation, MoveKind, SplineBlock};
 pub use program::{
-    Allowed, Contract, ContractKind, DataCurve, DataPoint, Operation, OperationId, OperationKind, Program,
-    StatedPoints, Tolerances, Tool, ToolId,
+    Allowances, Allowed, Contract, ContractKind, DataCurve, DataPoint, Operation, OperationId, OperationKind, Program,
+    RoughingStrategy, StatedPoints, Tolerances, Tool, ToolId,
 };

@@ -1,6 +1,9 @@
 //! Text form of the stage values, for `--emit` and the goldens: stable order, fixed decimals, mm and degrees.
 
-use super::{CcPass, CcPlan, ClPlan, ClPoint, Motion, MoveKind, OperationId, OperationKind, Program};
+use super::{
+    Allowances, CcPass, CcPlan, ClPlan, ClPoint, Motion, MoveKind, OperationId, OperationKind, Program,
+    RoughingStrategy,
+};
 use five_axis::control::LengthTo;
 use five_axis::{Carries, Machine};
 use nalgebra::{Point3, Vector3};
@@ -149,22 +152,21 @@ fn contracts(t: &mut String, program: &Program) {
 
 fn kind(kind: &OperationKind) -> String {
     match kind {
-        OperationKind::Groove { depth, allowance_vane, allowance_hub } => {
-            format!("groove depth {depth} vane {allowance_vane} hub {allowance_hub}")
-        }
-        OperationKind::Expand { depth, allowance_vane, allowance_hub, residual } => {
-            format!("expand depth {depth} vane {allowance_vane} hub {allowance_hub} residual {residual}")
-        }
-        OperationKind::Rough { depth, stepover, allowance_vane, allowance_hub, levels, milling, slots } => {
-            let (levels, milling) = (levels.name(), milling.name());
-            let loops = slots.engagement().map_or_else(String::new, |arc| format!(" to {arc}"));
-            format!(
-                "rough depth {depth} stepover {stepover} vane {allowance_vane} hub {allowance_hub} {levels} {milling}, {} slots{loops}",
-                slots.name()
-            )
-        }
-        OperationKind::Plunge { stepover, allowance_vane, allowance_hub } => {
-            format!("plunge stepover {stepover} vane {allowance_vane} hub {allowance_hub}")
+        OperationKind::Roughing { allowances: Allowances { vane, hub }, strategy } => {
+            let keeps = format!("vane {vane} hub {hub}");
+            match strategy {
+                RoughingStrategy::Groove { depth } => format!("groove depth {depth} {keeps}"),
+                RoughingStrategy::Expand { depth, residual } => {
+                    format!("expand depth {depth} {keeps} residual {residual}")
+                }
+                RoughingStrategy::Rough { depth, stepover, levels, milling, slots } => {
+                    let (levels, milling) = (levels.name(), milling.name());
+                    let loops = slots.engagement().map_or_else(String::new, |arc| format!(" to {arc}"));
+                    let slots = slots.name();
+                    format!("rough depth {depth} stepover {stepover} {keeps} {levels} {milling}, {slots} slots{loops}")
+                }
+                RoughingStrategy::Plunge { stepover } => format!("plunge stepover {stepover} {keeps}"),
+            }
         }
         OperationKind::Flank { faces, flank } => {
             let blades = of_blades(faces.iter().map(|face| face.blade));

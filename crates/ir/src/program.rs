@@ -13,7 +13,7 @@ use tool_stock::collide::ToolSolid;
 pub use wheel::contract::ContractKind;
 use wheel::contract::{Bound, Guarded, Scope};
 use wheel::control::{Control, counts_in_part_frame};
-pub use wheel::operation::OperationKind;
+pub use wheel::operation::{Allowances, OperationKind, RoughingStrategy};
 use wheel::part::imported::ImportedFrom;
 use wheel::part::{BladeId, FaceId, Part, RulingEnd, Stock, SurfaceKind, kept::MilledTurned};
 use wheel::post_file::PostFile;

@@ -25,7 +25,7 @@ use serde_json::error::Category;
 pub const FORMAT: &str = "impellerc-stage";
 
 /// Version of the format; another one is refused.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
 /// Nesting up to which each entry has a line of its own: moves and stations do.
 const LINES: usize = 8;

@@ -80,11 +80,7 @@ pub fn program(program: &Program) -> Result<(), Malformed> {
         let fits = match &operation.kind {
             OperationKind::Flank { faces, .. } => !faces.is_empty() && faces.iter().all(long_face),
             OperationKind::Point { surfaces, .. } => !surfaces.is_empty() && surfaces.iter().all(surface),
-            OperationKind::Groove { .. }
-            | OperationKind::Expand { .. }
-            | OperationKind::Rough { .. }
-            | OperationKind::Plunge { .. }
-            | OperationKind::Channel { .. } => true,
+            OperationKind::Roughing { .. } | OperationKind::Channel { .. } => true,
         };
         check(fits, || format!("`{name}` finishes no surface of the part"))?;
     }
@@ -171,10 +167,7 @@ pub fn cc(program: &Program, plan: &CcPlan) -> Result<(), Malformed> {
             let at = || format!("pass `{}` of `{}`", pass.label, operation.name);
             check(pass.points.len() > 1, || format!("{} has {} points", at(), pass.points.len()))?;
             let driven = match &operation.kind {
-                OperationKind::Groove { .. }
-                | OperationKind::Expand { .. }
-                | OperationKind::Rough { .. }
-                | OperationKind::Plunge { .. } => pass.drive == Drive::Channel,
+                OperationKind::Roughing { .. } => pass.drive == Drive::Channel,
                 OperationKind::Channel { .. } => matches!(pass.drive, Drive::Hub(_) | Drive::HubWithLead(..)),
                 OperationKind::Flank { faces, .. } => {
                     matches!(pass.drive, Drive::Face { side, .. } if faces.contains(&side))

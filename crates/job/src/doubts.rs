@@ -6,7 +6,7 @@ use diagnostics::codes::job as codes;
 use diagnostics::{Diag, Sink};
 use wheel::contract::ContractKind;
 use wheel::method::Slots;
-use wheel::operation::OperationKind;
+use wheel::operation::{OperationKind, RoughingStrategy};
 
 /// Longest usual stick-out, in diameters of the cutter or of the shank, whichever is wider.
 const MAX_STICK_OUT: f64 = 30.0;
@@ -94,14 +94,9 @@ fn before_roughing(stated: &Stated<'_>, sink: &mut Sink) {
 
 /// Depth of the slots of an operation that opens channels at full width.
 fn slot_depth(kind: &OperationKind) -> Option<Mm> {
-    match *kind {
-        OperationKind::Groove { depth, .. } | OperationKind::Rough { depth, slots: Slots::Full, .. } => Some(depth),
-        OperationKind::Rough { .. }
-        | OperationKind::Expand { .. }
-        | OperationKind::Plunge { .. }
-        | OperationKind::Flank { .. }
-        | OperationKind::Channel { .. }
-        | OperationKind::Point { .. } => None,
+    match kind.strategy()? {
+        RoughingStrategy::Groove { depth } | RoughingStrategy::Rough { depth, slots: Slots::Full, .. } => Some(depth),
+        RoughingStrategy::Rough { .. } | RoughingStrategy::Expand { .. } | RoughingStrategy::Plunge { .. } => None,
     }
 }
 

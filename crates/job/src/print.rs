@@ -26,7 +26,7 @@ use five_axis::control::{LengthTo, Planning};
 use std::fmt::{Display, Write};
 use wheel::contract::{Bound, ContractKind};
 use wheel::method::{FaceOrder, FlankMethod};
-use wheel::operation::{Allowances, VaneAllowance, distinct, word};
+use wheel::operation::{Allowances, RoughingStrategy, VaneAllowance, distinct, word};
 use wheel::part::{BladeId, FaceId, Fillet};
 use wheel::post_file::PostFile;
 
@@ -424,7 +424,7 @@ fn operations(out: &mut String, job: &Job) {
         let (Some(first), Some(last)) = (item.first(), item.last()) else { continue };
         let of_all = |text: &dyn Fn(&OperationSpec) -> String| item.iter().map(text).collect::<Vec<_>>().join(", ");
         let tools = of_all(&|o| job.tools.get(o.tool).map_or_else(String::new, |tool| tool.name.clone()));
-        let listed = item.len() > 1 || matches!(first.kind, OperationKind::Rough { .. });
+        let listed = item.len() > 1 || matches!(first.kind.strategy(), Some(RoughingStrategy::Rough { .. }));
         let _ = writeln!(out, "operation {} {} {{", first.kind.keyword(), first.name);
         put(out, if listed { &TOOLS } else { &TOOL }, tools);
         put(out, &SPEED, of_all(&|o| format!("{} rpm", o.speed.get())));
@@ -447,6 +447,24 @@ fn allowance(vane: VaneAllowance) -> String {
     if vane.growth() == 0.0 { mm(vane.tip()) } else { format!("{} .. {}", mm(vane.tip()), mm(vane.root())) }
 }
 
+/// The properties that a strategy of roughing has beside its depth and its allowances.
+fn roughing(out: &mut String, strategy: RoughingStrategy) {
+    match strategy {
+        RoughingStrategy::Groove { .. } => {}
+        RoughingStrategy::Expand { residual, .. } => put(out, &RESIDUAL, mm(residual)),
+        RoughingStrategy::Rough { stepover, levels, milling, slots, .. } => {
+            put(out, &STEPOVER, mm(stepover));
+            put(out, &LEVELS, levels.name());
+            put(out, &MILLING, milling.name());
+            put(out, &SLOTS, slots.name());
+            if let Some(arc) = slots.engagement() {
+                put(out, &ENGAGEMENT, angle(arc.get()));
+            }
+        }
+        RoughingStrategy::Plunge { stepover } => put(out, &STROKE_STEP, mm(stepover)),
+    }
+}
+
 /// The properties of a kind.
 fn operation_kind(out: &mut String, job: &Job, kind: &OperationKind) {
     if let Some(depth) = kind.step_down() {
@@ -456,18 +474,7 @@ fn operation_kind(out: &mut String, job: &Job, kind: &OperationKind) {
         put(out, &ALLOWANCE, format!("vane {}, hub {}", allowance(vane), mm(hub)));
     }
     match kind {
-        OperationKind::Groove { .. } => {}
-        OperationKind::Expand { residual, .. } => put(out, &RESIDUAL, mm(*residual)),
-        OperationKind::Rough { stepover, levels, milling, slots, .. } => {
-            put(out, &STEPOVER, mm(*stepover));
-            put(out, &LEVELS, levels.name());
-            put(out, &MILLING, milling.name());
-            put(out, &SLOTS, slots.name());
-            if let Some(arc) = slots.engagement() {
-                put(out, &ENGAGEMENT, angle(arc.get()));
-            }
-        }
-        OperationKind::Plunge { stepover, .. } => put(out, &STROKE_STEP, mm(*stepover)),
+        OperationKind::Roughing { strategy, .. } => roughing(out, *strategy),
         OperationKind::Flank { faces, flank } => {
             blades(out, job, faces.iter().map(|face| face.blade));
             put(out, &FACES, distinct(faces.iter().map(|face| face.name())).join(", "));

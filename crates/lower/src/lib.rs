@@ -201,11 +201,7 @@ fn kind(spec: &OperationKind, given: &PartSpec, part: &Part) -> OperationKind {
                 }
             }
         }
-        OperationKind::Groove { .. }
-        | OperationKind::Expand { .. }
-        | OperationKind::Rough { .. }
-        | OperationKind::Plunge { .. }
-        | OperationKind::Channel { .. } => {}
+        OperationKind::Roughing { .. } | OperationKind::Channel { .. } => {}
     }
     kind
 }

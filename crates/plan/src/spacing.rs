@@ -1,6 +1,6 @@
 //! Distances of the stations that the planner lays: rules that follow from part, tool and tolerance before a line is planned.
 
-use ir::{Operation, OperationKind, Program};
+use ir::{Operation, Program, RoughingStrategy};
 
 /// Deviation of a chord between two stations of `rough` from a circle of half the outlet radius, as a share of the
 /// tolerance of roughing: 0.7 mm on a part of 60 mm radius at 50 um.
@@ -18,7 +18,7 @@ pub(crate) const LOOP_STATIONS: f64 = 30.0;
 /// Distance of the loops of a `rough` operation, mm: about half of the radial depth of cut that a straight line has at the
 /// same arc of engagement. `None` without loops.
 pub(crate) fn loop_distance(program: &Program, operation: &Operation) -> Option<f64> {
-    let OperationKind::Rough { slots, .. } = operation.kind else { return None };
+    let Some(RoughingStrategy::Rough { slots, .. }) = operation.kind.strategy() else { return None };
     let radius = program.tools[operation.tool].solid.radius();
     slots.engagement().map(|arc| 0.5 * radius * (1.0 - libm::cos(arc.get())))
 }

@@ -78,7 +78,8 @@ impl std::fmt::Display for VaneAllowance {
 }
 
 /// What roughing leaves on the part.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Allowances {
     /// On vanes and fillets.
     pub vane: VaneAllowance,
@@ -102,27 +103,19 @@ impl Allowances {
     }
 }
 
-/// Kind of an operation with its own parameters.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// How the material between the vanes is removed.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
-pub enum OperationKind {
+pub enum RoughingStrategy {
     /// One line in the middle of the channel, layer by layer (Wei 3.1.1).
     Groove {
         /// Largest step between layers.
         depth: Mm,
-        /// Material to leave on vanes and fillets.
-        allowance_vane: VaneAllowance,
-        /// Material to leave on the hub.
-        allowance_hub: Mm,
     },
     /// Inverted V lines on both sides of the groove (Wei 3.1.2).
     Expand {
         /// Largest step between layers.
         depth: Mm,
-        /// Material to leave on vanes and fillets.
-        allowance_vane: VaneAllowance,
-        /// Material to leave on the hub.
-        allowance_hub: Mm,
         /// Height between neighbouring lines (h of formula 9).
         residual: Mm,
     },
@@ -133,10 +126,6 @@ pub enum OperationKind {
         depth: Mm,
         /// Largest distance between neighbouring lines.
         stepover: Mm,
-        /// Material to leave on vanes and fillets.
-        allowance_vane: VaneAllowance,
-        /// Material to leave on the hub.
-        allowance_hub: Mm,
         /// Form of the levels.
         levels: Levels,
         /// Sense of the lines beside the slot.
@@ -148,10 +137,19 @@ pub enum OperationKind {
     Plunge {
         /// Largest distance between neighbouring strokes, along the channel and across it.
         stepover: Mm,
-        /// Material to leave on vanes and fillets.
-        allowance_vane: VaneAllowance,
-        /// Material to leave on the hub.
-        allowance_hub: Mm,
+    },
+}
+
+/// Kind of an operation with its own parameters.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum OperationKind {
+    /// The material between the vanes, before finishing.
+    Roughing {
+        /// What stays on the part.
+        allowances: Allowances,
+        /// How it is removed.
+        strategy: RoughingStrategy,
     },
     /// Vane faces, milled with the side of the cutter (Wei 3.2).
     Flank {
@@ -194,14 +192,39 @@ pub enum OperationKind {
     },
 }
 
-impl OperationKind {
+impl RoughingStrategy {
     /// Keyword in the job language.
-    pub fn keyword(&self) -> &'static str {
+    pub fn keyword(self) -> &'static str {
         match self {
             Self::Groove { .. } => "groove",
             Self::Expand { .. } => "expand",
             Self::Rough { .. } => "rough",
             Self::Plunge { .. } => "plunge",
+        }
+    }
+
+    /// Largest step between levels; `None` for strokes.
+    pub fn step_down(self) -> Option<Mm> {
+        match self {
+            Self::Groove { depth } | Self::Expand { depth, .. } | Self::Rough { depth, .. } => Some(depth),
+            Self::Plunge { .. } => None,
+        }
+    }
+
+    /// True where the passes are cut to the stock that they find.
+    pub fn follows_stock(self) -> bool {
+        match self {
+            Self::Rough { .. } | Self::Plunge { .. } => true,
+            Self::Groove { .. } | Self::Expand { .. } => false,
+        }
+    }
+}
+
+impl OperationKind {
+    /// Keyword in the job language.
+    pub fn keyword(&self) -> &'static str {
+        match self {
+            Self::Roughing { strategy, .. } => strategy.keyword(),
             Self::Flank { .. } => "flank",
             Self::Channel { .. } => "channel",
             Self::Point { surfaces, .. } => surfaces.first().and_then(|s| word(*s)).map_or("point", |w| w.0),
@@ -222,39 +245,34 @@ impl OperationKind {
     /// The material that roughing leaves on vanes and on the hub; `None` for finishing.
     pub fn roughing(&self) -> Option<Allowances> {
         match *self {
-            Self::Groove { allowance_vane, allowance_hub, .. }
-            | Self::Expand { allowance_vane, allowance_hub, .. }
-            | Self::Rough { allowance_vane, allowance_hub, .. }
-            | Self::Plunge { allowance_vane, allowance_hub, .. } => {
-                Some(Allowances { vane: allowance_vane, hub: allowance_hub })
-            }
+            Self::Roughing { allowances, .. } => Some(allowances),
+            Self::Flank { .. } | Self::Channel { .. } | Self::Point { .. } => None,
+        }
+    }
+
+    /// How roughing removes the material; `None` for finishing.
+    pub fn strategy(&self) -> Option<RoughingStrategy> {
+        match *self {
+            Self::Roughing { strategy, .. } => Some(strategy),
             Self::Flank { .. } | Self::Channel { .. } | Self::Point { .. } => None,
         }
     }
 
     /// Largest step between levels; `None` for operations without levels.
     pub fn step_down(&self) -> Option<Mm> {
-        match *self {
-            Self::Groove { depth, .. } | Self::Expand { depth, .. } | Self::Rough { depth, .. } => Some(depth),
-            Self::Plunge { .. } | Self::Flank { .. } | Self::Channel { .. } | Self::Point { .. } => None,
-        }
+        self.strategy()?.step_down()
     }
 
     /// True for the operations whose passes are cut to the stock that they find.
     pub fn follows_stock(&self) -> bool {
-        matches!(self, Self::Rough { .. } | Self::Plunge { .. })
+        self.strategy().is_some_and(RoughingStrategy::follows_stock)
     }
 
     /// What the larger tool of a channel floor leaves beside vanes and fillets; `None` for all other operations.
     pub fn of_larger_tool(&self) -> Option<Mm> {
         match self {
             Self::Channel { allowance_vane, .. } => *allowance_vane,
-            Self::Groove { .. }
-            | Self::Expand { .. }
-            | Self::Rough { .. }
-            | Self::Plunge { .. }
-            | Self::Flank { .. }
-            | Self::Point { .. } => None,
+            Self::Roughing { .. } | Self::Flank { .. } | Self::Point { .. } => None,
         }
     }
 
@@ -264,11 +282,7 @@ impl OperationKind {
         let mut blades: Vec<BladeId> = match self {
             Self::Flank { faces, .. } => faces.iter().map(|face| face.blade).collect(),
             Self::Point { surfaces, .. } => surfaces.iter().filter_map(|s| word(*s)).map(|w| w.2).collect(),
-            Self::Groove { .. }
-            | Self::Expand { .. }
-            | Self::Rough { .. }
-            | Self::Plunge { .. }
-            | Self::Channel { .. } => all(),
+            Self::Roughing { .. } | Self::Channel { .. } => all(),
         };
         blades.sort_unstable();
         blades.dedup();
@@ -286,11 +300,7 @@ impl OperationKind {
     pub fn axis_method(&self) -> Option<AxisMethod> {
         match self {
             Self::Channel { method, .. } | Self::Point { method, .. } => Some(*method),
-            Self::Groove { .. }
-            | Self::Expand { .. }
-            | Self::Rough { .. }
-            | Self::Plunge { .. }
-            | Self::Flank { .. } => None,
+            Self::Roughing { .. } | Self::Flank { .. } => None,
         }
     }
 }

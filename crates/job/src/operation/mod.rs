@@ -30,7 +30,7 @@ use syntax::ast::{Expr, File, Item, ItemKind, Name};
 use tools::Declared;
 use wheel::material::Material;
 use wheel::method::{AxisMethod, Lines, Spacing};
-use wheel::operation::{VaneAllowance, by_lines};
+use wheel::operation::{Allowances, RoughingStrategy, VaneAllowance, by_lines};
 use wheel::part::SurfaceKind;
 
 /// Kinds of tools that can rough.
@@ -90,10 +90,10 @@ pub(super) fn resolve(
             continue;
         }
         let operation = reader.read(item, cx);
-        if let Some(OperationKind::Groove { depth, allowance_vane, allowance_hub }) =
-            operation.as_ref().map(|o| o.kind.clone())
+        if let Some(OperationKind::Roughing { allowances, strategy: RoughingStrategy::Groove { depth } }) =
+            operation.as_ref().map(|o| &o.kind)
         {
-            layers = Some(Layers { depth, allowance_vane, allowance_hub });
+            layers = Some(Layers { depth: *depth, allowances: *allowances });
         }
         out.extend(operation);
     }
@@ -165,10 +165,8 @@ pub(super) struct OperationReader<'a> {
 struct Layers {
     /// Largest step down.
     depth: Mm,
-    /// Allowance on the vanes.
-    allowance_vane: VaneAllowance,
-    /// Allowance on the hub.
-    allowance_hub: Mm,
+    /// What stays on the part.
+    allowances: Allowances,
 }
 
 impl OperationReader<'_> {
@@ -453,14 +451,15 @@ impl OperationReader<'_> {
     ) -> Option<OperationKind> {
         match kind.text.as_str() {
             "groove" => {
-                let Layers { depth, allowance_vane, allowance_hub } = self.layers(false, tool, p)?;
-                Some(OperationKind::Groove { depth, allowance_vane, allowance_hub })
+                let Layers { depth, allowances } = self.layers(false, tool, p)?;
+                Some(OperationKind::Roughing { allowances, strategy: RoughingStrategy::Groove { depth } })
             }
             "expand" => {
                 let layers = self.layers(true, tool, p);
                 let residual = length_of(&RESIDUAL, tool, p);
-                let Layers { depth, allowance_vane, allowance_hub } = layers?;
-                Some(OperationKind::Expand { depth, allowance_vane, allowance_hub, residual: residual? })
+                let Layers { depth, allowances } = layers?;
+                let strategy = RoughingStrategy::Expand { depth, residual: residual? };
+                Some(OperationKind::Roughing { allowances, strategy })
             }
             "plunge" => self.plunge(tool, p),
             "flank" => flank(&self.workpiece.blades, p),
@@ -517,11 +516,11 @@ impl OperationReader<'_> {
             Some(before) if !p.has(DEPTH.name) => Some(before.depth),
             _ => length_of(&DEPTH, tool, p),
         };
-        let (allowance_vane, allowance_hub) = match before {
-            Some(before) if !p.has(ALLOWANCE.name) => (before.allowance_vane, before.allowance_hub),
+        let allowances = match before {
+            Some(before) if !p.has(ALLOWANCE.name) => before.allowances,
             _ => allowances(p)?,
         };
-        Some(Layers { depth: depth?, allowance_vane, allowance_hub })
+        Some(Layers { depth: depth?, allowances })
     }
 }
 
@@ -540,7 +539,7 @@ fn length_of(property: &Property, tool: Option<&ToolSpec>, p: &mut Properties<'_
 pub(super) const ALLOWANCES: Range = Range::NotNegative(100.0);
 
 /// Allowances on vane and hub.
-pub(super) fn allowances(p: &mut Properties<'_, '_>) -> Option<(VaneAllowance, Mm)> {
+pub(super) fn allowances(p: &mut Properties<'_, '_>) -> Option<Allowances> {
     let (name, example) = (ALLOWANCE.name, &ALLOWANCE.written());
     if !p.given(&ALLOWANCE) {
         return None;
@@ -558,7 +557,7 @@ pub(super) fn allowances(p: &mut Properties<'_, '_>) -> Option<(VaneAllowance, M
         let one = p.single(name, label, of, example)?;
         p.value_of(one, "allowance hub", Dimension::LENGTH, ALLOWANCES).map(Mm)
     });
-    Some((vane?, hub?))
+    Some(Allowances { vane: vane?, hub: hub? })
 }
 
 /// Allowance on the vanes: one value, or one at the tip and one at the root.

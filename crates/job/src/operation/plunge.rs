@@ -8,6 +8,7 @@ use crate::vocabulary::operations::STROKE_STEP;
 use base::units::{Mm, length, trim};
 use diagnostics::Diag;
 use diagnostics::codes::job as codes;
+use wheel::operation::RoughingStrategy;
 
 /// Least distance of neighbouring strokes, as a share of the diameter: closer ones are a cut with the side of the tool.
 const MIN_STROKE_STEP: f64 = 0.01;
@@ -20,8 +21,8 @@ impl OperationReader<'_> {
     pub(super) fn plunge(&self, tool: Option<&ToolSpec>, p: &mut Properties<'_, '_>) -> Option<OperationKind> {
         let allowances = allowances(p);
         let stepover = self.plunge_step(tool, p);
-        let (allowance_vane, allowance_hub) = allowances?;
-        Some(OperationKind::Plunge { stepover: stepover?, allowance_vane, allowance_hub })
+        let strategy = RoughingStrategy::Plunge { stepover: stepover? };
+        Some(OperationKind::Roughing { allowances: allowances?, strategy })
     }
 
     /// The distance of neighbouring strokes that the job gives, within what the tool permits, or its default.

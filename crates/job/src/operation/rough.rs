@@ -15,6 +15,7 @@ use base::units::{Mm, Rad};
 use diagnostics::{Diag, codes::job as codes};
 use syntax::ast::{Expr, Item, ItemKind, Name};
 use wheel::method::{Levels, Milling, Slots};
+use wheel::operation::RoughingStrategy;
 
 /// Default of `rest over` for the tools after the first: this share of the diameter, at most [`MAX_REST_MM`].
 const REST_SHARE: f64 = 0.1;
@@ -77,7 +78,8 @@ impl OperationReader<'_> {
                 (false, _) => Slots::Full,
                 (true, given) => Slots::Trochoidal { engagement: given.unwrap_or(beside(stepover?, spec?)) },
             };
-            let (allowance_vane, allowance_hub) = allowances?;
+            let (depth, stepover) = (depth?, stepover?);
+            let strategy = RoughingStrategy::Rough { depth, stepover, levels: levels?, milling: milling?, slots };
             let rest = match (k, given_rest) {
                 (0, _) => rest?.filter(|_| finds_rest),
                 (_, false) => spec.map(|tool| Mm(MAX_REST_MM.min(REST_SHARE * tool.diameter.get()))),
@@ -85,15 +87,7 @@ impl OperationReader<'_> {
             };
             operations.push(OperationSpec {
                 name: self.name.clone(),
-                kind: OperationKind::Rough {
-                    depth: depth?,
-                    stepover: stepover?,
-                    allowance_vane,
-                    allowance_hub,
-                    levels: levels?,
-                    milling: milling?,
-                    slots,
-                },
+                kind: OperationKind::Roughing { allowances: allowances?, strategy },
                 tool,
                 speed: speed?,
                 feed: feed?,

@@ -3,7 +3,7 @@
 use super::{Cost, Stations, reduced};
 use crate::spacing::{LOOP_STATIONS, loop_stations, rough_spacing};
 use base::units::Mm;
-use ir::{Operation, OperationKind, Program};
+use ir::{Operation, OperationKind, Program, RoughingStrategy};
 use wheel::method::AxisMethod;
 use wheel::part::{BladeId, FaceId, Part, Surface, SurfaceKind};
 
@@ -83,13 +83,15 @@ impl Sizes {
         };
         let linked = |method: &AxisMethod| if *method == AxisMethod::Corridor { NOT_JOINED } else { 1.0 };
         match kind {
-            OperationKind::Groove { depth, .. } => of(layers(depth) * program.part.blades.len() as f64, length, 1.0),
-            OperationKind::Expand { depth, residual, .. } => {
+            OperationKind::Roughing { strategy: RoughingStrategy::Groove { depth }, .. } => {
+                of(layers(depth) * program.part.blades.len() as f64, length, 1.0)
+            }
+            OperationKind::Roughing { strategy: RoughingStrategy::Expand { depth, residual }, .. } => {
                 let free = (0.5 * self.width - radius).max(0.0);
                 let pairs = (free / (2.0 * radius * residual.get()).sqrt()).ceil().max(1.0);
                 of(layers(depth) * pairs, 2.0 * OF_V * length / ROUGHING_STATION, 1.0)
             }
-            OperationKind::Rough { depth, stepover, .. } => {
+            OperationKind::Roughing { strategy: RoughingStrategy::Rough { depth, stepover, .. }, .. } => {
                 let free = (0.5 * self.width - radius).max(0.0);
                 let pairs = (free / stepover.get()).ceil() + 1.0;
                 let lines = of(layers(depth) * pairs, 2.0 * OF_V * length / rough_spacing(program), THROUGH_AIR);
@@ -102,7 +104,7 @@ impl Sizes {
                 };
                 Cost { lines: lines.lines + loops.lines, stations, links: lines.links }
             }
-            OperationKind::Plunge { stepover, .. } => {
+            OperationKind::Roughing { strategy: RoughingStrategy::Plunge { stepover }, .. } => {
                 let free = (self.width - 2.0 * radius).max(0.0);
                 let rows = (length + 4.0 * radius) / stepover.get();
                 of(rows * ((free / stepover.get()).ceil() + 1.0), OF_STROKE, THROUGH_AIR)
@@ -155,14 +157,10 @@ pub(super) fn with_figure(program: &Program, raised: Option<(Figure, f64)>) -> V
         {
             *value = Mm(value.get().max(least));
         }
-        let before = match kind {
-            OperationKind::Groove { .. } => std::mem::replace(&mut roughed[0], true),
-            OperationKind::Expand { .. } => std::mem::replace(&mut roughed[1], true),
-            OperationKind::Rough { .. }
-            | OperationKind::Plunge { .. }
-            | OperationKind::Flank { .. }
-            | OperationKind::Channel { .. }
-            | OperationKind::Point { .. } => false,
+        let before = match kind.strategy() {
+            Some(RoughingStrategy::Groove { .. }) => std::mem::replace(&mut roughed[0], true),
+            Some(RoughingStrategy::Expand { .. }) => std::mem::replace(&mut roughed[1], true),
+            Some(RoughingStrategy::Rough { .. } | RoughingStrategy::Plunge { .. }) | None => false,
         };
         sizes.cost(program, operation, &kind, if before { WENT_ON } else { 1.0 })
     });
@@ -184,22 +182,28 @@ impl Figure {
     /// The figure of an operation; `None` where the operation has no such figure.
     pub(super) fn of(self, kind: &mut OperationKind) -> Option<&mut Mm> {
         match kind {
-            OperationKind::Groove { depth, .. } => (self == Self::Depth).then_some(depth),
-            OperationKind::Expand { depth, residual, .. } => match self {
-                Self::Depth => Some(depth),
-                Self::Residual => Some(residual),
-                Self::Stepover | Self::Scallop => None,
-            },
-            OperationKind::Rough { depth, stepover, .. } => match self {
-                Self::Depth => Some(depth),
-                Self::Stepover => Some(stepover),
-                Self::Residual | Self::Scallop => None,
-            },
-            OperationKind::Plunge { stepover, .. } => (self == Self::Stepover).then_some(stepover),
+            OperationKind::Roughing { strategy, .. } => self.of_roughing(strategy),
             OperationKind::Channel { scallop, .. } | OperationKind::Point { scallop, .. } => {
                 (self == Self::Scallop).then_some(scallop)
             }
             OperationKind::Flank { .. } => None,
+        }
+    }
+
+    fn of_roughing(self, strategy: &mut RoughingStrategy) -> Option<&mut Mm> {
+        match strategy {
+            RoughingStrategy::Groove { depth } => (self == Self::Depth).then_some(depth),
+            RoughingStrategy::Expand { depth, residual } => match self {
+                Self::Depth => Some(depth),
+                Self::Residual => Some(residual),
+                Self::Stepover | Self::Scallop => None,
+            },
+            RoughingStrategy::Rough { depth, stepover, .. } => match self {
+                Self::Depth => Some(depth),
+                Self::Stepover => Some(stepover),
+                Self::Residual | Self::Scallop => None,
+            },
+            RoughingStrategy::Plunge { stepover } => (self == Self::Stepover).then_some(stepover),
         }
     }
 }

@@ -84,12 +84,7 @@ fn check_strips(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
             flank.strips.unwrap_or(AUTO_STRIPS).saturating_mul(u32::try_from(faces.len()).unwrap_or(u32::MAX))
         }
         OperationKind::Flank { .. } => 0,
-        OperationKind::Groove { .. }
-        | OperationKind::Expand { .. }
-        | OperationKind::Rough { .. }
-        | OperationKind::Plunge { .. }
-        | OperationKind::Channel { .. }
-        | OperationKind::Point { .. } => 0,
+        OperationKind::Roughing { .. } | OperationKind::Channel { .. } | OperationKind::Point { .. } => 0,
     };
     let all = program.operations.iter().map(|(_, o)| strips_of(o)).fold(0, u32::saturating_add);
     let Some((_, operation)) =

@@ -32,7 +32,7 @@ pub use counts::estimate;
 pub use limits::check;
 pub(crate) use limits::{check_motion, check_points, check_size};
 
-use ir::{Motion, MoveKind, Operation, OperationKind, Program};
+use ir::{Motion, MoveKind, Operation, Program, RoughingStrategy};
 use wheel::part::sample;
 
 /// Memory of a station in the planned sector, bytes: contact and cutter location.
@@ -87,7 +87,8 @@ impl Stations {
 
 /// Share of the stations of an operation that become blocks: a later tool of `rough` keeps what the tool before has left.
 fn reduced(operation: &Operation) -> f64 {
-    let after_another = matches!(operation.kind, OperationKind::Rough { .. }) && operation.rest.is_some();
+    let after_another =
+        matches!(operation.kind.strategy(), Some(RoughingStrategy::Rough { .. })) && operation.rest.is_some();
     if after_another { LATER_ROUGH } else { 1.0 }
 }
 

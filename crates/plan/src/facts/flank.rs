@@ -99,10 +99,7 @@ fn asked(program: &Program) -> Vec<Fit> {
                     surfaces.iter().filter_map(|s| if let SurfaceKind::Face(side) = s { Some(*side) } else { None });
                 faces.filter(|side| reached(*side)).map(|side| (side, EnoughFit::Scallop(scallop.get()))).collect()
             }
-            OperationKind::Groove { .. }
-            | OperationKind::Expand { .. }
-            | OperationKind::Rough { .. }
-            | OperationKind::Plunge { .. }
+            OperationKind::Roughing { .. }
             | OperationKind::Flank { .. }
             | OperationKind::Channel { .. }
             | OperationKind::Point { .. } => Vec::new(),

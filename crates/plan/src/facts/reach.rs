@@ -41,11 +41,7 @@ fn allowances(kind: &OperationKind) -> Option<(VaneAllowance, f64)> {
     match kind {
         OperationKind::Channel { allowance_vane: Some(vane), .. } => Some((VaneAllowance::even(*vane), 0.0)),
         OperationKind::Flank { .. } | OperationKind::Channel { .. } => Some((VaneAllowance::NONE, 0.0)),
-        OperationKind::Groove { .. }
-        | OperationKind::Expand { .. }
-        | OperationKind::Rough { .. }
-        | OperationKind::Plunge { .. }
-        | OperationKind::Point { .. } => None,
+        OperationKind::Roughing { .. } | OperationKind::Point { .. } => None,
     }
 }
 

@@ -46,11 +46,7 @@ fn with_scallops(operation: &Operation) -> Option<(Vec<SurfaceClass>, Scallops<'
             let classes = surfaces.iter().map(|kind: &SurfaceKind| kind.class()).collect();
             Some((classes, Scallops { operation, scallop: *scallop, whole: true }))
         }
-        OperationKind::Groove { .. }
-        | OperationKind::Expand { .. }
-        | OperationKind::Rough { .. }
-        | OperationKind::Plunge { .. }
-        | OperationKind::Flank { .. } => None,
+        OperationKind::Roughing { .. } | OperationKind::Flank { .. } => None,
     }
 }
 
@@ -65,12 +61,7 @@ fn scallops<'a>(program: &'a Program, contract: &Contract, class: SurfaceClass) 
     }
     let by_flank = program.operations.iter().any(|(_, operation)| match &operation.kind {
         OperationKind::Flank { faces, .. } => faces.iter().any(|face| SurfaceKind::Face(*face).class() == class),
-        OperationKind::Groove { .. }
-        | OperationKind::Expand { .. }
-        | OperationKind::Rough { .. }
-        | OperationKind::Plunge { .. }
-        | OperationKind::Channel { .. }
-        | OperationKind::Point { .. } => false,
+        OperationKind::Roughing { .. } | OperationKind::Channel { .. } | OperationKind::Point { .. } => false,
     });
     let of_class = program.operations.iter().filter_map(|(id, operation)| {
         let (classes, scallops) = with_scallops(operation)?;

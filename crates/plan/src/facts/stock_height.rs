@@ -3,7 +3,7 @@
 use base::units::Mm;
 use diagnostics::codes::geometry::STOCK_HIGH;
 use diagnostics::{Diag, Sink};
-use ir::{OperationKind, Program};
+use ir::{Program, RoughingStrategy};
 
 /// Largest height of the blank over the shroud, as a share of the depth of a level: levels begin at the shroud, and the
 /// first of them takes what stands over it.
@@ -12,7 +12,7 @@ const MOST_OVER: f64 = 0.5;
 /// Reports an error when the first operation roughs and the blank stands too high.
 pub(super) fn check(program: &Program, sink: &mut Sink) {
     let Some((_, operation)) = program.operations.iter().next() else { return };
-    let OperationKind::Rough { depth, .. } = operation.kind else { return };
+    let Some(RoughingStrategy::Rough { depth, .. }) = operation.kind.strategy() else { return };
     let over = program.stock.over_shroud;
     let most = Mm(MOST_OVER * depth.get());
     if over.get() <= most.get() {

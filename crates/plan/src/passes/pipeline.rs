@@ -12,7 +12,7 @@ use base::progress::Progress;
 use diagnostics::{Aborted, Sink};
 use ir::stage_file::{PlannedMotion, StageValue};
 use ir::validate::{self, ClStage};
-use ir::{CcOperation, CcPlan, ClOperation, ClPlan, Motion, OperationKind, Program};
+use ir::{CcOperation, CcPlan, ClOperation, ClPlan, Motion, OperationKind, Program, RoughingStrategy};
 
 /// Values of the planning stages. Those before the start of a run ([`run_from`]) are empty.
 #[derive(Clone, Debug)]
@@ -157,13 +157,17 @@ fn plan(cx: &mut PassContext<'_>, roughings: &Roughings<'_>, middles: &Middles<'
     for (id, operation) in cx.program.operations.iter() {
         cx.go_on()?;
         let planned = match operation.kind {
-            OperationKind::Groove { .. } => groove::plan(cx, roughings, (id, operation), &mut groove_levels),
-            OperationKind::Expand { .. } => expand::plan(cx, roughings, (id, operation), &mut expand_levels),
-            OperationKind::Rough { .. } => channel_levels::plan(cx, roughings, (id, operation)),
-            OperationKind::Plunge { .. } => plunge::plan(cx, id, operation),
-            OperationKind::Flank { .. } => flank::plan::plan(cx, id, operation),
-            OperationKind::Point { .. } => point::plan::plan(cx, id, operation),
-            OperationKind::Channel { .. } => channel::plan::plan(cx, id, operation, middles),
+            OperationKind::Roughing { strategy, .. } => match strategy {
+                RoughingStrategy::Groove { .. } => groove::plan(cx, roughings, id, &mut groove_levels),
+                RoughingStrategy::Expand { residual, .. } => {
+                    expand::plan(cx, roughings, id, residual, &mut expand_levels)
+                }
+                RoughingStrategy::Rough { .. } => channel_levels::plan(cx, roughings, id),
+                RoughingStrategy::Plunge { stepover } => plunge::plan(cx, id, stepover),
+            },
+            OperationKind::Flank { .. } => flank::plan::plan(cx, id),
+            OperationKind::Point { .. } => point::plan::plan(cx, id),
+            OperationKind::Channel { .. } => channel::plan::plan(cx, id, middles),
         };
         match planned {
             Ok(plan) => {

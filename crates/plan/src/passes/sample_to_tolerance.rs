@@ -60,10 +60,7 @@ pub(super) fn compared_heights(program: &Program, operation: &Operation) -> Vec<
         OperationKind::Channel { .. } | OperationKind::Point { .. } => {
             vec![(solid.cutter.tip_radius(), fine), (solid.flute_length, 20.0 * fine)]
         }
-        OperationKind::Groove { .. }
-        | OperationKind::Expand { .. }
-        | OperationKind::Rough { .. }
-        | OperationKind::Plunge { .. } => {
+        OperationKind::Roughing { .. } => {
             vec![(0.0, coarse), (solid.flute_length, coarse)]
         }
     }

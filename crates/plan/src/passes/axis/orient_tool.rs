@@ -61,12 +61,9 @@ fn tilt(operation: &Operation) -> AxisTilt {
     }
     match operation.kind {
         OperationKind::Point { .. } => AxisTilt::Away(FIRST_TILT),
-        OperationKind::Groove { .. }
-        | OperationKind::Expand { .. }
-        | OperationKind::Rough { .. }
-        | OperationKind::Plunge { .. }
-        | OperationKind::Flank { .. }
-        | OperationKind::Channel { .. } => AxisTilt::Away(0.0),
+        OperationKind::Roughing { .. } | OperationKind::Flank { .. } | OperationKind::Channel { .. } => {
+            AxisTilt::Away(0.0)
+        }
     }
 }
 

@@ -24,12 +24,8 @@ use wheel::part::{FloorBorder, Part, Passage, Rolling, Surface};
 ///
 /// # Errors
 /// The ball does not reach the hub between the vanes, or is too big for its hollow; the sink holds the diagnostic.
-pub(crate) fn plan(
-    cx: &mut PassContext<'_>,
-    id: OperationId,
-    operation: &Operation,
-    middles: &Middles<'_>,
-) -> Result<CcOperation, Aborted> {
+pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, middles: &Middles<'_>) -> Result<CcOperation, Aborted> {
+    let operation = &cx.program.operations[id];
     let OperationKind::Channel { scallop: height, spacing, lines: order, allowance_vane, .. } = operation.kind else {
         return Err(Aborted);
     };

@@ -48,7 +48,8 @@ struct Planned {
 /// # Errors
 /// The ball of the tool does not fit the fillet; no number of strips keeps the contracts. The sink holds the
 /// diagnostic.
-pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operation) -> Result<CcOperation, Aborted> {
+pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId) -> Result<CcOperation, Aborted> {
+    let operation = &cx.program.operations[id];
     let OperationKind::Flank { ref faces, flank } = operation.kind else { return Err(Aborted) };
     let why = ["this operation rolls the ball in the fillet", "this ball leaves more material than the fillet"];
     check_fillet(cx, operation, why)?;

@@ -22,7 +22,7 @@ use crate::spacing;
 use base::progress::{Progress, Work};
 use base::units::trim;
 use diagnostics::{Aborted, Diag, Sink, codes::planning};
-use ir::{ClOperation, ClPass, ClPlan, Operation, OperationKind, Program};
+use ir::{ClOperation, ClPass, ClPlan, Operation, Program, RoughingStrategy};
 use std::ops::Range;
 use tool_stock::collide::ToolSolid;
 use tool_stock::stock::{self, Collision, Field, FieldError, Step, StepKind, Touched};
@@ -61,21 +61,17 @@ pub fn run(
         let operation = &program.operations[planned.operation];
         let direct = DirectLinks::new(program, obstacles, operation);
         cleared.change_tool(program.tools[operation.tool].solid.cutter_alone(0.0));
-        if operation.kind.follows_stock() {
+        if let Some(strategy) = operation.kind.strategy().filter(|strategy| strategy.follows_stock()) {
             let work = progress.begin(format!("{}, stock", operation.name), planned.passes.len());
-            match operation.kind {
-                OperationKind::Plunge { .. } => {
+            match strategy {
+                RoughingStrategy::Plunge { .. } => {
                     strokes::reduce(program, operation, &direct, planned, (&mut field, &work));
                     add_cuts(program, planned, &mut cleared);
                 }
-                OperationKind::Rough { .. } => {
+                RoughingStrategy::Rough { .. } => {
                     stock_order::reduce(program, operation, &direct, planned, (&mut field, &mut cleared, &work));
                 }
-                OperationKind::Groove { .. }
-                | OperationKind::Expand { .. }
-                | OperationKind::Flank { .. }
-                | OperationKind::Channel { .. }
-                | OperationKind::Point { .. } => {}
+                RoughingStrategy::Groove { .. } | RoughingStrategy::Expand { .. } => {}
             }
             unless_cancelled(progress)?;
             if planned.passes.is_empty() {
@@ -135,14 +131,10 @@ fn field(program: &Program, sink: &mut Sink) -> Result<Field, Aborted> {
     let most_rough = (MOST_CELL_ROUGH * (outlet / USUAL).max(1.0)).min(MOST_CELL);
     let asked = program.operations.iter().filter_map(|(_, o)| {
         let cutter = &program.tools[o.tool].solid;
-        let most = match o.kind {
-            OperationKind::Rough { .. } => most_rough,
-            OperationKind::Plunge { stepover, .. } => most_rough.min(OF_STEP * stepover.get()),
-            OperationKind::Groove { .. }
-            | OperationKind::Expand { .. }
-            | OperationKind::Flank { .. }
-            | OperationKind::Channel { .. }
-            | OperationKind::Point { .. } => MOST_CELL,
+        let most = match o.kind.strategy() {
+            Some(RoughingStrategy::Rough { .. }) => most_rough,
+            Some(RoughingStrategy::Plunge { stepover }) => most_rough.min(OF_STEP * stepover.get()),
+            Some(RoughingStrategy::Groove { .. } | RoughingStrategy::Expand { .. }) | None => MOST_CELL,
         };
         // The error between the rays is an eighth of what a loop takes: a loop that were not seen would be left out.
         let thinnest = [o.rest.map(|t| t.get()), spacing::loop_distance(program, o).map(|d| 0.25 * d)];

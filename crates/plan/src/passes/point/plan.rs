@@ -29,7 +29,8 @@ use wheel::part::{
 /// # Errors
 /// A cutter bigger than the fillet or than a hollow of a surface; no fillet where a fillet is to be finished. The sink
 /// holds the diagnostic.
-pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operation) -> Result<CcOperation, Aborted> {
+pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId) -> Result<CcOperation, Aborted> {
+    let operation = &cx.program.operations[id];
     let OperationKind::Point { ref surfaces, scallop, lines: order, milling, levels, .. } = operation.kind else {
         return Err(Aborted);
     };

@@ -18,7 +18,7 @@ use crate::passes::context::{PassContext, maximal_ranges};
 use crate::spacing;
 use base::progress::Work;
 use diagnostics::Aborted;
-use ir::{CcOperation, CcPass, CcPoint, Operation, OperationId, OperationKind};
+use ir::{CcOperation, CcPass, CcPoint, Operation, OperationId, RoughingStrategy};
 use rayon::prelude::*;
 use std::ops::Range;
 use wheel::method::{Milling, Slots};
@@ -30,8 +30,9 @@ use wheel::method::{Milling, Slots};
 pub(crate) fn plan(
     cx: &mut PassContext<'_>,
     roughings: &Roughings<'_>,
-    (id, operation): (OperationId, &Operation),
+    id: OperationId,
 ) -> Result<CcOperation, Aborted> {
+    let operation = &cx.program.operations[id];
     let planned = super::each_passage(cx, roughings, id, |cx, roughing| plan_passage(cx, roughing, operation))?;
     if planned.passes.is_empty() {
         return Err(fits_nowhere(cx, operation));
@@ -44,7 +45,9 @@ fn plan_passage(
     roughing: &Roughing<'_>,
     operation: &Operation,
 ) -> Result<(Vec<CcPass>, Vec<String>), Aborted> {
-    let OperationKind::Rough { stepover, levels: form, .. } = operation.kind else { return Err(Aborted) };
+    let Some(RoughingStrategy::Rough { stepover, levels: form, .. }) = operation.kind.strategy() else {
+        return Err(Aborted);
+    };
     let levels = roughing.levels(form, &operation.name, cx.progress);
     cx.go_on()?;
     if levels.iter().all(|level| level.runs.is_empty()) {
@@ -74,7 +77,9 @@ pub(super) struct LevelLines {
 
 /// The lines of all levels.
 pub(super) fn lines(roughing: &Roughing<'_>, levels: &[RoughLevel], operation: &Operation, work: &Work) -> LevelLines {
-    let OperationKind::Rough { stepover, milling, slots, .. } = operation.kind else { return LevelLines::default() };
+    let Some(RoughingStrategy::Rough { stepover, milling, slots, .. }) = operation.kind.strategy() else {
+        return LevelLines::default();
+    };
     let of_level = |level: &RoughLevel| {
         let mut lines = LevelLines::default();
         for (k, run) in level.runs.iter().enumerate().take_while(|_| !work.is_cancelled()) {
@@ -104,7 +109,8 @@ pub(super) fn lines(roughing: &Roughing<'_>, levels: &[RoughLevel], operation: &
 }
 
 fn notes(levels: &[RoughLevel], lines: &LevelLines, operation: &Operation) -> Vec<String> {
-    let OperationKind::Rough { depth, stepover, levels: form, milling, slots, .. } = operation.kind else {
+    let Some(RoughingStrategy::Rough { depth, stepover, levels: form, milling, slots }) = operation.kind.strategy()
+    else {
         return Vec::new();
     };
     let [all, cut] = [0, 1].map(|k| levels.iter().map(|l| l.length[k]).sum::<f64>());

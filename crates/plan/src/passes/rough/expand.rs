@@ -9,8 +9,9 @@ use super::groove::{check_room, describe, passes};
 use super::layers::{Layer, Level, Roughing};
 use crate::passes::context::PassContext;
 use crate::passes::lines::scallop;
+use base::units::Mm;
 use diagnostics::Aborted;
-use ir::{CcOperation, CcPass, CcPoint, Operation, OperationId, OperationKind};
+use ir::{CcOperation, CcPass, CcPoint, Operation, OperationId};
 
 /// Plans an expand operation from the levels of earlier expanding in each passage; sets the levels that it reaches.
 ///
@@ -19,13 +20,15 @@ use ir::{CcOperation, CcPass, CcPoint, Operation, OperationId, OperationKind};
 pub(crate) fn plan(
     cx: &mut PassContext<'_>,
     roughings: &Roughings<'_>,
-    (id, operation): (OperationId, &Operation),
+    id: OperationId,
+    residual: Mm,
     levels: &mut [f64],
 ) -> Result<CcOperation, Aborted> {
+    let operation = &cx.program.operations[id];
     let mut levels = levels.iter_mut();
     super::each_passage(cx, roughings, id, |cx, roughing| {
         let level = levels.next().ok_or(Aborted)?;
-        plan_passage(cx, roughing, operation, level)
+        plan_passage(cx, roughing, operation, residual, level)
     })
 }
 
@@ -33,9 +36,9 @@ fn plan_passage(
     cx: &mut PassContext<'_>,
     roughing: &Roughing<'_>,
     operation: &Operation,
+    residual: Mm,
     level: &mut f64,
 ) -> Result<(Vec<CcPass>, Vec<String>), Aborted> {
-    let OperationKind::Expand { residual, .. } = operation.kind else { return Err(Aborted) };
     let top = *level;
     let (layers, end) = roughing.layers(top, &operation.name, cx.progress);
     cx.go_on()?;

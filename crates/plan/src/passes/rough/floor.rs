@@ -6,7 +6,7 @@ use super::groove::passes;
 use super::layers::{Level, Roughing, length_of};
 use crate::passes::context::Obstacles;
 use base::progress::Progress;
-use ir::{ClPoint, Operation, OperationKind, Program};
+use ir::{ClPoint, Operation, Program, RoughingStrategy};
 use rayon::prelude::*;
 
 /// For places along the channel, at most `spacing` apart (mm), whether the tool of an operation fits `over` above the hub
@@ -34,7 +34,7 @@ pub(super) fn positions(
     obstacles: &Obstacles,
     progress: &Progress,
 ) -> Vec<(String, Vec<ClPoint>)> {
-    let OperationKind::Rough { levels: form, .. } = operation.kind else { return Vec::new() };
+    let Some(RoughingStrategy::Rough { levels: form, .. }) = operation.kind.strategy() else { return Vec::new() };
     let mut all = Vec::new();
     for passage in program.part.passages() {
         let Some(roughing) = Roughing::new(program, operation, (passage.id, obstacles), progress) else { return all };

@@ -23,9 +23,10 @@ const LONGEST_STEP: f64 = 1.0;
 pub(crate) fn plan(
     cx: &mut PassContext<'_>,
     roughings: &Roughings<'_>,
-    (id, operation): (OperationId, &Operation),
+    id: OperationId,
     levels: &mut [f64],
 ) -> Result<CcOperation, Aborted> {
+    let operation = &cx.program.operations[id];
     let mut levels = levels.iter_mut();
     super::each_passage(cx, roughings, id, |cx, roughing| {
         let level = levels.next().ok_or(Aborted)?;

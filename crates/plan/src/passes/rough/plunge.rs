@@ -25,9 +25,9 @@
 use super::groove::passes;
 use super::layers::{LayerStation, Level, Roughing, length_of, limit_leads};
 use crate::passes::context::{PassContext, maximal_ranges};
-use base::units::length;
+use base::units::{Mm, length};
 use diagnostics::Aborted;
-use ir::{CcOperation, CcPoint, Operation, OperationId, OperationKind, Program};
+use ir::{CcOperation, CcPoint, Operation, OperationId, Program};
 use nalgebra::Point3;
 use rayon::prelude::*;
 use std::ops::Range;
@@ -48,8 +48,8 @@ const ACROSS_SHARES: [f64; 3] = [0.0, 0.5, 1.0];
 ///
 /// # Errors
 /// The tool fits nowhere; the strokes would be too many. The sink holds the reason.
-pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, operation: &Operation) -> Result<CcOperation, Aborted> {
-    let OperationKind::Plunge { stepover, .. } = operation.kind else { return Err(Aborted) };
+pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, stepover: Mm) -> Result<CcOperation, Aborted> {
+    let operation = &cx.program.operations[id];
     let tool = &cx.program.tools[operation.tool];
     let swept = tool.solid.swept_along_axis(2.0 * cx.program.stock.profile.iter().map(|p| p[0]).fold(0.0, f64::max));
     let program = cx.program.with_solid(operation.tool, &swept);

@@ -10,7 +10,7 @@ use super::{Roughings, roughing};
 use crate::passes::context::{PassContext, maximal_ranges, remedy};
 use base::progress::Progress;
 use diagnostics::{Aborted, Diag, codes::orientation};
-use ir::{ClPoint, Operation, OperationId, OperationKind};
+use ir::{ClPoint, Operation, OperationId, RoughingStrategy};
 use rayon::prelude::*;
 use std::borrow::Borrow;
 use std::cell::RefCell;
@@ -30,7 +30,9 @@ pub(crate) fn check(cx: &mut PassContext<'_>, roughings: &Roughings<'_>) -> Resu
         program.operations.iter().filter(|(_, operation)| !operation.kind.finishes()).collect();
     let rest = program.contracts.iter().find(|c| c.kind == ContractKind::Rest && c.scope.is_whole());
     let Some(rest) = rest.map(|c| c.bound.value()) else { return Ok(()) };
-    if roughs.is_empty() || !roughs.iter().all(|(_, o)| matches!(o.kind, OperationKind::Rough { .. })) {
+    if roughs.is_empty()
+        || !roughs.iter().all(|(_, o)| matches!(o.kind.strategy(), Some(RoughingStrategy::Rough { .. })))
+    {
         return Ok(());
     }
     let radii = || roughs.iter().map(|(_, o)| program.tools[o.tool].solid.radius());
