@@ -164,6 +164,10 @@ fn verified(program: &Program, motion: &Motion, certified: &mut Certified) -> Re
     certified.fault(program, commands.motion.motion).map_or(Ok(()), Err)
 }
 
+/// Reasons of the compiler that `verify` does not know. The tool goes elsewhere at the retract height: verified as it stands, and not
+/// the motion that was planned. The trial has no exact stop, behind which the words of smoothing stand again in the moves.
+const MORE_THAN_VERIFY: [&str; 2] = ["away from the first station", "the tolerance of the path is unknown"];
+
 #[test]
 fn the_compiler_accepts_no_post_file_whose_text_verify_refuses() {
     for (name, text) in FILES {
@@ -174,7 +178,7 @@ fn the_compiler_accepts_no_post_file_whose_text_verify_refuses() {
         assert_eq!(compiled(&own, motion), Ok(()), "{name}");
         let mut certified = Certified::default();
         verified(&own, motion, &mut certified).unwrap_or_else(|reason| panic!("{name}: {reason}"));
-        let (mut rows, mut accepted, mut unread, mut only_compiler) = (0, 0, 0, Vec::new());
+        let [mut rows, mut accepted, mut unread, mut only_compiler] = [0; 4];
         for place in templates(text) {
             for other in changes(&text[place.clone()]) {
                 rows += 1;
@@ -183,32 +187,26 @@ fn the_compiler_accepts_no_post_file_whose_text_verify_refuses() {
                     unread += 1;
                     continue;
                 };
-                let compiler = compiled(&program, motion);
-                let verify = verified(&program, motion, &mut certified);
-                match (&compiler, verify) {
-                    (Ok(()), Err(reason)) => {
-                        panic!("{name}: `{}` as `{other}` is written; verify: {reason}", &text[place])
+                let mut verify = || verified(&program, motion, &mut certified);
+                match compiled(&program, motion) {
+                    Ok(()) => {
+                        if let Err(reason) = verify() {
+                            panic!("{name}: `{}` as `{other}` is written; verify: {reason}", &text[place])
+                        }
+                        accepted += 1;
                     }
-                    (Err(reason), Ok(())) => {
-                        only_compiler.push(format!("`{}` as `{other}`: {reason}", &text[place.clone()]))
+                    // Whatever `verify` says of these.
+                    Err(reason) if MORE_THAN_VERIFY.iter().any(|why| reason.contains(why)) => only_compiler += 1,
+                    Err(reason) => {
+                        assert!(verify().is_err(), "{name}: `{}` as `{other}`: {reason}", &text[place.clone()])
                     }
-                    (Ok(()), Ok(())) => accepted += 1,
-                    _ => {}
                 }
             }
         }
         println!(
-            "{name}: {rows} changes, {unread} are no post file, {accepted} accepted by both, {} refused by the compiler alone, {} motions",
-            only_compiler.len(),
+            "{name}: {rows} changes, {unread} are no post file, {accepted} accepted by both, {only_compiler} refused by the compiler, which knows the plan, {} motions",
             certified.0.len()
         );
-        for row in &only_compiler {
-            println!("  {row}");
-            // The tool goes elsewhere at the retract height: verified as it stands, and not the motion that was planned. The
-            // trial has no exact stop, behind which the words of smoothing stand again in the moves.
-            let other = ["away from the first station", "the tolerance of the path is unknown"];
-            assert!(other.iter().any(|why| row.contains(why)), "{name}: {row}");
-        }
         assert!(rows >= 40, "{name}: {rows}");
     }
 }
@@ -282,11 +280,13 @@ fn a_block_that_a_shop_adds_has_one_verdict() {
                 rows += 1;
                 let changed = format!("{}, '{block}'{}", &text[..place], &text[place..]);
                 let Some(program) = with_text(program, &changed) else { continue };
-                let compiler = compiled(&program, motion);
-                match (&compiler, verified(&program, motion, &mut certified)) {
-                    (Ok(()), Err(reason)) => panic!("{name}: `{block}` behind `{before}` is written; verify: {reason}"),
-                    (Ok(()), Ok(())) => accepted.push(format!("`{block}` behind `{before}`")),
-                    _ => {}
+                // What the compiler refuses is never verified.
+                if compiled(&program, motion).is_err() {
+                    continue;
+                }
+                match verified(&program, motion, &mut certified) {
+                    Err(reason) => panic!("{name}: `{block}` behind `{before}` is written; verify: {reason}"),
+                    Ok(()) => accepted.push(format!("`{block}` behind `{before}`")),
                 }
             }
         }
