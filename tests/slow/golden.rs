@@ -2,7 +2,7 @@
 
 use crate::support::certificates::comes_back;
 use crate::support::golden::{GOLDENS, bytes, check, nc};
-use crate::support::jobs::{Compiled, machine_of, program};
+use crate::support::jobs::{Compiled, Planned, machine_of, program};
 use impellerc::ir::print;
 use impellerc::nc;
 use impellerc::report::proof::details::details;
@@ -25,10 +25,11 @@ fn in_short(job: &str) {
     comes_back(&c.program, &c.motion, &c.certificate);
     let pinned = |post: &dyn nc::Post| GOLDENS.iter().any(|(name, of)| *name == job && of.contains(&post.name()));
     for post in nc::POSTS.iter().filter(|post| pinned(**post)) {
-        let other = machine_of(post.name()).map(|machine| Compiled::new(program(job, Some(machine))));
-        let c = other.as_ref().unwrap_or(&own);
-        let text = nc(c.planned(), *post);
-        let read = nc::read_back(*post, &c.program, &c.motion, &text).expect("the motion");
+        // Of another machine only the text is pinned, and a text needs no proof.
+        let other = machine_of(post.name()).map(|machine| Planned::new(program(job, Some(machine))));
+        let planned = other.as_ref().map_or(c.planned(), |other| (&other.program, &other.plan.motion));
+        let text = nc(planned, *post);
+        let read = nc::read_back(*post, planned.0, planned.1, &text).expect("the motion");
         let lines: Vec<&str> = text.lines().collect();
         let short = format!(
             "{}{} moves read back\n\n{}\n...\n{}\n",
