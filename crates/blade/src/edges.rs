@@ -10,7 +10,7 @@ use super::ring::Ring;
 use nalgebra::{Point3, Vector3};
 
 /// Turn of a corner, rad: 30 deg. Points of a round edge turn less from one to the next, where it has six or more.
-const CORNER_TURN: f64 = 30.0 * std::f64::consts::PI / 180.0;
+pub const CORNER_TURN: f64 = 30.0 * std::f64::consts::PI / 180.0;
 
 /// Turn of the blunter corner of an edge that is cut off at a slant, rad: 15 deg.
 const OBTUSE: f64 = 0.5 * CORNER_TURN;
@@ -148,6 +148,14 @@ fn slanting(ring: &Ring, nose: usize, thickness: f64) -> [usize; 2] {
     }
 }
 
+/// Whether an edge is cut off: straight between two corners, which turn by these angles, rad. `highest` is its largest distance from
+/// the chord of length `width`.
+#[must_use]
+pub fn is_cut_off(turns: [f64; 2], highest: f64, width: f64) -> bool {
+    let corners = turns.iter().all(|turn| *turn >= OBTUSE) && turns.iter().any(|turn| *turn >= CORNER_TURN);
+    corners && highest <= STRAIGHT_SHARE * width
+}
+
 /// Points of an edge, from which an edge that is cut off leaves out those between its corners, and what it is.
 pub(super) fn describe(ring: &Ring, [from, to]: [usize; 2]) -> (Vec<Point3<f64>>, FoundEdge) {
     let points = ring.points_between(from, to);
@@ -165,8 +173,7 @@ pub(super) fn describe(ring: &Ring, [from, to]: [usize; 2]) -> (Vec<Point3<f64>>
     };
     let highest = points.iter().map(|p| beside(p).norm()).fold(0.0, f64::max);
     let turns = [from, to].map(|k| ring.turns[k]);
-    let corners = turns.iter().all(|turn| *turn >= OBTUSE) && turns.iter().any(|turn| *turn >= CORNER_TURN);
-    if points.len() == 2 || (corners && highest <= STRAIGHT_SHARE * width) {
+    if points.len() == 2 || is_cut_off(turns, highest, width) {
         let edge = FoundEdge { form: EdgeForm::CutOff, width, depth: 0.0, radius: 0.0, residual: highest, points: 2 };
         return (vec![*first, *last], edge);
     }

@@ -20,7 +20,7 @@ pub mod outline;
 mod ring;
 mod stream;
 
-pub use edges::{EdgeForm, FoundEdge};
+pub use edges::{CORNER_TURN, EdgeForm, FoundEdge, is_cut_off};
 
 use nalgebra::Point3;
 

@@ -4,7 +4,7 @@ use super::face::EDGE_APART_MM;
 use super::meridian::flat;
 use super::sheet::StepSheet;
 use blade::EdgeForm;
-use nalgebra::{Point3, Vector2, Vector3};
+use nalgebra::{Point3, Vector2};
 
 /// Places along a side at which neighbours are compared.
 const SIDE_PLACES: usize = 8;
@@ -80,10 +80,6 @@ impl StepBladeEdge {
 
 /// Whether an edge is straight between corners with both faces. Half way up tells it.
 fn is_cut_off(sheets: &[StepSheet], faces: &[StepSheet; 2], end: usize) -> bool {
-    /// Least turns of the corners of an edge that is cut off, rad, and how straight it is, as a share of its width: as for loops.
-    const CORNER_TURN: f64 = 30.0 * std::f64::consts::PI / 180.0;
-    const OBTUSE: f64 = 0.5 * CORNER_TURN;
-    const STRAIGHT_SHARE: f64 = 0.02;
     /// Step of a direction, as a share of a face.
     const DIRECTION_STEP: f64 = 1e-3;
     let (Some(first), Some(last)) = (sheets.first(), sheets.last()) else { return true };
@@ -93,10 +89,9 @@ fn is_cut_off(sheets: &[StepSheet], faces: &[StepSheet; 2], end: usize) -> bool 
         way(&faces[0], inside, at).angle(&way(first, 0.0, DIRECTION_STEP)),
         way(last, 1.0 - DIRECTION_STEP, 1.0).angle(&way(&faces[1], at, inside)),
     ];
-    let corners = turns.iter().all(|turn| *turn >= OBTUSE) && turns.iter().any(|turn| *turn >= CORNER_TURN);
     let [from, to] = [first.jet(0.0, 0.5).point, last.jet(1.0, 0.5).point];
     let chord = to - from;
     let beside = |p: Point3<f64>| (p - from).cross(&chord).norm() / chord.norm().max(f64::MIN_POSITIVE);
     let highest = sheets.iter().flat_map(|sheet| sheet.row(0.5, SIDE_PLACES)).map(beside).fold(0.0, f64::max);
-    corners && highest <= STRAIGHT_SHARE * Vector3::norm(&chord)
+    blade::is_cut_off(turns, highest, chord.norm())
 }

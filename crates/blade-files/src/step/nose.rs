@@ -4,7 +4,7 @@
 use super::blade::StepBlade;
 use super::sheet::StepSheet;
 use blade::outline::{Inlet, Known, outline};
-use blade::{EdgeForm, LoopEdges, Section, SectionForm};
+use blade::{CORNER_TURN, EdgeForm, LoopEdges, Section, SectionForm};
 use nalgebra::Point3;
 
 /// Why a nose has no edge.
@@ -12,9 +12,6 @@ pub(super) const SHARP: &str = "both faces meet in one point: the edge has no th
 
 /// Turn of a row from one step to the next, rad: 4 deg. A round edge has some 40 points.
 const ROW_TURN: f64 = 0.07;
-
-/// Turn of a corner, rad: 30 deg, as for loops.
-const CORNER_TURN: f64 = 30.0 * std::f64::consts::PI / 180.0;
 
 /// Shortest step, as a share of a face.
 const MIN_STEP: f64 = 1e-5;
