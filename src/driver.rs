@@ -94,7 +94,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
 
     let mut stock = Vec::new();
     let (judged, certificate) = stages.watched("verify", |progress| {
-        rest_stock::examine(&options.run, &program, plan.motion, (&mut stock, &mut outputs), progress, sink)
+        rest_stock::examine(&options.run, &program, plan.motion, &mut stock, &mut outputs, progress, sink)
     })?;
     stages.go_on()?;
     contracts.clone_from(&certificate.contracts);
@@ -124,8 +124,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
 
     nc::sectors::remark(post, &program, motion, sink);
     let library = certificate_text::library_lines(sources);
-    let written =
-        stages.run("write", || Written::new(&program, motion, &certificate, post, (inputs.clone(), &library)));
+    let written = stages.run("write", || Written::new(&program, motion, &certificate, post, inputs.clone(), &library));
     let written = or_reported(written, sink)?;
     let read = stages.run("read back", || nc::read_back(post, &program, motion, &written.text));
     let read = or_reported(read.map_err(|fault| nc::refused(&program, &written.nc, &fault)), sink)?;

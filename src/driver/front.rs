@@ -18,10 +18,7 @@ pub(super) fn start(
     outcome: &mut Outcome,
 ) -> Result<Option<(Program, StageValue)>, Aborted> {
     match &options.from {
-        Some(path) => {
-            let texts = (&mut outcome.sources, &mut outcome.sink);
-            stage_file::read(options, path, stages, texts).map(Some)
-        }
+        Some(path) => stage_file::read(options, path, stages, &mut outcome.sources, &mut outcome.sink).map(Some),
         None => Ok(front(options, stages, outcome)?.map(|program| (program, StageValue::Ir))),
     }
 }
@@ -72,11 +69,7 @@ pub fn front(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> R
 }
 
 /// Refuses a file of the library that the command line names and that does not exist.
-fn in_library(
-    found: Result<SourceFile, MissingFile>,
-    (kind, name): (&str, &str),
-    sink: &mut Sink,
-) -> Result<(), Aborted> {
+fn in_library(found: Result<SourceFile, MissingFile>, kind: &str, name: &str, sink: &mut Sink) -> Result<(), Aborted> {
     let Err(missing) = found else { return Ok(()) };
     let (code, fault) = match missing.fault {
         Fault::Absent => (files::NOT_IN_LIBRARY, format!("there is no {kind} file `{name}`")),
@@ -92,7 +85,7 @@ fn in_library(
 
 /// Replaces the post of the job by the post of the command line. The properties of the post of the job go with it.
 fn take_post(name: &str, ast: &mut File, library: &mut DiskFiles, sink: &mut Sink) -> Result<(), Aborted> {
-    in_library(library.post(name), ("post", name), sink)?;
+    in_library(library.post(name), "post", name, sink)?;
     for item in &mut ast.items {
         if let ItemKind::Post { name: of_job, body } = &mut item.kind {
             name.clone_into(&mut of_job.text);
@@ -104,7 +97,7 @@ fn take_post(name: &str, ast: &mut File, library: &mut DiskFiles, sink: &mut Sin
 
 /// Replaces the machine of the job by the machine of the command line.
 fn take_machine(name: &str, ast: &mut File, library: &mut DiskFiles, sink: &mut Sink) -> Result<(), Aborted> {
-    in_library(library.machine(name), ("machine", name), sink)?;
+    in_library(library.machine(name), "machine", name, sink)?;
     for item in &mut ast.items {
         if let ItemKind::Use { kind, what } = &mut item.kind
             && kind.text == "machine"

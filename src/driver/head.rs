@@ -30,7 +30,8 @@ pub(super) fn lines(
     program: &Program,
     certificate: &Certificate,
     post: &dyn Post,
-    (inputs, library): (&Inputs, &[String]),
+    inputs: &Inputs,
+    library: &[String],
 ) -> Vec<String> {
     let mut head = proof::lines(certificate);
     let mut lines = vec![format!("{MAKER}{}, {}", env!("CARGO_PKG_VERSION"), head.remove(0))];
@@ -81,7 +82,9 @@ const OWN_LINES: [&str; 7] =
 /// compared. What a machinist would set differently is an error; so is a figure that the measurement does not confirm, unless
 /// text or inputs were changed after the head was written: then it is a warning.
 pub(super) fn compare(
-    (program, certificate, post): (&Program, &Certificate, &dyn Post),
+    program: &Program,
+    certificate: &Certificate,
+    post: &dyn Post,
     inputs: &Inputs,
     sources: &SourceMap,
     source: SourceId,
@@ -102,7 +105,7 @@ pub(super) fn compare(
     let (before, stated) = all.split_at(first);
     let elsewhere = [before, &behind].concat();
     let library = certificate_text::library_lines(sources);
-    let due: Vec<String> = lines(program, certificate, post, (inputs, &library))
+    let due: Vec<String> = lines(program, certificate, post, inputs, &library)
         .iter()
         .map(|line| words::comment(line).trim().to_owned())
         .collect();

@@ -213,13 +213,13 @@ fn measure(
     let certificate = certificate?;
     contracts.clone_from(&certificate.contracts);
     *operations = judged_operations(program, &certificate);
-    let mut compared = head::compare((program, &certificate, post), inputs, sources, source, sink);
+    let mut compared = head::compare(program, &certificate, post, inputs, sources, source, sink);
     if let Some((path, file)) = stated {
         if check.run.stock_cell.is_none() {
             refuse_cells(path, file, program, sink);
         }
         compared.push_str(compare_figures(path, file, &certificate, sink));
-        compare_conditions(path, file, (post, program), sink);
+        compare_conditions(path, file, post, program, sink);
     }
     let nc = sources.get(source).map_or("", |f| f.text.as_str());
     let shown = report::Shown {
@@ -421,7 +421,7 @@ const FIGURE_ROUNDING: (f64, f64) = (1e-3, 1e-3);
 const OF_BOUND: f64 = 0.1;
 
 /// Compares dialect and conditions that a certificate states with those of the text.
-fn compare_conditions(shown: &str, file: &CertificateFile, (post, program): (&dyn Post, &Program), sink: &mut Sink) {
+fn compare_conditions(shown: &str, file: &CertificateFile, post: &dyn Post, program: &Program, sink: &mut Sink) {
     let help = "compile the job again, and do not rely on an edited certificate";
     if file.nc.post != post.name() {
         let text =

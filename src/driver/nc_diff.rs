@@ -56,15 +56,15 @@ fn run(options: &NcDiff, stages: &mut Stages, outcome: &mut Outcome) -> Result<(
         );
         return Err(Aborted);
     };
-    let first = text(options, (0, job), stages, outcome)?;
-    let second = text(options, (1, job), stages, outcome)?;
+    let first = text(options, 0, job, stages, outcome)?;
+    let second = text(options, 1, job, stages, outcome)?;
     let found = stages.run("compare", || {
         let sides = [&first, &second].map(|t| ComparedMotion { program: &t.program, motion: &t.motion.motion });
         compare(sides)
     });
     outcome.emitted = Some(table([&first, &second], &found).map_err(|_| Aborted)?);
     let differing = found.iter().enumerate().filter(|(_, o)| !o.is_same());
-    let diags: Vec<Diag> = differing.map(|(k, o)| finding([&first, &second], (k, o), outcome)).collect();
+    let diags: Vec<Diag> = differing.map(|(k, o)| finding([&first, &second], k, o, outcome)).collect();
     diags.into_iter().for_each(|diag| outcome.sink.push(diag));
     Ok(())
 }
@@ -72,7 +72,8 @@ fn run(options: &NcDiff, stages: &mut Stages, outcome: &mut Outcome) -> Result<(
 /// Reads a text with the machine that it is for. What the job says of itself beside errors is not the subject here.
 fn text(
     options: &NcDiff,
-    (k, job): (usize, &Path),
+    k: usize,
+    job: &Path,
     stages: &mut Stages,
     outcome: &mut Outcome,
 ) -> Result<ReadText, Aborted> {
@@ -105,7 +106,7 @@ fn line(text: &ReadText, operation: usize, index: u32) -> Option<usize> {
 }
 
 /// The finding on an operation that differs.
-fn finding(texts: [&ReadText; 2], (k, o): (usize, &OperationDifference), outcome: &Outcome) -> Diag {
+fn finding(texts: [&ReadText; 2], k: usize, o: &OperationDifference, outcome: &Outcome) -> Diag {
     let times = o.times.map(|t| clock(t.iter().sum()));
     let mut diag = Diag::error(
         codes::DIFFERS,

@@ -31,7 +31,8 @@ pub(super) fn examine(
     options: &RunOptions,
     program: &Program,
     motion: Motion,
-    (stages, outputs): (&mut Vec<StockStage>, &mut Outputs),
+    stages: &mut Vec<StockStage>,
+    outputs: &mut Outputs,
     progress: &Progress,
     sink: &mut Sink,
 ) -> Result<(Result<Verified<Motion>, Motion>, Certificate), Aborted> {

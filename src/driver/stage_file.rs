@@ -24,7 +24,8 @@ pub(super) fn read(
     options: &Options,
     path: &Path,
     stages: &mut Stages,
-    (sources, sink): (&mut SourceMap, &mut Sink),
+    sources: &mut SourceMap,
+    sink: &mut Sink,
 ) -> Result<(Program, StageValue), Aborted> {
     let text = stages.run("read", || text(path));
     let text = or_reported(text, sink)?;

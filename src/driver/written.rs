@@ -26,9 +26,10 @@ impl Written {
         motion: &Verified<Motion>,
         certificate: &Certificate,
         post: &dyn Post,
-        (inputs, library): (Inputs, &[String]),
+        inputs: Inputs,
+        library: &[String],
     ) -> Result<Self, Diag> {
-        let head = head::lines(program, certificate, post, (&inputs, library));
+        let head = head::lines(program, certificate, post, &inputs, library);
         let mut nc = nc_text::write(post, program, motion, &head);
         // Order: the body, then the head without the line of the certificate, then the certificate.
         let [_, of_body, of_certificate] = HEAD;

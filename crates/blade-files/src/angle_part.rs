@@ -21,7 +21,7 @@ pub(super) fn write(source: &PartSource<'_>) -> Option<PartFiles> {
         source.row.blades.iter().map(|blade| blade.angles.as_ref()).collect::<Option<_>>()?;
     let ends = source.ends.as_ref()?;
     let lines = ends.each_ref().map(|end| end.points.as_slice());
-    let frame = JobFrame::of(source.zero, (source.imported, source.divided), Some(lines));
+    let frame = JobFrame::of(source.zero, source.imported, source.divided, Some(lines));
     let mut curves = meridians(lines, frame);
     curves.push_str("# Meridional edges of the blades, from hub to shroud.\n");
     for (k, blade) in stated.iter().enumerate() {

@@ -42,7 +42,7 @@ impl<'a> FacedPart<'a> {
 
     /// Files of the part.
     fn files(&self, source: &PartSource<'_>) -> PartFiles {
-        let frame = JobFrame::of(source.zero, (source.imported, source.divided), Some(self.ends));
+        let frame = JobFrame::of(source.zero, source.imported, source.divided, Some(self.ends));
         let meridians = meridians(self.ends, frame);
         let (loops, curves) = match self.fit {
             Some(_) => (loops(source, frame), meridians),

@@ -19,6 +19,12 @@ use nalgebra::Point3;
 /// Pieces of one place meet within this share of the size of their section.
 const SAME_PLACE_SHARE: f64 = 1e-6;
 
+/// A section in the file, and the line that begins it.
+struct SectionPieces {
+    begins: Span,
+    pieces: Vec<Piece>,
+}
+
 /// A piece of a section.
 #[derive(Debug)]
 struct Piece {
@@ -52,8 +58,8 @@ pub(super) fn read(
     Ok(Imported { rows: vec![row], ..Imported::default() })
 }
 
-fn sections(text: Text<'_>, frame: &Frame, found: &mut Found) -> Result<Vec<(Span, Vec<Piece>)>, Diag> {
-    let mut sections: Vec<(Span, Vec<Piece>)> = Vec::new();
+fn sections(text: Text<'_>, frame: &Frame, found: &mut Found) -> Result<Vec<SectionPieces>, Diag> {
+    let mut sections: Vec<SectionPieces> = Vec::new();
     let mut index = false;
     let mut numbered: Option<bool> = None;
     for line in text.lines() {
@@ -63,15 +69,15 @@ fn sections(text: Text<'_>, frame: &Frame, found: &mut Found) -> Result<Vec<(Spa
         match words.as_slice() {
             [] => {}
             ["begin", "section", ..] => {
-                sections.push((line.span, Vec::new()));
+                sections.push(SectionPieces { begins: line.span, pieces: Vec::new() });
                 within(sections.len(), limits::SECTIONS, "sections of a blade", line.span)?;
             }
             ["begin", "curve", ..] => {
-                let Some((_, section)) = sections.last_mut() else {
+                let Some(SectionPieces { pieces, .. }) = sections.last_mut() else {
                     return Err(line.fault("a curve before the first section", "`Begin section` is expected"));
                 };
-                section.push(Piece { points: Vec::new(), begins: line.span, ends: line.span });
-                within(section.len(), limits::SECTIONS, "curves of a section", line.span)?;
+                pieces.push(Piece { points: Vec::new(), begins: line.span, ends: line.span });
+                within(pieces.len(), limits::SECTIONS, "curves of a section", line.span)?;
             }
             words
                 if sections.is_empty()
@@ -80,7 +86,7 @@ fn sections(text: Text<'_>, frame: &Frame, found: &mut Found) -> Result<Vec<(Spa
                 index |= words.contains(&"index");
             }
             _ => {
-                let Some(piece) = sections.last_mut().and_then(|(_, section)| section.last_mut()) else {
+                let Some(piece) = sections.last_mut().and_then(|section| section.pieces.last_mut()) else {
                     return Err(line.fault("a point before the first curve", "`Begin curve` is expected"));
                 };
                 let with_number = *numbered.get_or_insert_with(|| has_number(line, index, found));
@@ -125,7 +131,7 @@ fn point(line: Line<'_>, with_number: bool) -> Result<[f64; 3], Diag> {
 }
 
 /// Joins the pieces of a section to one line.
-fn joined((at, pieces): (Span, Vec<Piece>)) -> Result<ReadLoop, Diag> {
+fn joined(SectionPieces { begins: at, pieces }: SectionPieces) -> Result<ReadLoop, Diag> {
     let sides = pieces.len() == 2;
     let size = pieces.iter().flat_map(|p| &p.points).map(|p| p.coords.norm()).fold(0.0, f64::max);
     let meet = |a: Option<&Point3<f64>>, b: Option<&Point3<f64>>| {

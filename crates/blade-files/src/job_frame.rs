@@ -31,7 +31,8 @@ impl JobFrame {
     /// The frame for a wheel with these sections of its blades, and curves (r, z) of hub and shroud.
     pub(super) fn of(
         zero: Zero,
-        (imported, divided): (&Imported, &[Vec<DividedSection>]),
+        imported: &Imported,
+        divided: &[Vec<DividedSection>],
         ends: Option<[&[[f64; 2]]; 2]>,
     ) -> Self {
         let unmoved = Self { over: upward(imported, divided), shift: 0.0 };

@@ -55,7 +55,7 @@ fn ends(divided: &[DividedSection]) -> Option<[(&'static str, &Outline); 2]> {
 pub fn write(source: &PartSource<'_>) -> PartFiles {
     let ends = source.ends.as_ref();
     let lines = ends.map(|ends| ends.each_ref().map(|end| end.points.as_slice()));
-    let frame = JobFrame::of(source.zero, (source.imported, source.divided), lines);
+    let frame = JobFrame::of(source.zero, source.imported, source.divided, lines);
     let (loops, curves) = match lines {
         Some(lines) => (loops(source, frame), meridians(lines, frame) + &tips(source, frame)),
         None => (Vec::new(), curves(source, frame, false)),

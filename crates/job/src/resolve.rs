@@ -203,14 +203,14 @@ fn machine(file: &File, cx: &mut Context<'_>) -> Option<MachineSpec> {
             machine::machine(&what.text, source, cx.sources, what.span, cx.sink)
         }
         Err(missing) => {
-            cx.sink.push(not_in_library("machine", inner(&what), &missing));
+            cx.sink.push(not_in_library("machine", &what.text, inner(&what), &missing));
             None
         }
     }
 }
 
 /// The diagnostic for a file that the library does not have; `span` is that of its name without quotes.
-fn not_in_library(kind: &str, (name, span): (&str, Span), missing: &MissingFile) -> Diag {
+fn not_in_library(kind: &str, name: &str, span: Span, missing: &MissingFile) -> Diag {
     if missing.fault == Fault::Unreadable {
         return Diag::error(file_codes::CANNOT_READ, format!("the {kind} file `{name}` cannot be read"))
             .label(span, missing.reason.clone())
@@ -227,9 +227,9 @@ fn not_in_library(kind: &str, (name, span): (&str, Span), missing: &MissingFile)
     }
 }
 
-/// Name and span of a quoted text, without its quotes.
-fn inner(what: &Text) -> (&str, Span) {
-    (&what.text, Span { start: what.span.start + 1, end: what.span.end.saturating_sub(1), ..what.span })
+/// Span of a quoted text without its quotes.
+fn inner(what: &Text) -> Span {
+    Span { start: what.span.start + 1, end: what.span.end.saturating_sub(1), ..what.span }
 }
 
 fn tool_library(file: &File, cx: &mut Context<'_>) -> ToolLibrary {
@@ -244,7 +244,7 @@ fn tool_library(file: &File, cx: &mut Context<'_>) -> ToolLibrary {
                 let source = cx.sources.add_file(found);
                 tool_file::tools(source, cx.sources, what.span, &mut library, cx.sink);
             }
-            Err(missing) => cx.sink.push(not_in_library("tool", inner(what), &missing)),
+            Err(missing) => cx.sink.push(not_in_library("tool", &what.text, inner(what), &missing)),
         }
     }
     library
@@ -386,7 +386,7 @@ fn post(file: &File, cx: &mut Context<'_>) -> Option<PostFile> {
     let found = match cx.files.post(&name.text) {
         Ok(found) => found,
         Err(missing) => {
-            cx.sink.push(not_in_library("post", (&name.text, name.span), &missing));
+            cx.sink.push(not_in_library("post", &name.text, name.span, &missing));
             return None;
         }
     };

@@ -153,7 +153,7 @@ impl AngleBladeGiven<'_> {
         let rows = spec.thickness.iter().map(|row| through(&row.says)).collect::<Option<_>>()?;
         let thickness = Thickness { spans: spec.thickness.iter().map(|row| row.at).collect(), rows };
         let blade = AngleBlade { camber, part, thickness, edges: spec.edges };
-        let side = side(spec.pressure, self.side, blade.turns(), (&name, spec.span), sink)?;
+        let side = side(spec.pressure, self.side, blade.turns(), &name, spec.span, sink)?;
         let (surfaces, residual) = match made(&blade, side, spec.fit.get()) {
             Ok(found) => found,
             Err(MadeFault::Section(fault)) => {

@@ -20,7 +20,8 @@ pub(super) fn side(
     stated: Option<Looks>,
     main: Option<Side>,
     [wrap, turn]: [f64; 2],
-    (name, span): (&str, Span),
+    name: &str,
+    span: Span,
     sink: &mut Sink,
 ) -> Option<Side> {
     let found = match stated {

@@ -158,7 +158,7 @@ fn exchange(outline: &mut Outline) {
 fn pressure_side(given: &SectionBlade<'_>, name: &str, sections: &[DividedSection], sink: &mut Sink) -> Option<Side> {
     let mean = |value: fn(&DividedSection) -> f64| sections.iter().map(value).sum::<f64>() / sections.len() as f64;
     let turns = [mean(|s| s.wrap), mean(|s| s.turn)];
-    pressure::side(given.sections.pressure, given.side, turns, (name, given.sections.span), sink)
+    pressure::side(given.sections.pressure, given.side, turns, name, given.sections.span, sink)
 }
 
 fn not_lofted(name: &str, given: &SectionBlade<'_>, fault: &LoftFault) -> Diag {

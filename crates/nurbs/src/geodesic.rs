@@ -40,15 +40,17 @@ impl BandMetric {
             let [along, across] = metric(x);
             [along, across, 0.0]
         };
-        Self::over(([from, to], count), ([0.0, 0.0], 1), form)
+        Self::over([from, to], count, [0.0, 0.0], 1, form)
     }
 
     /// Tabulates a metric that depends on both coordinates: along, across (both positive) and skew at (x, y), at
     /// `count` (at least 4) equally spaced stations over a range of x and on equally spaced layers over a range of y.
     /// Between layers the metric is linear, beyond them constant.
     pub fn over(
-        ([from, to], count): ([f64; 2], usize),
-        ([low, high], layers): ([f64; 2], usize),
+        [from, to]: [f64; 2],
+        count: usize,
+        [low, high]: [f64; 2],
+        layers: usize,
         metric: impl Fn(f64, f64) -> [f64; 3],
     ) -> Self {
         let count = count.max(4);
@@ -245,7 +247,7 @@ mod tests {
             let g = 1.0 + 0.1 * y;
             [0.5_f64.sqrt(), 2.0_f64.sqrt() * g, 0.5 / g]
         };
-        let metric = BandMetric::over(([-20.0, 20.0], 401), ([-1.0, 7.0], 161), form);
+        let metric = BandMetric::over([-20.0, 20.0], 401, [-1.0, 7.0], 161, form);
         let straight = |height: f64| (100.0 + 20.0 * height).sqrt() - 10.0;
         for (slope, distance) in [(0.0, 3.0), (0.3, 3.0), (0.3, -1.0)] {
             // The line Y = 1.5 + slope X, met at x by Y (1 - slope) = 1.5 + slope x.

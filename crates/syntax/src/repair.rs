@@ -440,7 +440,7 @@ impl FormFinder {
                 (LinePiece::Number(to), c),
                 ..,
             ] => {
-                self.sectors(at(a, c), at(b, c), (from, to));
+                self.sectors(at(a, c), at(b, c), from, to);
             }
             [
                 (LinePiece::Word("sectors"), a),
@@ -449,7 +449,7 @@ impl FormFinder {
                 (LinePiece::Number(to), c),
                 ..,
             ] => {
-                self.sectors(at(a, c), at(b, c), (from, to));
+                self.sectors(at(a, c), at(b, c), from, to);
             }
             [
                 (LinePiece::Word("faces"), a),
@@ -475,8 +475,8 @@ impl FormFinder {
                 self.push(Form::Sectors, range.clone(), blank(&range), "leave `sectors` out for all sectors", Some(""));
             }
             [(LinePiece::Word("sectors"), a), (LinePiece::Number(both), c), ..] if both.contains("..") => {
-                let ends = both.split_once("..").unwrap_or_default();
-                self.sectors(at(a, c), at(c, c), ends);
+                let (from, to) = both.split_once("..").unwrap_or_default();
+                self.sectors(at(a, c), at(c, c), from, to);
             }
             [(LinePiece::Word("pressure"), a), (LinePiece::Word("suction"), b), ..]
             | [(LinePiece::Word("suction"), a), (LinePiece::Word("pressure"), b), ..]
@@ -499,7 +499,7 @@ impl FormFinder {
         }
     }
 
-    fn sectors(&mut self, range: Range<usize>, list: Range<usize>, (from, to): (&str, &str)) {
+    fn sectors(&mut self, range: Range<usize>, list: Range<usize>, from: &str, to: &str) {
         let ends = from.parse::<u32>().ok().zip(to.parse::<u32>().ok()).filter(|(a, b)| a < b && b - a < 40);
         let numbers = ends.map(|(a, b)| (a..=b).map(|n| n.to_string()).collect::<Vec<_>>().join(", "));
         let Some(numbers) = numbers else { return };

@@ -104,8 +104,10 @@ pub(super) fn judge(
     shared: &Arc<Mutex<Judgement>>,
     text: &str,
     saved: bool,
-    (uri, options): (&str, Options),
-    (send, wishes): (Weak<Send>, Wishes),
+    uri: &str,
+    options: Options,
+    send: Weak<Send>,
+    wishes: Wishes,
 ) {
     {
         let mut judgement = lock(shared);

@@ -69,11 +69,8 @@ pub(super) fn diagnostics(diags: &[Diag], sources: &SourceMap, text: &str, uri: 
         };
         let behind = diag.notes.iter().cloned().chain(diag.help.iter().map(|help| format!("help: {help}")));
         let message = std::iter::once(diag.message.clone()).chain(behind).collect::<Vec<_>>().join("\n");
-        let related: Vec<Value> = diag
-            .labels
-            .iter()
-            .filter_map(|label| related(label.span, &label.text, sources, (uri, &positions)))
-            .collect();
+        let related: Vec<Value> =
+            diag.labels.iter().filter_map(|label| related(label.span, &label.text, sources, uri, &positions)).collect();
         json!({
             "range": range(&positions, at.map_or(0..0, Span::range)),
             "severity": severity,
@@ -87,7 +84,7 @@ pub(super) fn diagnostics(diags: &[Diag], sources: &SourceMap, text: &str, uri: 
 }
 
 /// A label with its file.
-fn related(span: Span, label: &str, sources: &SourceMap, (uri, positions): (&str, &Positions<'_>)) -> Option<Value> {
+fn related(span: Span, label: &str, sources: &SourceMap, uri: &str, positions: &Positions<'_>) -> Option<Value> {
     let (address, place) = if span.source == JOB {
         (uri.to_owned(), range(positions, span.range()))
     } else {

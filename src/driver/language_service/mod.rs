@@ -252,8 +252,8 @@ impl Service {
         let Some(document) = self.documents.get(uri).filter(|document| document.kind == TextKind::Job) else { return };
         let run = RunOptions { library: self.library.clone(), ..RunOptions::default() };
         let options = Options { job: document.path.clone(), run, ..Options::default() };
-        let editor = (Arc::downgrade(&self.send), self.wishes);
-        judge(&document.judgement, &document.text, saved, (uri, options), editor);
+        let send = Arc::downgrade(&self.send);
+        judge(&document.judgement, &document.text, saved, uri, options, send, self.wishes);
     }
 
     fn answer(&self, request: Request) -> Result<(), String> {

@@ -24,6 +24,13 @@ const MOST_EDGE_FACES: usize = 12;
 /// Names of both ends.
 pub(super) const ENDS: [&str; 2] = ["inlet", "outlet"];
 
+/// Points of a section round the blade, the first one not repeated, with its edges.
+#[derive(Clone, Debug)]
+pub(super) struct EdgedLoop {
+    pub(super) points: Vec<Point3<f64>>,
+    pub(super) edges: LoopEdges,
+}
+
 /// A blade. Its sheets go from inlet to outlet and from root to tip.
 #[derive(Clone, Debug)]
 pub(super) struct StepBlade {
@@ -57,7 +64,7 @@ impl StepBlade {
     /// inlet, along the pressure face, round the outlet. It runs straight across an edge that is cut off. With it the leading and the
     /// trailing edge; an edge at which both faces meet is the point in which they do. `shares` are the places on the pressure and on the
     /// suction face, from inlet to outlet.
-    pub(super) fn loop_at(&self, t: f64, shares: [&[f64]; 2]) -> (Vec<Point3<f64>>, LoopEdges) {
+    pub(super) fn loop_at(&self, t: f64, shares: [&[f64]; 2]) -> EdgedLoop {
         let [mut inlet, outlet] = self.edges.each_ref().map(|edge| edge.rounded_across(t));
         let face = |face: usize| shares[face].iter().map(|s| self.sheets[face].jet(*s, t).point).collect::<Vec<_>>();
         let [pressure, mut points] = [face(0), face(1)];
@@ -76,7 +83,7 @@ impl StepBlade {
         }
         let outlet_from = if at_outlet { 0 } else { points.len() - 1 };
         points.extend(outlet);
-        (points, [[inlet_from, inlet_to], [outlet_from, 0]])
+        EdgedLoop { points, edges: [[inlet_from, inlet_to], [outlet_from, 0]] }
     }
 
     /// Shares of the length of a face (0 pressure, 1 suction) at a height: the places of the points of a loop, in steps of at most one in

@@ -33,7 +33,8 @@ pub(super) fn run_from_inlet(
     hub: StepMeridian,
     blade: &[StepFace],
     ends: [Vec<StepFace>; 2],
-    (start, axis): (Option<Start>, Axis),
+    start: Option<Start>,
+    axis: Axis,
     found: &mut Found,
 ) -> Result<StepMeridian, Diag> {
     let middle = mean(&hub, blade);

@@ -1,13 +1,13 @@
 //! Closed sections of a blade whose edges are surfaces of their own, with the distance of the blade through them from the faces of
 //! the file.
 
-use super::blade::{ENDS, StepBlade};
+use super::blade::{ENDS, EdgedLoop, StepBlade};
 use super::fitted::from_surface;
 use super::nose;
 use super::sheet::StepSheet;
 use blade::loft::{LoftFault, LoftedBlade, loft};
 use blade::outline::{DividedSection, Inlet, Known, outline};
-use blade::{EdgeForm, LoopEdges, Outline, Section, SectionForm};
+use blade::{EdgeForm, Outline, Section, SectionForm};
 use nalgebra::Point3;
 use nurbs::LoftedSurface;
 use nurbs::chords::from_chords;
@@ -20,9 +20,6 @@ const TRIED: [[usize; 2]; 6] = [[8, 96], [12, 96], [16, 96], [24, 96], [24, 192]
 
 /// Largest distance of points from the curve of their section, mm: `fit` of the job.
 pub(super) const FIT: f64 = 5e-4;
-
-/// Points of a section round the blade, the first one not repeated, with its edges.
-type EdgedLoop = (Vec<Point3<f64>>, LoopEdges);
 
 /// Closed sections of a blade.
 #[derive(Clone, Debug)]
@@ -72,9 +69,9 @@ fn loops(blade: &StepBlade, hub: &[[f64; 2]], rows: usize, steps: usize) -> Resu
             let [pressure, suction] = [0, 1].map(|face| blade.shares(face, t, steps));
             return Ok(blade.loop_at(t, [&pressure, &suction]));
         };
-        let (points, known) = blade.loop_at(t, [pressure, suction]);
-        let edges = nose::edges(blade, hub, &points, known).map_err(|why| of_section(k, &why))?;
-        Ok((points, edges))
+        let EdgedLoop { points, edges } = blade.loop_at(t, [pressure, suction]);
+        let edges = nose::edges(blade, hub, &points, edges).map_err(|why| of_section(k, &why))?;
+        Ok(EdgedLoop { points, edges })
     };
     (0..=rows).map(at).collect()
 }
@@ -88,10 +85,11 @@ fn divided(
     blade: &StepBlade,
     hub: &[[f64; 2]],
     section: usize,
-    (points, edges): &EdgedLoop,
+    given: &EdgedLoop,
 ) -> Result<(Outline, [EdgeForm; 2]), String> {
     let known = Known { inlet: Inlet::Meridian(hub), pressure: blade.pressure_side() };
-    let given = Section { span: None, form: SectionForm::DividedLoop { points: points.clone(), edges: *edges } };
+    let form = SectionForm::DividedLoop { points: given.points.clone(), edges: given.edges };
+    let given = Section { span: None, form };
     let fault = |why: &str| of_section(section, why);
     let DividedSection { mut outline, edges, .. } =
         outline(&given, &known).map_err(|found| fault(&found.to_string()))?;

@@ -1,6 +1,6 @@
 //! Blades, hub and shroud of a wheel from its picked faces.
 
-use super::blade::{BladeReader, StepBlade};
+use super::blade::{BladeReader, EdgedLoop, StepBlade};
 use super::copies;
 use super::ends::WheelEnds;
 use super::face::StepFace;
@@ -65,7 +65,7 @@ impl<'a, 't> StepWheel<'a, 't> {
             [of_main(BladeFace::Pressure)?, of_main(BladeFace::Suction)?].into_iter().flatten().collect();
         let ends = [of_main(BladeFace::Inlet)?, of_main(BladeFace::Outlet)?];
         found.moved(turned_faces::apart(&hub, &hub_faces));
-        let hub = run_from_inlet(hub, &main, ends, (self.options.start, axis), found)?;
+        let hub = run_from_inlet(hub, &main, ends, self.options.start, axis, found)?;
         let count = self.count(found)?;
         let blades = self.blades(&hub, count, found)?;
         let fillets = self.fillets(&hub, &blades, found)?;
@@ -266,7 +266,7 @@ fn of_loops(
                 .help("export sections of the blade as points, such as a table of closed loops")
         })?;
         told(distance, span, found);
-        let divided = |(points, edges)| SectionForm::DividedLoop { points, edges };
+        let divided = |EdgedLoop { points, edges }| SectionForm::DividedLoop { points, edges };
         let sections = loops.into_iter().map(divided).collect();
         let edges = forms.map(Some);
         read.push(ImportedBlade { edges, pressure: Some(blade.pressure_side()), ..imported(k, blade, sections) });

@@ -54,7 +54,7 @@ impl<'a, 'c> Properties<'a, 'c> {
         scope: &'c mut LetScope,
         sink: &'c mut Sink,
     ) -> Self {
-        Self::repeated(owner, head, block, (known, &[]), scope, sink)
+        Self::repeated(owner, head, block, known, &[], scope, sink)
     }
 
     /// The same; the names in `many`, which are known as well, may be repeated.
@@ -62,7 +62,8 @@ impl<'a, 'c> Properties<'a, 'c> {
         owner: String,
         head: Span,
         block: &'a Block,
-        (known, many): (&[&str], &[&str]),
+        known: &[&str],
+        many: &[&str],
         scope: &'c mut LetScope,
         sink: &'c mut Sink,
     ) -> Self {
@@ -70,14 +71,14 @@ impl<'a, 'c> Properties<'a, 'c> {
         let mut this = Self { owner, head, entries: Vec::new(), damaged, told: Vec::new(), scope, sink };
         let mut before: Option<&Entry> = None;
         for entry in &block.entries {
-            this.add(entry, before, (known, many), block.damaged);
+            this.add(entry, before, known, many, block.damaged);
             before = Some(entry);
         }
         this
     }
 
     /// `unsure`: a fault of the block was reported, such as a bracket that is missing.
-    fn add(&mut self, entry: &'a Entry, before: Option<&Entry>, (known, many): (&[&str], &[&str]), unsure: bool) {
+    fn add(&mut self, entry: &'a Entry, before: Option<&Entry>, known: &[&str], many: &[&str], unsure: bool) {
         let name = &entry.name;
         if known.contains(&name.text.as_str()) {
             let once = !many.contains(&name.text.as_str());

@@ -162,7 +162,7 @@ impl Walk<'_> {
             }
             let near = similar(name.get_ref(), &known);
             meant.extend(near.map(|near| (near, value.get_ref())));
-            self.unknown(place, (name.get_ref(), name.span()), near, keys);
+            self.unknown(place, name.get_ref(), name.span(), near, keys);
         }
         for key in keys {
             let Some((_, value)) = table.iter().find(|(name, _)| name.get_ref() == key.name) else { continue };
@@ -183,13 +183,7 @@ impl Walk<'_> {
     }
 
     /// A key that a table does not have.
-    fn unknown(
-        &mut self,
-        place: &str,
-        (name, at): (&str, Range<usize>),
-        near: Option<&str>,
-        keys: &'static [Property],
-    ) {
+    fn unknown(&mut self, place: &str, name: &str, at: Range<usize>, near: Option<&str>, keys: &'static [Property]) {
         let whole = self.kind.keys();
         // A section of a holder has no name of its own: its keys come from nowhere else.
         let listed = keys.iter().any(|key| key.name == "lower");

@@ -269,7 +269,7 @@ impl LibraryReader<'_> {
         }
     }
 
-    fn rotary(&mut self, (name, table): RotaryTable<'_, '_>) -> Option<RotarySpec> {
+    fn rotary(&mut self, name: &str, table: FileTable<'_, '_>) -> Option<RotarySpec> {
         let sense = table.text("sense")?;
         let iso = match sense.get_ref().as_str() {
             "iso" => true,
@@ -304,7 +304,8 @@ impl LibraryReader<'_> {
         &mut self,
         name: &str,
         table: FileTable<'_, '_>,
-        (kind, axes): ((MachineKind, Span), [RotaryTable<'_, '_>; 2]),
+        kind: (MachineKind, Span),
+        axes: [RotaryTable<'_, '_>; 2],
     ) -> Option<MachineSpec> {
         let mut assumed: Vec<String> =
             table.texts("assumed").unwrap_or_default().into_iter().map(Spanned::into_inner).collect();
@@ -321,8 +322,8 @@ impl LibraryReader<'_> {
         let home = self.home(table.table("home"), &linear, retract);
         let help = "lengths are measured to the tip, or to the centre of the ball or of the corner radius";
         let points = LengthTo::ALL.map(|point| (point, point.name()));
-        let length_to = self.named(&table.text("tool-length"), ("tool-length", help), points);
-        let [first, second] = axes.map(|axis| self.rotary(axis));
+        let length_to = self.named(&table.text("tool-length"), "tool-length", help, points);
+        let [first, second] = axes.map(|(name, table)| self.rotary(name, table));
         let (part, spindle) = (table.table("part")?, table.table("spindle")?);
         Some(MachineSpec {
             name: name.to_owned(),
@@ -379,14 +380,14 @@ pub(crate) fn machine(
     form::read(LibraryFile::Machine, source, sources, Some(asked), sink, |table, sink| {
         let mut reader = LibraryReader { source, sink, faults: false };
         let kind = table.text("kind")?;
-        let (kind, span) = (reader.machine_kind(&kind)?, reader.span(&kind));
+        let kind = (reader.machine_kind(&kind)?, reader.span(&kind));
         let Some(axes) = reader.rotary_axes(table) else {
             if !reader.faults {
                 sink.push(no_rotary_pair(name, table, &file.name).label(asked, "used here"));
             }
             return None;
         };
-        let spec = reader.spec(name, table, ((kind, span), axes));
+        let spec = reader.spec(name, table, kind, axes);
         spec.filter(|_| !reader.faults)
     })
 }

@@ -95,7 +95,8 @@ impl LibraryReader<'_> {
     pub(super) fn named<T: Copy, const N: usize>(
         &mut self,
         text: &Option<SpannedText>,
-        (key, help): (&str, &str),
+        key: &str,
+        help: &str,
         known: [(T, &'static str); N],
     ) -> T {
         let Some(text) = text else { return known[0].0 };
@@ -144,7 +145,7 @@ impl LibraryReader<'_> {
                     );
                 }
                 let help = "the manual of the control says how a rotary axis goes to an absolute word";
-                let way = self.named(&way, ("way", help), ModuloWay::ALL.map(|way| (way, way.name())));
+                let way = self.named(&way, "way", help, ModuloWay::ALL.map(|way| (way, way.name())));
                 (endless, Some(way))
             }
             (true, Some(modulo)) => {

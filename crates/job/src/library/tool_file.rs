@@ -78,7 +78,7 @@ fn library_tool(
     reader: &mut LibraryReader<'_>,
 ) -> Option<ToolSpec> {
     let kind = tool.text("kind")?;
-    if is_wrong_kind(name, (&kind, tool), reader) {
+    if is_wrong_kind(name, &kind, tool, reader) {
         return None;
     }
     let before = std::mem::take(&mut reader.faults);
@@ -128,7 +128,7 @@ fn library_holder_of(
 }
 
 /// Reports a kind of cutter that does not exist, or its first property that is missing or not its own.
-fn is_wrong_kind(name: &str, (kind, tool): (&SpannedText, FileTable<'_, '_>), reader: &mut LibraryReader<'_>) -> bool {
+fn is_wrong_kind(name: &str, kind: &SpannedText, tool: FileTable<'_, '_>, reader: &mut LibraryReader<'_>) -> bool {
     let span = reader.span(kind);
     let kind = kind.get_ref().as_str();
     if !KINDS.contains(&kind) {

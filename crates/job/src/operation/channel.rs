@@ -44,7 +44,7 @@ impl OperationReader<'_> {
         let mut p = Properties::new(owner, head(item), body, &known, &mut cx.scope, cx.sink);
         let words = p.words_of(&TOOLS)?;
         let tools: Option<Vec<usize>> =
-            words.iter().enumerate().map(|(k, word)| self.floor_tool(kind, (word, k + 1 < count), &mut p)).collect();
+            words.iter().enumerate().map(|(k, word)| self.floor_tool(kind, word, k + 1 < count, &mut p)).collect();
         let speeds = each(&mut p, &SPEED, count);
         let feeds = each(&mut p, &FEED, count);
         let link_feed = self.link_feed(&mut p);
@@ -91,9 +91,9 @@ impl OperationReader<'_> {
     }
 
     /// A tool of the list. Larger ones, which finish the middle of the floor, may be bull noses.
-    fn floor_tool(&self, kind: &Name, (word, is_larger): (&Name, bool), p: &mut Properties<'_, '_>) -> Option<usize> {
+    fn floor_tool(&self, kind: &Name, word: &Name, is_larger: bool, p: &mut Properties<'_, '_>) -> Option<usize> {
         let found = if is_larger {
-            self.tool_of_kind(word, ("the middle of the floor", &["ball", "lollipop", BULL]), p)
+            self.tool_of_kind(word, "the middle of the floor", &["ball", "lollipop", BULL], p)
         } else {
             self.named_tool(kind, word, p)
         };

@@ -202,7 +202,7 @@ impl OperationReader<'_> {
     /// Feed of links, or its default.
     pub(super) fn link_feed(&self, p: &mut Properties<'_, '_>) -> Option<MmPerMin> {
         match p.read(&LINK_FEED)? {
-            Some(feed) => self.within_axes(LINK_FEED.name, feed, p),
+            Some((feed, span)) => self.within_axes(LINK_FEED.name, feed, span, p),
             None => LINK_FEED.default().map(MmPerMin),
         }
     }
@@ -231,14 +231,15 @@ impl OperationReader<'_> {
         };
         // In a list of tools, bull noses may finish the middle.
         let place = if kind.text == "channel" { ", beside the walls," } else { "" };
-        self.tool_of_kind(word, (&format!("operation {}{place}", kind.text), needed), p)
+        self.tool_of_kind(word, &format!("operation {}{place}", kind.text), needed, p)
     }
 
     /// The declared tool with this name, if it has one of the kinds that its user needs.
     pub(super) fn tool_of_kind(
         &self,
         word: &Name,
-        (user, needed): (&str, &[&str]),
+        user: &str,
+        needed: &[&str],
         p: &mut Properties<'_, '_>,
     ) -> Option<(usize, Span)> {
         let Some(at) = self.tools.iter().position(|t| t.name.text == word.text) else {
@@ -323,7 +324,7 @@ impl OperationReader<'_> {
             p.out_of_range(expr.span, "feed", &limits::FEED.text(Dimension::FEED));
             return None;
         }
-        let feed = self.within_axes("feed", (feed, expr.span), p)?;
+        let feed = self.within_axes("feed", feed, expr.span, p)?;
         match (tool, speed) {
             (Some(tool), Some(speed)) => self.within_chip(feed, expr.span, tool, speed, p),
             _ => Some(feed),
@@ -377,7 +378,7 @@ impl OperationReader<'_> {
         None
     }
 
-    fn within_axes(&self, name: &str, (feed, span): (f64, Span), p: &mut Properties<'_, '_>) -> Option<MmPerMin> {
+    fn within_axes(&self, name: &str, feed: f64, span: Span, p: &mut Properties<'_, '_>) -> Option<MmPerMin> {
         let fastest =
             self.machine.map_or(1e6, |m| m.linear.iter().map(|a| a.speed.get()).fold(f64::INFINITY, f64::min));
         if feed <= fastest {

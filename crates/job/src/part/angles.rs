@@ -107,7 +107,8 @@ impl<'a> AnglesGiven<'a> {
                 let lean = match &self.lean {
                     Some((word, values)) => Some(distribution(
                         single(word, values, cx)?,
-                        ("lean", Dimension::ANGLE),
+                        "lean",
+                        Dimension::ANGLE,
                         "lean [(0 %, 0 deg) (100 %, 5 deg)]",
                         cx,
                     )?),
@@ -197,7 +198,7 @@ impl<'a> AnglesGiven<'a> {
             (None, None) => Some(None),
             (Some((word, values)), None) => {
                 let example = "theta [(0 %, 0 deg) (100 %, 45 deg)]";
-                let theta = distribution(single(word, &values, cx)?, ("theta", Dimension::ANGLE), example, cx)?;
+                let theta = distribution(single(word, &values, cx)?, "theta", Dimension::ANGLE, example, cx)?;
                 Some(Some(AnglesAtSpan::Theta(theta)))
             }
             (None, Some((word, values))) => {
@@ -221,7 +222,7 @@ impl<'a> AnglesGiven<'a> {
             return None;
         };
         let example = "beta [(0 %, 50 deg) (100 %, 35 deg)]";
-        let mut beta = distribution(single(word, values, cx)?, ("beta", Dimension::ANGLE), example, cx)?;
+        let mut beta = distribution(single(word, values, cx)?, "beta", Dimension::ANGLE, example, cx)?;
         if from == BetaFrom::Tangent {
             beta.points.iter_mut().for_each(|[_, value]| *value = std::f64::consts::FRAC_PI_2 - *value);
         }
@@ -339,7 +340,7 @@ impl<'a> AnglesGiven<'a> {
 
 fn thickness_of(word: &Name, values: &[&Value], cx: &mut Context<'_>) -> Option<DistributionSpec> {
     let example = "thickness [(0 %, 1.5 mm) (40 %, 2.5 mm) (100 %, 2 mm)]";
-    let given = distribution(single(word, values, cx)?, ("thickness", Dimension::LENGTH), example, cx)?;
+    let given = distribution(single(word, values, cx)?, "thickness", Dimension::LENGTH, example, cx)?;
     let [thinnest, thickest] = limits::THICKNESSES;
     let wrong = given.points.iter().find(|[_, value]| !(thinnest..=thickest).contains(value));
     if let Some([at, value]) = wrong {

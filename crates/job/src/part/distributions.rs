@@ -44,7 +44,8 @@ pub(super) fn share(expr: &Expr, what: &str, code: Code, cx: &mut Context<'_>) -
 /// A distribution of a dimension, by its name.
 pub(super) fn distribution(
     value: &Value,
-    (name, due): (&str, Dimension),
+    name: &str,
+    due: Dimension,
     example: &str,
     cx: &mut Context<'_>,
 ) -> Option<DistributionSpec> {

@@ -45,7 +45,7 @@ const MAX_SPLITTERS: usize = 8;
 pub(super) fn resolve(name: &Name, body: &Block, head: Span, cx: &mut Context<'_>) -> Option<PartSpec> {
     let known = vocabulary::properties(TopicKind::Item, "part");
     let owner = format!("part {}", name.text);
-    let mut p = Properties::repeated(owner, head, body, (&known, &["splitter"]), &mut cx.scope, cx.sink);
+    let mut p = Properties::repeated(owner, head, body, &known, &["splitter"], &mut cx.scope, cx.sink);
     let vanes = vane_count(&mut p);
     let extend = if p.has("extend") {
         p.number("extend", Dimension::LENGTH, Range::NotNegative(100.0), "extend 0.4 mm").map(|extend| extend.0)
@@ -65,14 +65,16 @@ pub(super) fn resolve(name: &Name, body: &Block, head: Span, cx: &mut Context<'_
             .any(|value| matches!(value, Value::Block(_, block) if has_entry(block, name)));
         if misplaced && !p.has(name) { None } else { revolved(name, &mut p) }
     });
-    let vane = named_block(vane?, "vane main { pressure ruled { ... } ... }", &mut p);
+    let (word, values) = vane?;
+    let vane = named_block(word, &values, "vane main { pressure ruled { ... } ... }", &mut p);
     let given = p.take_all("splitter");
     if let Some((word, _)) = given.get(MAX_SPLITTERS) {
         p.out_of_range(word.span, "splitter", &format!("given at most {MAX_SPLITTERS} times"));
         return None;
     }
     let example = "splitter half { pressure ruled { ... } ... }";
-    let splitters: Vec<_> = given.into_iter().map(|splitter| named_block(splitter, example, &mut p)).collect();
+    let splitters: Vec<_> =
+        given.into_iter().map(|(word, values)| named_block(word, &values, example, &mut p)).collect();
     let (vane_name, vane_block) = vane?;
     let by_faces = FormGiven::of(vane_block) == FormGiven::Faces;
     let hub = hub.and_then(|hub| generator(hub, vane_name, by_faces, cx));
@@ -131,11 +133,12 @@ fn imported(p: &mut Properties<'_, '_>) -> Option<ImportedFrom> {
 
 /// Name and block of a blade.
 fn named_block<'a>(
-    (word, values): (&'a Name, Vec<&'a Value>),
+    word: &'a Name,
+    values: &[&'a Value],
     example: &str,
     p: &mut Properties<'a, '_>,
 ) -> Option<(&'a Name, &'a Block)> {
-    if let [Value::Block(Some(name), block)] = values.as_slice() {
+    if let [Value::Block(Some(name), block)] = values {
         return Some((name, block));
     }
     p.wrong_form(word.span, &word.text, "a name and a block", example);
@@ -207,7 +210,7 @@ fn blade<'a>(word: &str, name: &Name, block: &'a Block, row: &RowGiven<'a>, cx: 
         known.push("angle");
     }
     let owner = format!("{word} {}", name.text);
-    let mut p = Properties::repeated(owner.clone(), name.span, block, (&known, repeated), &mut cx.scope, cx.sink);
+    let mut p = Properties::repeated(owner.clone(), name.span, block, &known, repeated, &mut cx.scope, cx.sink);
     let along = p.take_list("fillet");
     let fillet = if p.has("fillet") {
         let fillet = p.number("fillet", Dimension::LENGTH, Range::NotNegative(limits::LARGEST_FILLET), "fillet 3 mm");
@@ -253,7 +256,7 @@ fn blade<'a>(word: &str, name: &Name, block: &'a Block, row: &RowGiven<'a>, cx: 
 /// A fillet whose radius changes along the foot of the blade.
 fn fillet_along(value: &Value, owner: &str, cx: &mut Context<'_>) -> Option<Fillet> {
     let example = "fillet [(0 %, 2 mm) (100 %, 3 mm)]";
-    let given = distribution(value, ("fillet", Dimension::LENGTH), example, cx)?;
+    let given = distribution(value, "fillet", Dimension::LENGTH, example, cx)?;
     let fillet = Fillet::along(given.points);
     let [least, most] = [fillet.least(), fillet.most()];
     if least.get() >= limits::LEAST_FILLET && most.get() <= limits::LARGEST_FILLET {

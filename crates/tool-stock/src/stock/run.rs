@@ -62,7 +62,8 @@ pub(super) fn prepare(
     steps: &[Step],
     ordinals: &[u32],
     runs: &[Range<usize>],
-    (cutter, body): (&SolidShape, &[(Touched, SolidShape)]),
+    cutter: &SolidShape,
+    body: &[(Touched, SolidShape)],
     frame: &Frame,
 ) -> Vec<Prepared> {
     let outside = |m: &Moving| (0..3).any(|k| m.high[k] < frame.low[k] || m.low[k] > frame.high[k]);

@@ -122,7 +122,7 @@ fn run_batch(
     let area = field.cell * field.cell;
     let slices = Slices::new(cutter.extent().1, field.cell);
     let frames = [0, 1, 2].map(|axis| Frame::of(field, axis));
-    let prepared = frames.each_ref().map(|frame| run::prepare(steps, &ordinals, &runs, (cutter, body), frame));
+    let prepared = frames.each_ref().map(|frame| run::prepare(steps, &ordinals, &runs, cutter, body, frame));
     let said: Vec<Said> = tile_work(field, &frames, &prepared)
         .par_iter_mut()
         .map(|(tile, axis, list)| {
@@ -252,7 +252,7 @@ fn run_tile(tile: &mut Tile, list: &[u32], prepared: &[Prepared], slices: &Slice
             .collect();
         let touches = run.sweeps.iter().any(|s| near.iter().any(|(_, shape)| touches(tile, s, shape)));
         if !touches {
-            said.remove(tile, (run, 0..run.steps.len()), slices, &mut work);
+            said.remove(tile, run, 0..run.steps.len(), slices, &mut work);
             continue;
         }
         for (k, (sweep, ordinal)) in run.sweeps.iter().zip(&run.ordinals).enumerate() {
@@ -263,7 +263,7 @@ fn run_tile(tile: &mut Tile, list: &[u32], prepared: &[Prepared], slices: &Slice
                 }
             }
             if !run.steps.is_empty() {
-                said.remove(tile, (run, k..k + 1), slices, &mut work);
+                said.remove(tile, run, k..k + 1, slices, &mut work);
             }
         }
     }
@@ -313,7 +313,8 @@ impl Said {
     fn remove(
         &mut self,
         tile: &mut Tile,
-        (run, steps): (&Prepared, std::ops::Range<usize>),
+        run: &Prepared,
+        steps: std::ops::Range<usize>,
         slices: &Slices,
         work: &mut Intervals,
     ) {

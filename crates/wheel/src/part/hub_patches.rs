@@ -59,9 +59,6 @@ pub(super) struct HubPatches {
     pub(super) rings: [Vec<(PatchDirection, HubLine)>; 2],
 }
 
-/// Borders of a patch: the first and the last row, the first and the last column.
-type Borders<'a> = ([&'a [Point3<f64>]; 2], [&'a [Point3<f64>]; 2]);
-
 /// The hub with the blades on it.
 struct Layout<'a> {
     form: &'a SheetForm<'a>,
@@ -243,13 +240,14 @@ impl Layout<'_> {
         (libm::tan(half) * depth * along / across).min(beside).min(MAX_BLADE_DEVIATION * opening.abs())
     }
 
-    /// Adds the patch between four borders.
+    /// Adds the patch between its first and last row, and its first and last column.
     fn add(
         &self,
         found: &mut HubPatches,
         kind: usize,
         directions: [PatchDirection; 2],
-        (rows, columns): Borders<'_>,
+        rows: [&[Point3<f64>]; 2],
+        columns: [&[Point3<f64>]; 2],
         next: Option<HubLine>,
     ) -> Result<(), PatchFault> {
         let kind = SurfaceKind::Hub(PassageId::new(kind));
@@ -268,9 +266,10 @@ impl Layout<'_> {
         let (next, turn, angle) = self.next(k);
         let own = &self.blades[next].faces[1][0];
         let second: HubLine = own.iter().map(|p| turn * p).collect();
-        let borders: Borders<'_> = ([&ends[0].between, &ends[1].between], [&self.blades[k].faces[0][0], &second]);
+        let (rows, columns) =
+            (ends.each_ref().map(|end| end.between.as_slice()), [self.blades[k].faces[0][0].as_slice(), &second]);
         let next = (angle > 0.0).then(|| own.clone());
-        self.add(found, k, [PatchDirection::Channel, PatchDirection::Along], borders, next)
+        self.add(found, k, [PatchDirection::Channel, PatchDirection::Along], rows, columns, next)
     }
 
     /// The patch between a passage and the circle, and its part of the circle.
@@ -290,8 +289,14 @@ impl Layout<'_> {
         }
         let shared = if inside[1] { at.second.len() } else { 1 };
         let next = (angle > 0.0).then(|| at.second[..shared].to_vec());
-        let borders: Borders<'_> = ([&at.between, &at.arc], [one, other]);
-        self.add(found, k, [PatchDirection::Channel, PatchDirection::Before], borders, next)
+        self.add(
+            found,
+            k,
+            [PatchDirection::Channel, PatchDirection::Before],
+            [&at.between, &at.arc],
+            [one, other],
+            next,
+        )
     }
 
     /// The patches between an edge and the circle, and their parts of the circle.
@@ -326,8 +331,7 @@ impl Layout<'_> {
                 )
             };
             let on_circle = self.plane.line(&side[last], &beyond[last], 0.0, self.shares(direction));
-            let borders: Borders<'_> = ([foot, &on_circle], [&side, &beyond]);
-            self.add(found, k, [direction, PatchDirection::Before], borders, None)?;
+            self.add(found, k, [direction, PatchDirection::Before], [foot, &on_circle], [&side, &beyond], None)?;
             found.rings[end].push((direction, on_circle));
             side = beyond;
         }

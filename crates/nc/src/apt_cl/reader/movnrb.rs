@@ -73,11 +73,18 @@ struct Head {
     length: f64,
 }
 
+/// A place on the curves: a piece and its parameter.
+#[derive(Clone, Copy)]
+struct CurvePlace {
+    piece: usize,
+    t: f64,
+}
+
 /// The GOTO along the curves, behind NEXT.
 struct Follow {
     pieces: Vec<PoseCurve>,
-    /// Piece and parameter of the last GOTO.
-    at: (usize, f64),
+    /// Place of the last GOTO.
+    at: CurvePlace,
 }
 
 impl Movnrb {
@@ -216,7 +223,7 @@ impl Movnrb {
                 ));
             }
         }
-        self.follow = Some(Follow { pieces: pieces.clone(), at: (0, 0.0) });
+        self.follow = Some(Follow { pieces: pieces.clone(), at: CurvePlace { piece: 0, t: 0.0 } });
         Ok(pieces)
     }
 
@@ -239,9 +246,9 @@ impl Movnrb {
         let Some(Follow { pieces, at }) = &self.follow else {
             return Err("MOVNRB/OFF before MOVNRB/NEXT".to_owned());
         };
-        let (tip, _) = pose(&pieces[at.0], at.1);
+        let (tip, _) = pose(&pieces[at.piece], at.t);
         let gap = (tip - pose(&pieces[pieces.len() - 1], 1.0).0).norm();
-        if at.0 + 1 < pieces.len() || gap > ON_CURVE_MM {
+        if at.piece + 1 < pieces.len() || gap > ON_CURVE_MM {
             return Err(format!("the last GOTO stands {gap:.4} mm before the end of the curve"));
         }
         Ok(())
@@ -250,7 +257,7 @@ impl Movnrb {
 
 impl Follow {
     fn goto(&mut self, to: &NcPose, tolerance: f64) -> Result<(), String> {
-        let (first, from) = self.at;
+        let CurvePlace { piece: first, t: from } = self.at;
         let mut least = (f64::INFINITY, 0.0);
         for (index, piece) in self.pieces.iter().enumerate().skip(first) {
             let start = if index == first { from } else { 0.0 };
@@ -261,8 +268,9 @@ impl Follow {
                 least = (off, turned);
             }
             if off <= ON_CURVE_MM && turned <= ON_CURVE_RAD {
-                let away = self.chord((index, t));
-                self.at = (index, t);
+                let place = CurvePlace { piece: index, t };
+                let away = self.chord(place);
+                self.at = place;
                 if away > tolerance {
                     return Err(format!(
                         "the straight way of this GOTO leaves the curve by {away:.4} mm, over LINTOL: write more GOTO along the curve"
@@ -279,13 +287,13 @@ impl Follow {
     }
 
     /// Largest distance of the tip on the curve, from the last GOTO to a place, from the straight way, mm.
-    fn chord(&self, to: (usize, f64)) -> f64 {
-        let [a, b] = [self.at, to].map(|(piece, t)| pose(&self.pieces[piece], t).0);
+    fn chord(&self, to: CurvePlace) -> f64 {
+        let [a, b] = [self.at, to].map(|place| pose(&self.pieces[place.piece], place.t).0);
         let way = b - a;
         let mut most = 0.0_f64;
-        for index in self.at.0..=to.0 {
-            let from = if index == self.at.0 { self.at.1 } else { 0.0 };
-            let end = if index == to.0 { to.1 } else { 1.0 };
+        for index in self.at.piece..=to.piece {
+            let from = if index == self.at.piece { self.at.t } else { 0.0 };
+            let end = if index == to.piece { to.t } else { 1.0 };
             for k in 1..=CHORD_SAMPLES {
                 let t = from + (end - from) * f64::from(k) / f64::from(CHORD_SAMPLES);
                 let gap = pose(&self.pieces[index], t).0 - a;

@@ -297,8 +297,8 @@ impl DriveSurface for StretchFloor<'_> {
         };
         let [first, second] = both_walls(self, (0..=AZIMUTH_INTERVALS).map(|i| i as f64 / AZIMUTH_INTERVALS as f64));
         let (low, high) = (first.into_iter().reduce(f64::min), second.into_iter().reduce(f64::max));
-        let layers = ([low.unwrap_or_default(), high.unwrap_or_default()], METRIC_LAYERS);
-        BandMetric::over((range, count), layers, |x, y| {
+        let walls = [low.unwrap_or_default(), high.unwrap_or_default()];
+        BandMetric::over(range, count, walls, METRIC_LAYERS, |x, y| {
             let u = self.u(x);
             let [along, around] = speeds(u);
             let (first, across) = self.walls(x.clamp(0.0, 1.0));

@@ -281,7 +281,7 @@ impl DriveSurface for VaneSurface<'_> {
 
     fn metric(&self, height: f64) -> BandMetric {
         // On the leads the metric is constant.
-        BandMetric::over(([-0.02, 1.02], METRIC_STATIONS + 1), ([0.0, 1.0], METRIC_LAYERS), |x, y| {
+        BandMetric::over([-0.02, 1.02], METRIC_STATIONS + 1, [0.0, 1.0], METRIC_LAYERS, |x, y| {
             let (form, _) = self.form(x, y, height);
             let across = form[(1, 1)].max(LEAST_ACROSS * LEAST_ACROSS);
             let skew = if across > LEAST_ACROSS { form[(0, 1)] / across } else { 0.0 };
