@@ -1,7 +1,6 @@
 //! The pipeline on one page: from a job file to verified NC, stage by stage. Only the driver reads files.
 
 mod before_planning;
-mod beside;
 mod certificate_figures;
 mod certificate_text;
 mod emit;
@@ -20,6 +19,7 @@ mod nc_check;
 mod nc_diff;
 mod new_job;
 mod options;
+mod other_outputs;
 mod output_names;
 mod part_file;
 mod part_form;
@@ -34,7 +34,6 @@ mod stages;
 mod written;
 
 pub use before_planning::check_frames;
-pub use beside::{OUTPUTS, Output, OutputFile};
 pub use emit::{Emit, EmitForm};
 pub use file_stamps::FileStamps;
 pub use front::front;
@@ -48,6 +47,7 @@ pub use nc_check::{NcCheck, verify};
 pub use nc_diff::{NcDiff, diff};
 pub use new_job::{BEGINNINGS, Beginning, new_job};
 pub use options::{Options, Outcome};
+pub use other_outputs::{OUTPUTS, Output, OutputFile};
 pub use part_form::{PartForm, PartOptions};
 pub use run_options::RunOptions;
 pub use stages::{RunState, Stages};
@@ -55,11 +55,11 @@ pub use stages::{RunState, Stages};
 use ::report::certificate_file::Inputs;
 use base::source::{SourceMap, Span};
 use before_planning::{before_work, check_before_planning, find_post};
-use beside::Accepted;
 use diagnostics::{Aborted, Diag, Sink, printable};
 use front::{MAX_JOB, read_job, start};
 use ir::Program;
 use ir::stage_file::StageValue;
+use other_outputs::Accepted;
 use plan::facts;
 use plan::passes::pipeline;
 use saved::{meshes_written, save, save_accepted, save_refused};

@@ -199,9 +199,9 @@ impl Outputs {
         }
         if let Some(diag) = fault {
             let undone = placed.into_iter().rev().map(|(file, old)| put_back(file, old.as_deref()));
-            let stays: Vec<String> = undone.filter_map(Result::err).collect();
+            let left: Vec<String> = undone.filter_map(Result::err).collect();
             drop(unfinished);
-            return Err(with_outcome(diag, &got, &stays));
+            return Err(with_outcome(diag, &got, &left));
         }
         for (file, old) in placed {
             if let Some(old) = old {
@@ -336,10 +336,10 @@ fn failed(path: &Path, reason: &str) -> Diag {
 
 /// Adds notes about what was written in spite of the failure: devices that got their text, and files that could not be
 /// restored.
-fn with_outcome(diag: Diag, got: &[String], stays: &[String]) -> Diag {
-    let diag = if stays.is_empty() && got.is_empty() { diag.note(NOTHING) } else { diag };
+fn with_outcome(diag: Diag, got: &[String], left: &[String]) -> Diag {
+    let diag = if left.is_empty() && got.is_empty() { diag.note(NOTHING) } else { diag };
     let diag = got.iter().fold(diag, |diag, name| diag.note(format!("{name} received its whole text")));
-    stays.iter().fold(diag, |diag, stays| diag.note(stays.clone()))
+    left.iter().fold(diag, |diag, left| diag.note(left.clone()))
 }
 
 #[cfg(test)]

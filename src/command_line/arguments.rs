@@ -102,7 +102,7 @@ pub(super) struct Arguments {
     pub(super) sections: usize,
 
     #[command(flatten)]
-    pub(super) beside: OutputArguments,
+    pub(super) other_outputs: OutputArguments,
 
     /// Write a report for a browser to this file: deviations, paths, stock, plots, contracts; also if a contract fails
     #[arg(long, value_name = "FILE.html")]
@@ -132,7 +132,7 @@ impl Arguments {
             job: self.job.unwrap_or_default(),
             from: self.from,
             output: self.output,
-            beside: self.beside.0,
+            other_outputs: self.other_outputs.0,
             emit: self.emit,
             form: self.format.into(),
             part,

@@ -312,22 +312,22 @@ fn repeated(how: Display, watched: Option<&PathBuf>, work: impl Fn(&mut Stages) 
 }
 
 /// Prints the page of a code or of a word of the language, or the list of all codes.
-fn explain(asked: &str) -> ExitCode {
-    let text = match asked {
+fn explain(topic: &str) -> ExitCode {
+    let text = match topic {
         "" => {
             let mut codes: Vec<Code> = Code::all().collect();
             codes.sort_by_key(|c| c.id());
             codes.iter().map(|c| format!("{}  {}\n", c.id(), c.0.title)).collect()
         }
-        asked => {
-            let code = Code::find(asked).or_else(|| Code::find(&format!("IMP{asked:0>4}")));
+        topic => {
+            let code = Code::find(topic).or_else(|| Code::find(&format!("IMP{topic:0>4}")));
             let page = code.map(|found| format!("{}: {}\n\n{}\n", found.id(), found.0.title, found.0.page.trim_end()));
-            let Some(page) = page.or_else(|| vocabulary::explain(asked)) else {
-                let near = vocabulary::words().into_iter().map(|word| (strsim::osa_distance(word, asked), word));
+            let Some(page) = page.or_else(|| vocabulary::explain(topic)) else {
+                let near = vocabulary::words().into_iter().map(|word| (strsim::osa_distance(word, topic), word));
                 let near = near.filter(|(letters, _)| *letters <= MISSPELT).min();
                 let meant = near.map_or_else(String::new, |(_, word)| format!("; did you mean `{word}`?"));
                 say(&format!(
-                    "no message has the code {asked}, and the language has no such word{meant}\n\
+                    "no message has the code {topic}, and the language has no such word{meant}\n\
                      `impellerc explain` lists all codes, `impellerc explain --reference` all words\n"
                 ));
                 return ended(Exit::Text);

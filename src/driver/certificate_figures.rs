@@ -10,21 +10,21 @@ use std::collections::BTreeMap;
 
 /// Largest difference that the digits of a text explain: absolute, and as a share of the figure.
 #[derive(Clone, Copy)]
-struct Apart(f64, f64);
+struct Tolerance(f64, f64);
 
 /// Lengths, mm, and shares.
-const LENGTH: Apart = Apart(1e-3, 1e-3);
+const LENGTH: Tolerance = Tolerance(1e-3, 1e-3);
 /// Shares of the limits of axes. Between two poses almost at the pole, an axis turns by what the digits say.
-const OF_AXIS: Apart = Apart(0.02, 0.05);
+const OF_AXIS: Tolerance = Tolerance(0.02, 0.05);
 /// Times, s. Rapids can be divided otherwise in the text.
-const TIME: Apart = Apart(5.0, 0.05);
+const TIME: Tolerance = Tolerance(5.0, 0.05);
 /// Volumes and rates, mm3 and mm3/s.
-const VOLUME: Apart = Apart(0.5, 0.01);
+const VOLUME: Tolerance = Tolerance(0.5, 0.01);
 /// Angles, deg.
-const ANGLE: Apart = Apart(2.0, 0.01);
+const ANGLE: Tolerance = Tolerance(2.0, 0.01);
 
 /// Figures that are compared: the place in the certificate, where `*` stands for each element of a list.
-const FIGURES: [(&str, Apart); 49] = [
+const FIGURES: [(&str, Tolerance); 49] = [
     ("/form/*/points", LENGTH),
     ("/form/*/distance", LENGTH),
     ("/surfaces/*/gouge/depth", LENGTH),
@@ -71,8 +71,8 @@ const FIGURES: [(&str, Apart); 49] = [
     ("/stock/operations/*/by_links", VOLUME),
     ("/stock/operations/*/rest", VOLUME),
     ("/stock/operations/*/rate/value", VOLUME),
-    ("/stock/operations/*/depth/value", Apart(0.01, 0.01)),
-    ("/stock/operations/*/slot_depth/value", Apart(0.01, 0.01)),
+    ("/stock/operations/*/depth/value", Tolerance(0.01, 0.01)),
+    ("/stock/operations/*/slot_depth/value", Tolerance(0.01, 0.01)),
     ("/stock/operations/*/arc/value", ANGLE),
 ];
 
@@ -111,8 +111,8 @@ pub(super) fn difference(says: &Value, measured: &Value) -> Option<(String, usiz
         return Some((text, 0));
     }
     let (says, found) = (figures(says, with_stock), figures(measured, with_stock));
-    let same = |(what, (value, apart)): &(&String, &(f64, Apart))| {
-        says.get(*what).is_some_and(|(said, _)| (said - value).abs() <= apart.0 + apart.1 * value.abs())
+    let same = |(what, (value, tolerance)): &(&String, &(f64, Tolerance))| {
+        says.get(*what).is_some_and(|(said, _)| (said - value).abs() <= tolerance.0 + tolerance.1 * value.abs())
     };
     let mut differ = found.iter().filter(|figure| !same(figure));
     if let Some((what, (value, _))) = differ.next() {
@@ -147,14 +147,14 @@ fn other_import(says: &Value, measured: &Value) -> Option<String> {
 }
 
 /// All figures by name. A value that is no number is left out, and so differs from every measured value.
-fn figures(measured: &Value, with_stock: bool) -> BTreeMap<String, (f64, Apart)> {
+fn figures(measured: &Value, with_stock: bool) -> BTreeMap<String, (f64, Tolerance)> {
     let mut all = BTreeMap::new();
-    for (place, apart) in FIGURES.iter().filter(|(place, _)| with_stock || !place.starts_with(OF_STOCK)) {
+    for (place, tolerance) in FIGURES.iter().filter(|(place, _)| with_stock || !place.starts_with(OF_STOCK)) {
         let steps: Vec<&str> = place.split('/').skip(1).collect();
         let quantity = steps.iter().filter(|step| **step != "*").map(|step| step.replace('_', " "));
         let quantity = quantity.collect::<Vec<_>>().join(" ");
         collect(measured, &steps, quantity, &mut |name, value| {
-            all.insert(name, (value, *apart));
+            all.insert(name, (value, *tolerance));
         });
     }
     all

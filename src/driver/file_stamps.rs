@@ -26,7 +26,7 @@ impl FileStamps {
     /// The files that a run has read, and those that it looked for and did not find.
     pub fn of(outcome: &Outcome) -> Self {
         let read = outcome.sources.files().iter().filter_map(|file| file.disk.clone());
-        Self::new(read.chain(outcome.looked_for.iter().cloned()))
+        Self::new(read.chain(outcome.missing_files.iter().cloned()))
     }
 
     /// Adds files. One that changed from a time on may have been read before its change: it counts as changed.

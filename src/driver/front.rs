@@ -28,7 +28,7 @@ pub(super) fn start(
 /// # Errors
 /// [`Aborted`] when the job is faulty; the faults are in the sink of the outcome.
 pub fn front(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<Option<Program>, Aborted> {
-    let Outcome { sources, sink, emitted, looked_for, .. } = outcome;
+    let Outcome { sources, sink, emitted, missing_files, .. } = outcome;
 
     let text = read_job(&options.job, sink)?;
     let source = sources.add_file(SourceFile {
@@ -50,7 +50,7 @@ pub fn front(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> R
         take_post(name, &mut ast, &mut files, sink)?;
     }
     let resolved = stages.run("resolve", || job::resolve(&ast, &mut files, sources, sink));
-    *looked_for = files.looked_for();
+    *missing_files = files.missing_files();
     let mut job: Job = resolved?;
     if options.run.post.is_some() {
         job.post.span = None;
@@ -114,9 +114,9 @@ pub(super) const MAX_JOB: u64 = 64 << 20;
 /// Text of the job file.
 pub(super) fn read_job(path: &Path, sink: &mut Sink) -> Result<String, Aborted> {
     let shown = path.display();
-    let beside = path.with_extension("imp");
-    let due = if path.extension().is_none() && beside.is_file() {
-        format!("there is a job `{}`", beside.display())
+    let with_ending = path.with_extension("imp");
+    let due = if path.extension().is_none() && with_ending.is_file() {
+        format!("there is a job `{}`", with_ending.display())
     } else {
         "a job is a text file; `impellerc new part.imp` writes one".to_owned()
     };

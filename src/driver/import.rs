@@ -227,14 +227,14 @@ fn fetch(name: &str, most: usize) -> Result<SourceFile, NoFile> {
 
 /// Writes the part and its tables, all or none.
 fn write(path: &Path, made: &part_text::PartFiles, force: bool, sources: &SourceMap) -> Result<String, Diag> {
-    let beside = |ending: &str| path.with_extension(ending);
+    let with_ending = |ending: &str| path.with_extension(ending);
     let mut written: Vec<(PathBuf, &str)> = vec![
         (path.to_path_buf(), &made.job),
-        (beside("curves.csv"), &made.curves),
-        (beside("sections.csv"), &made.sections),
+        (with_ending("curves.csv"), &made.curves),
+        (with_ending("sections.csv"), &made.sections),
     ];
-    written.extend(made.loops.iter().map(|(blade, text)| (beside(&format!("{blade}.csv")), text.as_str())));
-    written.extend(made.meridian.iter().map(|text| (beside("meridian.csv"), text.as_str())));
+    written.extend(made.loops.iter().map(|(blade, text)| (with_ending(&format!("{blade}.csv")), text.as_str())));
+    written.extend(made.meridian.iter().map(|text| (with_ending("meridian.csv"), text.as_str())));
     let exists = written.iter().find(|(path, _)| !force && std::fs::symlink_metadata(path).is_ok());
     if let Some((path, _)) = exists {
         return Err(Diag::error(codes::EXISTS, format!("{} exists already", path.display()))

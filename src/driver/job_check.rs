@@ -8,7 +8,7 @@ use plan::facts;
 
 /// Checks a job. Options that name outputs and a stage are of no effect. Faults go to the sink of the outcome.
 pub fn check(options: &Options, stages: &mut Stages) -> Outcome {
-    let options = Options { output: None, beside: Vec::new(), emit: None, ..options.clone() };
+    let options = Options { output: None, other_outputs: Vec::new(), emit: None, ..options.clone() };
     let mut outcome = Outcome::default();
     // The reason is in the sink.
     let _ = judge(&options, stages, &mut outcome);

@@ -16,7 +16,7 @@ const MAX_LIBRARY: u64 = 4 << 20;
 /// Largest curve file that is read.
 const MAX_CURVES: u64 = 64 << 20;
 
-/// Largest mesh file that is read: that of [`tool_stock::stock::stl::MOST_TRIANGLES`] in the binary form.
+/// Largest mesh file that is read: that of [`tool_stock::stock::stl::MAX_TRIANGLES`] in the binary form.
 const MAX_MESH: u64 = 256 << 20;
 
 /// Files of a job. The order of search is the library of the command line, the `_lib` folders from the folder of the
@@ -55,9 +55,9 @@ impl DiskFiles {
     /// # Errors
     /// A folder of the command line that does not exist, or a path that is no folder.
     pub fn new(job: &Path, library: Option<&Path>, curves: Option<&Path>) -> Result<Self, Diag> {
-        let beside = |job: &Path| job.parent().map(Path::to_path_buf).unwrap_or_default();
+        let folder_of = |job: &Path| job.parent().map(Path::to_path_buf).unwrap_or_default();
         let itself = job.canonicalize().unwrap_or_else(|_| job.to_path_buf());
-        let (shown, own) = (beside(job), beside(&itself));
+        let (shown, own) = (folder_of(job), folder_of(&itself));
         let library = library.map(|path| folder("--library", path)).transpose()?;
         let curves = curves.map(|path| folder("--curves", path)).transpose()?;
         let above = own.ancestors().map(|dir| dir.join("_lib")).filter(|dir| dir.is_dir());
@@ -67,7 +67,7 @@ impl DiskFiles {
     }
 
     /// Paths at which a file was looked for and not found.
-    pub(super) fn looked_for(&self) -> Vec<PathBuf> {
+    pub(super) fn missing_files(&self) -> Vec<PathBuf> {
         self.missing.borrow().clone()
     }
 

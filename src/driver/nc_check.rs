@@ -189,13 +189,13 @@ fn measure(
     let known = sink.diags().len();
     let fits = verify::memory::check(program, &motion.motion, sink);
     let mut stock = Vec::from_iter(rest_stock::at_start(program).filter(|_| check.run.report.is_some()));
-    let stages_asked = check.run.report.is_some().then_some(&mut stock);
+    let stages_wanted = check.run.report.is_some().then_some(&mut stock);
     let request = rest_stock::StockRequest {
         cell: check.run.stock_cell.or_else(|| cell_of_certificate(program, stated?.1)),
         usual: verify::stock::usual_cell(&program.stock.profile),
         folder: check.run.stock.as_deref(),
         outputs: &mut outputs,
-        stages: stages_asked,
+        stages: stages_wanted,
     };
     let names = rest_stock::names(program, &motion.motion);
     let certificate = fits.and_then(|()| {

@@ -18,7 +18,7 @@ pub struct Options {
     /// File to write the NC text to.
     pub output: Option<PathBuf>,
     /// Files to write beside the NC text, none twice.
-    pub beside: Vec<OutputFile>,
+    pub other_outputs: Vec<OutputFile>,
     /// Stage value to print; the compilation stops after this stage.
     pub emit: Option<Emit>,
     /// How a stage value is written.
@@ -45,7 +45,7 @@ pub struct Outcome {
     /// Name of an operation, and a decision of its planning.
     pub notes: Vec<(String, String)>,
     /// Files that the front end looked for and did not find: one that is made later is another job.
-    pub looked_for: Vec<PathBuf>,
+    pub missing_files: Vec<PathBuf>,
 }
 
 impl Outcome {

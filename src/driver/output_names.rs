@@ -30,12 +30,12 @@ fn of_output(options: &Options) -> Form {
 /// The outputs of a compilation but for the report.
 pub(super) fn own(options: &Options) -> Vec<NamedFile<'_>> {
     let nc = options.output.as_ref().map(|path| NamedFile { flag: "-o", path, form: of_output(options) });
-    let beside = options.beside.iter().map(|OutputFile { output, path }| NamedFile {
+    let other_outputs = options.other_outputs.iter().map(|OutputFile { output, path }| NamedFile {
         flag: output.flag,
         path,
         form: output.form,
     });
-    nc.into_iter().chain(beside).collect()
+    nc.into_iter().chain(other_outputs).collect()
 }
 
 /// What a refused program leaves unwritten, as a line of text; nothing where no file was requested.
@@ -45,8 +45,9 @@ pub(super) fn not_written(named: &[NamedFile<'_>]) -> String {
     }
     let paths: Vec<String> = named.iter().map(|file| shown_path(file.path)).collect();
     let older = named.iter().any(|file| file.path.is_file());
-    let stays = if older { "; files of an earlier run stay as they were, and do not belong to this job" } else { "" };
-    format!("not written, since the program may not run: {}{stays}\n", paths.join(", "))
+    let older_files =
+        if older { "; files of an earlier run stay as they were, and do not belong to this job" } else { "" };
+    format!("not written, since the program may not run: {}{older_files}\n", paths.join(", "))
 }
 
 /// Refuses outputs that are named like files of another form.

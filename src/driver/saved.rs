@@ -1,6 +1,6 @@
 //! Files of a run: all of a program that was accepted, report and meshes of one that was refused.
 
-use super::beside::Accepted;
+use super::other_outputs::Accepted;
 use super::{Options, RunOptions, Stages, or_reported, report, shown_path};
 use crate::output::Outputs;
 use diagnostics::{Aborted, Diag, Sink};
@@ -16,11 +16,11 @@ pub(super) fn save_accepted(
     stages: &mut Stages,
     sink: &mut Sink,
 ) -> Result<String, Aborted> {
-    let Options { output, beside, run, .. } = options;
+    let Options { output, other_outputs, run, .. } = options;
     if let Some(path) = output {
         or_reported(outputs.stage("-o", path, accepted.written.text.as_bytes()), sink)?;
     }
-    for file in beside {
+    for file in other_outputs {
         let name = file.output.flag.trim_start_matches('-');
         let bytes = or_reported(stages.run(name, || (file.output.make)(accepted, &file.path)), sink)?;
         or_reported(outputs.stage(file.output.flag, &file.path, &bytes), sink)?;
@@ -39,7 +39,7 @@ pub(super) fn save_accepted(
         None => "no NC text written: no `-o FILE`\n".to_owned(),
     };
     said.push_str(&meshes_written(run, motion));
-    for path in beside.iter().map(|file| &file.path).chain(&run.report) {
+    for path in other_outputs.iter().map(|file| &file.path).chain(&run.report) {
         said.push_str(&format!("wrote {}\n", shown_path(path)));
     }
     Ok(said)

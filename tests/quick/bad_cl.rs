@@ -4,7 +4,7 @@ use crate::support;
 use impellerc::base::source::Span;
 use impellerc::diagnostics::Sink;
 use impellerc::five_axis::Machine;
-use impellerc::nc::{self, MOST_FAULTS, NcSection, ReadError, motion_of::motion_of};
+use impellerc::nc::{self, MAX_FAULTS, NcSection, ReadError, motion_of::motion_of};
 use proptest::prelude::*;
 use std::sync::LazyLock;
 
@@ -129,7 +129,7 @@ fn what_follows_from_a_fault_is_not_told_again() {
         assert_eq!(read(&long.replacen(from, to, 1)).unwrap_err().len(), 1, "{from}");
     }
     let broken = long.replace("0.0,4.0,", "0.0,");
-    assert_eq!(read(&broken).unwrap_err().len(), MOST_FAULTS);
+    assert_eq!(read(&broken).unwrap_err().len(), MAX_FAULTS);
 }
 
 /// Causes that do not follow from each other are told at once.
@@ -272,7 +272,7 @@ proptest! {
                 }
             }
             Err(faults) => {
-                prop_assert!(!faults.is_empty() && faults.len() <= MOST_FAULTS);
+                prop_assert!(!faults.is_empty() && faults.len() <= MAX_FAULTS);
                 prop_assert!(faults.iter().all(|f| (1..=count).contains(&f.line) && !f.reason.is_empty()));
             }
         }

@@ -6,7 +6,7 @@ use impellerc::base::source::Span;
 use impellerc::diagnostics::Sink;
 use impellerc::five_axis::Machine;
 use impellerc::nc::{
-    self, Direction, MOST_FAULTS, NcMove, NcPlace, NcRetract, NcSection, Post, ReadError, motion_of::motion_of,
+    self, Direction, MAX_FAULTS, NcMove, NcPlace, NcRetract, NcSection, Post, ReadError, motion_of::motion_of,
 };
 use proptest::prelude::*;
 use std::sync::LazyLock;
@@ -659,7 +659,7 @@ fn all_faults_are_told_in_one_run_and_never_too_many() {
     assert_eq!(lines, [7, 12, 15, 16, 20], "{faults:#?}");
     let garbage = "garbage\n".repeat(1 << 20);
     for dialect in ["siemens-840d", "linuxcnc"] {
-        assert!(read(dialect, &garbage).unwrap_err().len() <= MOST_FAULTS);
+        assert!(read(dialect, &garbage).unwrap_err().len() <= MAX_FAULTS);
     }
 }
 
@@ -708,7 +708,7 @@ fn many_wrong_blocks_are_told_in_short() {
     };
     assert!(motion_of(&program, &moves, &span, &mut sink).is_none());
     assert!(
-        sink.has_errors() && sink.diags().len() <= MOST_FAULTS && lines.get() <= MOST_FAULTS,
+        sink.has_errors() && sink.diags().len() <= MAX_FAULTS && lines.get() <= MAX_FAULTS,
         "{}",
         sink.diags().len()
     );
@@ -851,7 +851,7 @@ proptest! {
                 }
             }
             Err(faults) => {
-                prop_assert!(!faults.is_empty() && faults.len() <= MOST_FAULTS);
+                prop_assert!(!faults.is_empty() && faults.len() <= MAX_FAULTS);
                 for fault in faults {
                     prop_assert!(fault.line >= 1 && fault.line <= text.lines().count().max(1));
                     prop_assert!(!fault.reason.is_empty());

@@ -448,7 +448,7 @@ fn a_saved_job_is_verified_and_its_text_leads_back() {
     let options = driver::Options {
         job,
         output: Some(nc.clone()),
-        beside: [("--source-map", map), ("--certificate", certificate)]
+        other_outputs: [("--source-map", map), ("--certificate", certificate)]
             .into_iter()
             .filter_map(|(flag, path)| driver::OutputFile::new(flag, path))
             .collect(),

@@ -11,7 +11,7 @@ use impellerc::ir::Program;
 use impellerc::job::files::shipped;
 use impellerc::job::{self, Files, MissingFile};
 use impellerc::lower;
-use impellerc::nc::{self, MOST_FAULTS, Post, motion_of::motion_of};
+use impellerc::nc::{self, MAX_FAULTS, Post, motion_of::motion_of};
 use impellerc::report::certificate_file::{self, CertificateFile};
 use impellerc::syntax;
 use proptest::prelude::*;
@@ -388,7 +388,7 @@ fn nc_text(post: &dyn Post, program: &Program, text: &str) -> Result<(), TestCas
             }
         }
         Err(faults) => {
-            prop_assert!(!faults.is_empty() && faults.len() <= MOST_FAULTS);
+            prop_assert!(!faults.is_empty() && faults.len() <= MAX_FAULTS);
             prop_assert!(faults.iter().all(|f| (1..=lines).contains(&f.line) && !f.reason.is_empty()));
         }
     }

@@ -90,9 +90,9 @@ impl Small {
         let folder = self.path(folder);
         std::fs::create_dir_all(&folder).unwrap();
         let [output, certificate, map, sheet] = OUTPUTS.map(|name| folder.join(name));
-        let beside = [("--certificate", certificate), ("--source-map", map), ("--setup-sheet", sheet)];
-        let beside = beside.into_iter().filter_map(|(flag, path)| OutputFile::new(flag, path)).collect();
-        let mut options = Options { output: Some(output), beside, ..Options::default() };
+        let other_outputs = [("--certificate", certificate), ("--source-map", map), ("--setup-sheet", sheet)];
+        let other_outputs = other_outputs.into_iter().filter_map(|(flag, path)| OutputFile::new(flag, path)).collect();
+        let mut options = Options { output: Some(output), other_outputs, ..Options::default() };
         // The stock is not what these tests look at.
         options.run.stock_cell = Some(1.0);
         options

@@ -4,7 +4,7 @@ use impellerc::base::source::SourceMap;
 use impellerc::diagnostics::{Sink, codes, render};
 use impellerc::job::{InMemory, resolve};
 use impellerc::syntax::parse;
-use impellerc::tool_stock::stock::stl::{MOST_TRIANGLES, StlFault, read};
+use impellerc::tool_stock::stock::stl::{MAX_TRIANGLES, StlFault, read};
 use impellerc::tool_stock::stock::{Field, Mesh};
 use nalgebra::{Point3, Rotation3, Vector3};
 use proptest::prelude::*;
@@ -331,9 +331,9 @@ fn faulty() -> Vec<(&'static str, Vec<u8>, &'static str)> {
 
 #[test]
 fn too_many_triangles_are_refused_before_they_are_read() {
-    let mut bytes = vec![0; 84 + 50 * (MOST_TRIANGLES + 1)];
-    bytes[80..84].copy_from_slice(&u32::try_from(MOST_TRIANGLES + 1).unwrap().to_le_bytes());
-    assert_eq!(read(&bytes), Err(StlFault::TooMany { triangles: MOST_TRIANGLES + 1 }));
+    let mut bytes = vec![0; 84 + 50 * (MAX_TRIANGLES + 1)];
+    bytes[80..84].copy_from_slice(&u32::try_from(MAX_TRIANGLES + 1).unwrap().to_le_bytes());
+    assert_eq!(read(&bytes), Err(StlFault::TooMany { triangles: MAX_TRIANGLES + 1 }));
 }
 
 #[test]

@@ -192,7 +192,7 @@ impl Planned {
 }
 
 /// Most passes a face that are tried.
-const MOST_STRIPS: u32 = 8;
+const MAX_STRIPS: u32 = 8;
 
 /// One pass a face with the axis along the rulings; as many passes through both ends of the rulings of their bands as it
 /// takes to leave no more than is asked; and one pass by minimax.
@@ -213,7 +213,7 @@ fn vane_methods(job: &Program) -> [Planned; 3] {
     assert!(left <= ASKED);
     let (one_point, left) = by_ruling(FlankMethod::OnePoint, 1);
     assert!(left > 5.0 * ASKED);
-    let enough = (1..=MOST_STRIPS).map(|n| by_ruling(FlankMethod::TwoPoint, n)).find(|(_, left)| *left <= ASKED);
+    let enough = (1..=MAX_STRIPS).map(|n| by_ruling(FlankMethod::TwoPoint, n)).find(|(_, left)| *left <= ASKED);
     [one_point, enough.expect("bands enough").0, after]
 }
 

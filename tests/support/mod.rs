@@ -134,7 +134,7 @@ pub fn machine() -> Machine {
         max: max.to_radians(),
         speed: rpm * std::f64::consts::TAU / 60.0,
         acceleration: 20.0,
-        ..RotaryAxis::wide(name)
+        ..RotaryAxis::unlimited(name)
     };
     Machine {
         name: "5mc850-c".to_owned(),
@@ -145,7 +145,7 @@ pub fn machine() -> Machine {
         spindle: [100.0, 18000.0],
         rapid: 500.0,
         cycle: 0.002,
-        ..Machine::wide(Chain::tilting_table())
+        ..Machine::unlimited(Chain::tilting_table())
     }
 }
 

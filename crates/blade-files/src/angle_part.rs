@@ -3,7 +3,7 @@
 use super::angles::{StatedAngle, StatedAngles};
 use super::job_frame::JobFrame;
 use super::part_source::{PartSource, blade_name};
-use super::part_text::{PartFiles, curve, head, looks, meridian, meridians, sections, told_cuts, word};
+use super::part_text::{PartFiles, curve, facing, head, meridian, meridians, sections, word, write_cuts};
 use base::units::trim;
 use blade::angles::EdgeShape;
 use nalgebra::Point3;
@@ -31,12 +31,12 @@ pub(super) fn write(source: &PartSource<'_>) -> Option<PartFiles> {
         }
     }
     let mut job = head(source, frame);
-    told_cuts(&mut job, ends);
+    write_cuts(&mut job, ends);
     job.push_str("edition 2026\n\n");
     _ = writeln!(job, "part {} {{\n  vanes {}", word(source.name, "imported"), source.row.count);
     job.push_str(&source.imported_from());
     for (k, (blade, divided)) in stated.iter().zip(source.divided).enumerate() {
-        self::blade(&mut job, source, k, blade, looks(divided, frame), frame);
+        self::blade(&mut job, source, k, blade, facing(divided, frame), frame);
     }
     for name in ["hub", "shroud"] {
         _ = writeln!(job, "  {name} revolve spline from \"{}.curves.csv\" curve {name} mm", source.name);
@@ -49,7 +49,7 @@ pub(super) fn write(source: &PartSource<'_>) -> Option<PartFiles> {
 const EDGES: [&str; 2] = ["leading", "trailing"];
 
 /// The entries of a blade.
-fn blade(text: &mut String, source: &PartSource<'_>, k: usize, stated: &StatedAngles, looks: &str, frame: JobFrame) {
+fn blade(text: &mut String, source: &PartSource<'_>, k: usize, stated: &StatedAngles, facing: &str, frame: JobFrame) {
     let name = blade_name(k);
     _ = writeln!(text, "  {} {name} {{", if k == 0 { "vane" } else { "splitter" });
     // A wheel that is turned over has angles of the other sense.
@@ -103,7 +103,7 @@ fn blade(text: &mut String, source: &PartSource<'_>, k: usize, stated: &StatedAn
         };
         _ = writeln!(text, "    {edge}-edge {form}");
     }
-    _ = writeln!(text, "    pressure {looks}\n  }}");
+    _ = writeln!(text, "    pressure {facing}\n  }}");
 }
 
 fn percent(share: f64) -> String {

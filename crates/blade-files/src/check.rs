@@ -29,7 +29,7 @@ pub(super) fn order(imported: &Imported, at: Span) -> Result<(), Diag> {
 pub const LEAST_SIZE: f64 = 1.0;
 
 /// Coordinates from which on a wheel is larger than all that are made, mm.
-const MOST_SIZE: f64 = 15_000.0;
+const MAX_SIZE: f64 = 15_000.0;
 
 /// The option `--unit` gives a wheel that can be one: coordinates in metres that are read as millimetres make a wheel of some
 /// hundredths of a millimetre. A unit that the file states is taken as it is.
@@ -42,7 +42,7 @@ pub(super) fn size(imported: &Imported, options: &Options, at: Span) -> Result<(
     let as_unit = |other: LengthUnit| (LEAST_SIZE * 5.0..1000.0).contains(&(size / unit.mm() * other.mm()));
     let other = match size {
         s if s > 0.0 && s < LEAST_SIZE => LengthUnit::Metre,
-        s if s > MOST_SIZE => LengthUnit::Millimetre,
+        s if s > MAX_SIZE => LengthUnit::Millimetre,
         _ => return Ok(()),
     };
     let help = if as_unit(other) { format!("state `--unit {other}`") } else { "state the unit of the file".to_owned() };

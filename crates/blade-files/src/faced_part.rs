@@ -4,7 +4,7 @@
 use super::job_frame::JobFrame;
 use super::part_source::{PartSource, blade_name};
 use super::part_text::{
-    self, COORDINATE_DIGITS, FACES, PartFiles, curves, head, looks, loops, meridian, meridians, sections, word,
+    self, COORDINATE_DIGITS, FACES, PartFiles, curves, facing, head, loops, meridian, meridians, sections, word,
 };
 use super::short_ends::WITHOUT_A_WORD;
 use super::{BladeSurfaces, angle_part};
@@ -127,5 +127,5 @@ fn closed_sections(
     for (edge, form) in ["leading", "trailing"].iter().zip(stated) {
         form.map(|form| writeln!(text, "    {edge}-edge {}", form.name()));
     }
-    _ = writeln!(text, "    pressure {}", looks(divided, frame));
+    _ = writeln!(text, "    pressure {}", facing(divided, frame));
 }

@@ -10,7 +10,7 @@ use super::lines::{Line, Text, ends, malformed};
 use super::loader::Loader;
 use super::loops;
 use super::nested::Open;
-use super::stated::{Asked, same_unit};
+use super::stated::{RequiredFacts, same_unit};
 use super::{Imported, ImportedBlade, ImportedRow, Options, limits, meridian};
 use base::source::{SourceId, Span, Spanned};
 use blade::{Section, SectionForm};
@@ -78,9 +78,9 @@ pub(super) fn read(
     }
     let of_blades = rows.iter().flat_map(|row| &row.blades).find_map(|blade| blade.metres.clone());
     let stated = metres.or(of_blades);
-    let mut asked = Asked::of(options, found, text.end());
-    let axis = asked.axis(Some(Spanned::new(Axis::Z, text.end())))?;
-    let handedness = asked.handedness(None)?;
+    let mut required = RequiredFacts::of(options, found, text.end());
+    let axis = required.axis(Some(Spanned::new(Axis::Z, text.end())))?;
+    let handedness = required.handedness(None)?;
     // The file states metres per unit, which need not be a unit with a name.
     let mm = match &stated {
         Some(metres) => {
@@ -89,9 +89,9 @@ pub(super) fn read(
             same_unit(options, mm, &says, metres.span)?;
             mm
         }
-        None => asked.unit(None)?.mm(),
+        None => required.unit(None)?.mm(),
     };
-    asked.end()?;
+    required.end()?;
     if let Some(metres) = &stated {
         found.note(
             metres.span,
@@ -394,9 +394,9 @@ fn face<'t>(lines: &mut impl Iterator<Item = Line<'t>>, text: Text<'_>, found: &
 
 fn row(row: ReadRow, frame: &Frame, options: &Options, found: &mut Found) -> Result<ImportedRow, Diag> {
     let ReadRow { name, periodicity, blades, begins } = row;
-    let mut asked = Asked::of(options, found, begins);
-    let count = asked.blades(periodicity)?;
-    asked.end()?;
+    let mut required = RequiredFacts::of(options, found, begins);
+    let count = required.blades(periodicity)?;
+    required.end()?;
     let blades =
         blades.into_iter().enumerate().map(|(k, read)| blade(k, read, frame, found)).collect::<Result<_, _>>()?;
     Ok(ImportedRow { name, count, blades })

@@ -9,7 +9,7 @@ use super::frame::Frame;
 use super::lines::{Line, Text, ends};
 use super::loader::Loader;
 use super::loops::{self, ReadLoop};
-use super::stated::Asked;
+use super::stated::RequiredFacts;
 use super::{Imported, ImportedBlade, ImportedRow, Options, limits};
 use base::source::{SourceId, Span};
 use diagnostics::Diag;
@@ -41,12 +41,12 @@ pub(super) fn read(
 ) -> Result<Imported, Diag> {
     let Some(id) = ids.first().copied() else { return Ok(Imported::default()) };
     let text = loader.text(id);
-    let mut asked = Asked::of(options, found, text.end());
-    let unit = asked.unit(None)?;
-    let axis = asked.axis(None)?;
-    let handedness = asked.handedness(None)?;
-    let count = asked.blades(None)?;
-    asked.end()?;
+    let mut required = RequiredFacts::of(options, found, text.end());
+    let unit = required.unit(None)?;
+    let axis = required.axis(None)?;
+    let handedness = required.handedness(None)?;
+    let count = required.blades(None)?;
+    required.end()?;
     let frame = Frame { mm: unit.mm(), axis, handedness };
     let sections = sections(text, &frame, found)?;
     loops::enough(sections.len(), "main", text.end())?;

@@ -57,7 +57,7 @@ impl JobFrame {
     }
 
     /// What was done to the points, in sentences.
-    pub(super) fn told(&self) -> Vec<String> {
+    pub(super) fn sentences(&self) -> Vec<String> {
         let mut lines = Vec::new();
         if self.over {
             lines.push(

@@ -64,8 +64,8 @@ fn of_blade(blade: usize, divided: &[DividedSection]) -> Option<Vec<LeftOut>> {
     });
     let edges = farthest(LeftOutThing::Edges, &|_, d| {
         let points = d.outline.edges.iter().flatten();
-        let beside = |p: &Point3<f64>| faces.iter().map(|face| face.distance(p)).fold(from_ends(p), f64::min);
-        Some(points.map(beside).fold(0.0, f64::max))
+        let off = |p: &Point3<f64>| faces.iter().map(|face| face.distance(p)).fold(from_ends(p), f64::min);
+        Some(points.map(off).fold(0.0, f64::max))
     });
     Some(sections.into_iter().chain(edges).collect())
 }
@@ -77,15 +77,14 @@ fn turned(imported: &Imported, divided: &[Vec<DividedSection>]) -> Vec<LeftOut> 
         (LeftOutThing::Hub, &imported.hub, 0, main.first()),
         (LeftOutThing::Shroud, &imported.shroud, main.len().saturating_sub(1), main.last()),
     ];
-    let beside =
-        |(thing, line, section, end): (LeftOutThing, &Option<Vec<[f64; 2]>>, usize, Option<&DividedSection>)| {
-            let given: Vec<Point2<f64>> = line.as_ref()?.iter().map(|p| Point2::from(*p)).collect();
-            let own: Vec<Point2<f64>> =
-                end?.outline.faces[0].iter().map(|p| Point2::new(libm::hypot(p.x, p.y), p.z)).collect();
-            let distance = apart(&own, &dense(&given)).max(apart(&given, &dense(&own)));
-            Some(LeftOut { thing, blade: 0, section, distance })
-        };
-    ends.into_iter().filter_map(beside).collect()
+    let off = |(thing, line, section, end): (LeftOutThing, &Option<Vec<[f64; 2]>>, usize, Option<&DividedSection>)| {
+        let given: Vec<Point2<f64>> = line.as_ref()?.iter().map(|p| Point2::from(*p)).collect();
+        let own: Vec<Point2<f64>> =
+            end?.outline.faces[0].iter().map(|p| Point2::new(libm::hypot(p.x, p.y), p.z)).collect();
+        let distance = farthest(&own, &dense(&given)).max(farthest(&given, &dense(&own)));
+        Some(LeftOut { thing, blade: 0, section, distance })
+    };
+    ends.into_iter().filter_map(off).collect()
 }
 
 /// The spline of the language through points, as a dense line.
@@ -100,18 +99,18 @@ fn dense(points: &[Point2<f64>]) -> Vec<Point2<f64>> {
 }
 
 /// Largest distance of points from a line, of those that are not beyond its ends: there the wheel ends.
-fn apart(points: &[Point2<f64>], line: &[Point2<f64>]) -> f64 {
-    let beside = |p: &Point2<f64>| {
+fn farthest(points: &[Point2<f64>], line: &[Point2<f64>]) -> f64 {
+    let off = |p: &Point2<f64>| {
         let near = chords::nearest(p, line)?;
         let [first, last] = [near.chord == 0, near.chord + 2 >= line.len()];
         let beyond = (first && near.share <= 0.0) || (last && near.share >= 1.0);
         (!beyond).then_some(near.distance)
     };
-    points.iter().filter_map(beside).fold(0.0, f64::max)
+    points.iter().filter_map(off).fold(0.0, f64::max)
 }
 
 /// What is told of a thing that is left out.
-pub(super) fn told(left: &LeftOut, blade: &str, sections: usize) -> String {
+pub(super) fn sentences(left: &LeftOut, blade: &str, sections: usize) -> String {
     let distance = trim(left.distance, 4);
     match left.thing {
         LeftOutThing::Sections => {

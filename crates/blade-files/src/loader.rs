@@ -66,7 +66,7 @@ impl<'a> Loader<'a> {
     }
 
     /// Loads a file beside another one.
-    pub(super) fn beside(&mut self, other: SourceId, name: &str, named_at: Span) -> Result<SourceId, Diag> {
+    pub(super) fn in_same_folder(&mut self, other: SourceId, name: &str, named_at: Span) -> Result<SourceId, Diag> {
         let own = self.name(other).replace('\\', "/");
         let name = name.replace('\\', "/");
         let path = match own.rsplit_once('/') {

@@ -10,7 +10,7 @@ use diagnostics::codes::import as codes;
 use diagnostics::{Diag, printable};
 
 /// Most facts of a section that are told.
-const TOLD: usize = 5;
+const MAX_SHOWN: usize = 5;
 
 /// Divides all sections of the blades of a row. All blades have the pressure face on one side: that of sections which are
 /// given as faces, the one that the caller states, or the one that [`pressure_side`] finds for the main blade.
@@ -104,7 +104,7 @@ pub fn doubtful(blade: &ImportedBlade, divided: &[DividedSection]) -> Vec<Diag> 
             Diag::warning(codes::SECTION_FACTS, format!("section {} of the blade `{name}` has doubtful points", k + 1))
                 .label(place(blade, k), format!("{} of them", facts.len()))
                 .help("look at these points with the designer; a bump of the face is as large as the error of a point");
-        for fact in facts.iter().take(TOLD) {
+        for fact in facts.iter().take(MAX_SHOWN) {
             diag = diag.note(text(fact));
         }
         found.push(diag);
@@ -117,7 +117,7 @@ fn text(fact: &SectionFact) -> String {
     match fact {
         SectionFact::Repeated(k) => format!("points {k} and {} are at one place", k + 1),
         SectionFact::Gap(k, length) => format!("the gap behind point {} is {length:.3} mm long", k + 1),
-        SectionFact::Beside(k, off) => {
+        SectionFact::OffCurve(k, off) => {
             format!("point {} lies {off:.4} mm beside the curve through its neighbours", k + 1)
         }
         SectionFact::Crossing(a, b) => format!("the section crosses itself behind points {} and {}", a + 1, b + 1),

@@ -5,7 +5,7 @@ use super::part_source::{PartSource, blade_name};
 use super::wheel_ends::CutMeridian;
 use super::{Imported, ImportedBlade, left_out, short_ends};
 use base::units::trim;
-use blade::foot::{WideFoot, wide_foot};
+use blade::foot::{FilletedFoot, filleted_foot};
 use blade::outline::{DividedSection, Side};
 use blade::{EdgeForm, LOOP_EDGES, Outline, SectionForm};
 use nalgebra::Point3;
@@ -70,7 +70,7 @@ pub(super) fn head(source: &PartSource<'_>, frame: JobFrame) -> String {
     for line in summary(source) {
         _ = writeln!(text, "// {line}");
     }
-    for line in frame.told() {
+    for line in frame.sentences() {
         _ = writeln!(text, "// {line}");
     }
     text
@@ -79,7 +79,7 @@ pub(super) fn head(source: &PartSource<'_>, frame: JobFrame) -> String {
 fn job(source: &PartSource<'_>, frame: JobFrame, ends: Option<&[CutMeridian; 2]>) -> String {
     let mut text = head(source, frame);
     if let Some(ends) = ends {
-        told_cuts(&mut text, ends);
+        write_cuts(&mut text, ends);
     } else {
         text.push_str(
             "// The faces are ruled from the first to the last section. Add stock, tools, operations and contracts.\n",
@@ -103,7 +103,7 @@ fn job(source: &PartSource<'_>, frame: JobFrame, ends: Option<&[CutMeridian; 2]>
             for (edge, form) in ["leading", "trailing"].iter().zip(stated) {
                 form.map(|form| writeln!(text, "    {edge}-edge {}", form.name()));
             }
-            _ = writeln!(text, "    pressure {}", looks(divided, frame));
+            _ = writeln!(text, "    pressure {}", facing(divided, frame));
         } else {
             ruled_faces(&mut text, divided, &name, &file);
         }
@@ -120,7 +120,7 @@ fn job(source: &PartSource<'_>, frame: JobFrame, ends: Option<&[CutMeridian; 2]>
 }
 
 /// Comments that tell where hub and shroud are cut.
-pub(super) fn told_cuts(text: &mut String, [hub, shroud]: &[CutMeridian; 2]) {
+pub(super) fn write_cuts(text: &mut String, [hub, shroud]: &[CutMeridian; 2]) {
     for (name, CutMeridian { beyond: [ahead, behind], .. }) in [("hub", hub), ("shroud", shroud)] {
         let (ahead, behind) = (trim(*ahead, 3), trim(*behind, 3));
         _ = writeln!(
@@ -132,7 +132,7 @@ pub(super) fn told_cuts(text: &mut String, [hub, shroud]: &[CutMeridian; 2]) {
 }
 
 /// Where the pressure face looks in the frame of the job, seen from +Z.
-pub(super) fn looks(divided: &[DividedSection], frame: JobFrame) -> &'static str {
+pub(super) fn facing(divided: &[DividedSection], frame: JobFrame) -> &'static str {
     let greater = divided.first().is_some_and(|d| d.pressure == Side::Greater);
     if greater == frame.over { "clockwise" } else { "counter-clockwise" }
 }
@@ -288,12 +288,12 @@ pub fn summary(source: &PartSource<'_>) -> Vec<String> {
         };
         lines.push(format!("{}{named}: {} sections.", blade_name(k), blade.sections.len()));
         lines.extend(of_blade(divided));
-        lines.extend(wide_foot(divided).map(|foot| in_sections(&foot)));
+        lines.extend(filleted_foot(divided).map(|foot| in_sections(&foot)));
         if source.ends.is_some() {
-            lines.extend(short_ends::told(source, k));
+            lines.extend(short_ends::sentences(source, k));
         }
         lines.extend(
-            source.left.iter().filter(|l| l.blade == k).map(|l| left_out::told(l, &blade_name(k), divided.len())),
+            source.left.iter().filter(|l| l.blade == k).map(|l| left_out::sentences(l, &blade_name(k), divided.len())),
         );
     }
     lines.extend(imported.notes.iter().filter(|n| n.span.is_none()).map(|n| format!("Note: {}.", n.text)));
@@ -306,10 +306,10 @@ fn radius<'a>(points: impl Iterator<Item = &'a Point3<f64>>) -> f64 {
 }
 
 /// What is told of sections that seem to hold the fillet.
-fn in_sections(foot: &WideFoot) -> String {
-    let [wide, above] = foot.thickness.map(|mm| trim(mm, 3));
+fn in_sections(foot: &FilletedFoot) -> String {
+    let [lowest, above] = foot.thickness.map(|mm| trim(mm, 3));
     format!(
-        "  The sections seem to hold the fillet: {wide} mm thick at section 1, {above} mm at section {}, {} mm higher. State no \
+        "  The sections seem to hold the fillet: {lowest} mm thick at section 1, {above} mm at section {}, {} mm higher. State no \
          `fillet` beside them, or leave the {} lowest out and state it.",
         foot.above + 1,
         trim(foot.height, 3),

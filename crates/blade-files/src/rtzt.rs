@@ -7,7 +7,7 @@ use super::frame::{Axis, Frame};
 use super::lines::{Line, Text, ends};
 use super::loader::Loader;
 use super::loops;
-use super::stated::{Asked, not_stated};
+use super::stated::{RequiredFacts, not_stated};
 use super::{Imported, ImportedBlade, ImportedRow, Options, limits};
 use base::source::{SourceId, Spanned};
 use blade::{MeanPoint, Section, SectionForm, ThicknessDirection};
@@ -30,12 +30,12 @@ pub(super) fn read(
     let splitters = line.count(line.text, "splitters", usize::MAX)?;
     within(splitters.saturating_add(1), limits::BLADES, "blades", line.span)?;
 
-    let mut asked = Asked::of(options, found, line.span);
-    let unit = asked.unit(None)?;
-    let axis = asked.axis(Some(Spanned::new(Axis::Z, line.span)))?;
-    let handedness = asked.handedness(None)?;
-    let count = asked.blades(Some(count))?;
-    asked.end()?;
+    let mut required = RequiredFacts::of(options, found, line.span);
+    let unit = required.unit(None)?;
+    let axis = required.axis(Some(Spanned::new(Axis::Z, line.span)))?;
+    let handedness = required.handedness(None)?;
+    let count = required.blades(Some(count))?;
+    required.end()?;
     let frame = Frame { mm: unit.mm(), axis, handedness };
     let mut blades = Vec::new();
     for k in 0..=splitters {

@@ -31,7 +31,7 @@ pub(super) fn extension(short: f64) -> String {
 }
 
 /// What is told of a blade that ends short of hub or shroud.
-pub(super) fn told(source: &PartSource<'_>, blade: usize) -> Vec<String> {
+pub(super) fn sentences(source: &PartSource<'_>, blade: usize) -> Vec<String> {
     let [hub, shroud] = short(source, blade);
     let name = blade_name(blade);
     let mut lines = Vec::new();

@@ -69,14 +69,14 @@ pub(super) fn not_stated(name: &str, option: &str, values: &str, at: Span) -> Di
 
 /// What the caller must state is asked for together.
 #[derive(Debug)]
-pub(super) struct Asked<'a> {
+pub(super) struct RequiredFacts<'a> {
     options: &'a Options,
     found: &'a mut Found,
     at: Span,
     missing: Vec<Diag>,
 }
 
-impl<'a> Asked<'a> {
+impl<'a> RequiredFacts<'a> {
     /// Facts of the file at a place.
     pub(super) fn of(options: &'a Options, found: &'a mut Found, at: Span) -> Self {
         Self { options, found, at, missing: Vec::new() }

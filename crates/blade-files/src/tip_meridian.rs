@@ -55,9 +55,9 @@ impl TipMeridian {
 }
 
 /// Mean way to the tips at a length: of those beside it, otherwise of the nearest one.
-fn moved(gaps: &[(f64, Vector2<f64>)], length: f64, beside: f64) -> Option<Vector2<f64>> {
+fn moved(gaps: &[(f64, Vector2<f64>)], length: f64, reach: f64) -> Option<Vector2<f64>> {
     let near: Vec<Vector2<f64>> =
-        gaps.iter().filter(|(l, _)| (l - length).abs() <= beside).map(|(_, way)| *way).collect();
+        gaps.iter().filter(|(l, _)| (l - length).abs() <= reach).map(|(_, way)| *way).collect();
     if near.is_empty() {
         return gaps.iter().min_by(|a, b| (a.0 - length).abs().total_cmp(&(b.0 - length).abs())).map(|(_, way)| *way);
     }

@@ -9,7 +9,7 @@ use super::frame::{Axis, Frame, Handedness, LengthUnit};
 use super::lines::{Line, Text, ends};
 use super::loader::Loader;
 use super::loops::{self, ReadLoop};
-use super::stated::Asked;
+use super::stated::RequiredFacts;
 use super::{Imported, ImportedBlade, ImportedRow, Options, limits, meridian};
 use base::source::{SourceId, Span, Spanned};
 use blade::EdgeForm;
@@ -41,16 +41,16 @@ pub(super) fn read(
     let text = loader.text(id);
     let index = index(text, found)?;
     let at = text.end();
-    let mut asked = Asked::of(options, found, at);
-    let axis = asked.axis(index.axis.clone())?;
-    let unit = asked.unit(index.unit.clone())?;
-    let handedness = asked.handedness(index.handedness.clone())?;
-    let count = asked.blades(index.sets.clone())?;
-    asked.end()?;
+    let mut required = RequiredFacts::of(options, found, at);
+    let axis = required.axis(index.axis.clone())?;
+    let unit = required.unit(index.unit.clone())?;
+    let handedness = required.handedness(index.handedness.clone())?;
+    let count = required.blades(index.sets.clone())?;
+    required.end()?;
     let frame = Frame { mm: unit.mm(), axis, handedness };
 
     let mut load = |what: &str, name: &Option<Spanned<String>>| match name {
-        Some(name) => loader.beside(id, &name.value, name.span),
+        Some(name) => loader.in_same_folder(id, &name.value, name.span),
         None => Err(ends(loader.text(id), &format!("the line `{what} Data File: NAME`"))),
     };
     let [hub, shroud, profile] =

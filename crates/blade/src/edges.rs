@@ -167,20 +167,20 @@ pub(super) fn describe(ring: &Ring, [from, to]: [usize; 2]) -> (Vec<Point3<f64>>
         return (vec![*first], sharp(1));
     }
     let chord = (last - first) / width;
-    let beside = |p: &Point3<f64>| {
+    let off_chord = |p: &Point3<f64>| {
         let d = p - first;
         d - chord * d.dot(&chord)
     };
-    let highest = points.iter().map(|p| beside(p).norm()).fold(0.0, f64::max);
+    let highest = points.iter().map(|p| off_chord(p).norm()).fold(0.0, f64::max);
     let turns = [from, to].map(|k| ring.turns[k]);
     if points.len() == 2 || is_cut_off(turns, highest, width) {
         let edge = FoundEdge { form: EdgeForm::CutOff, width, depth: 0.0, radius: 0.0, residual: highest, points: 2 };
         return (vec![*first, *last], edge);
     }
     // The direction in which the edge stands out: that of the mean of its points.
-    let mean = points.iter().map(beside).sum::<Vector3<f64>>() / points.len() as f64;
+    let mean = points.iter().map(off_chord).sum::<Vector3<f64>>() / points.len() as f64;
     let out = mean.try_normalize(0.0).unwrap_or_else(Vector3::zeros);
-    let depth = points.iter().map(|p| beside(p).dot(&out)).fold(0.0, f64::max);
+    let depth = points.iter().map(|p| off_chord(p).dot(&out)).fold(0.0, f64::max);
     let half = 0.5 * width;
     let radius = if depth > 0.0 { half * half / depth } else { 0.0 };
     let middle = nalgebra::center(first, last);

@@ -25,7 +25,7 @@ pub enum SectionFact {
     /// The chord behind a point is much longer than its neighbours: its length, mm.
     Gap(usize, f64),
     /// A point lies beside the curve through its neighbours: its distance, mm.
-    Beside(usize, f64),
+    OffCurve(usize, f64),
     /// The section crosses itself between the chords behind two points.
     Crossing(usize, usize),
 }
@@ -57,7 +57,7 @@ pub fn facts(section: &Section, outline: Option<&Outline>) -> Vec<SectionFact> {
     if let Some(outline) = outline {
         let all: Vec<Point3<f64>> = lines.into_iter().flatten().collect();
         for face in &outline.faces {
-            beside(face, &all, &mut found);
+            off_neighbours(face, &all, &mut found);
         }
         crossing(outline, &all, &mut found);
     }
@@ -102,7 +102,7 @@ fn off_curve(w: &[Point3<f64>]) -> f64 {
     (w[2].coords - expected).norm()
 }
 
-fn beside(face: &[Point3<f64>], all: &[Point3<f64>], found: &mut Vec<SectionFact>) {
+fn off_neighbours(face: &[Point3<f64>], all: &[Point3<f64>], found: &mut Vec<SectionFact>) {
     if face.len() < PATTERN {
         return;
     }
@@ -120,7 +120,7 @@ fn beside(face: &[Point3<f64>], all: &[Point3<f64>], found: &mut Vec<SectionFact
             && *value > MIN_REPORTED_SHARE * length
             && let Some(at) = face.get(k + 2).and_then(|p| all.iter().position(|q| q == p))
         {
-            found.push(SectionFact::Beside(at, *value));
+            found.push(SectionFact::OffCurve(at, *value));
         }
     }
 }

@@ -13,11 +13,11 @@ const FOOT_GROWTH: f64 = 0.3;
 const FASTER: f64 = 3.0;
 
 /// Least share by which a fillet widens the blade.
-const WIDER: f64 = 0.3;
+const MIN_GROWTH: f64 = 0.3;
 
 /// A foot that widens as a fillet does.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WideFoot {
+pub struct FilletedFoot {
     /// Lowest section, from 0, above the wide ones.
     pub above: usize,
     /// Thickness of the lowest section, and of the one above the foot, mm.
@@ -27,7 +27,7 @@ pub struct WideFoot {
 }
 
 /// The wide foot of a blade, of its sections from hub to shroud; `None` where it widens evenly, and with fewer than four sections.
-pub fn wide_foot(sections: &[DividedSection]) -> Option<WideFoot> {
+pub fn filleted_foot(sections: &[DividedSection]) -> Option<FilletedFoot> {
     if sections.len() < 4 {
         return None;
     }
@@ -41,8 +41,8 @@ pub fn wide_foot(sections: &[DividedSection]) -> Option<WideFoot> {
     let limit = FOOT_GROWTH.max(FASTER * sorted[sorted.len() / 2]);
     let above = growths.iter().take_while(|growth| **growth > limit).count();
     let thickness = [sections[0].thickness, sections[above].thickness];
-    let found = above > 0 && 2 * above <= growths.len() && thickness[0] > (1.0 + WIDER) * thickness[1];
-    found.then(|| WideFoot { above, thickness, height: heights[..above].iter().sum() })
+    let found = above > 0 && 2 * above <= growths.len() && thickness[0] > (1.0 + MIN_GROWTH) * thickness[1];
+    found.then(|| FilletedFoot { above, thickness, height: heights[..above].iter().sum() })
 }
 
 /// Middle of the points of both faces.
@@ -83,14 +83,14 @@ mod tests {
         let at =
             |heights: &[f64], of: &dyn Fn(f64) -> f64| blade(&heights.iter().map(|h| (*h, of(*h))).collect::<Vec<_>>());
         let close = [0.2, 0.6, 1.2, 2.0, 3.0, 5.0, 8.0, 12.0, 16.0];
-        let found = wide_foot(&at(&close, &filleted)).expect("a fillet");
+        let found = filleted_foot(&at(&close, &filleted)).expect("a fillet");
         assert!(found.above >= 2 && found.thickness[0] > 5.0 && found.thickness[1] < 3.0, "{found:?}");
         assert!((found.height - (close[found.above] - close[0])).abs() < 0.01, "{found:?}");
         // Few sections, of which the lowest alone lies in the fillet.
         let far = [0.2, 4.0, 8.0, 12.0, 16.0];
-        assert_eq!(wide_foot(&at(&far, &filleted)).expect("a fillet").above, 1);
-        assert_eq!(wide_foot(&at(&close, &taper)), None);
-        assert_eq!(wide_foot(&at(&far, &|height| 6.0 - 0.33 * height)), None, "an even taper, however strong");
-        assert_eq!(wide_foot(&at(&[0.2, 8.0, 16.0], &filleted)), None, "too few sections to say so");
+        assert_eq!(filleted_foot(&at(&far, &filleted)).expect("a fillet").above, 1);
+        assert_eq!(filleted_foot(&at(&close, &taper)), None);
+        assert_eq!(filleted_foot(&at(&far, &|height| 6.0 - 0.33 * height)), None, "an even taper, however strong");
+        assert_eq!(filleted_foot(&at(&[0.2, 8.0, 16.0], &filleted)), None, "too few sections to say so");
     }
 }

@@ -17,7 +17,7 @@ const TURN_A_PART: f64 = 0.07;
 
 /// Parts of a chord, at least and at most.
 const LEAST_PARTS: usize = 5;
-const MOST_PARTS: usize = 50;
+const MAX_PARTS: usize = 50;
 
 /// A part of the curve of a section.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -163,7 +163,7 @@ fn dense(points: &[RowPoint], closed: bool) -> Option<Vec<RowPoint>> {
     for i in round..round + last {
         let directions = [at[i], at[i + 1]].map(|t| curve.derivatives(t).first);
         let turn = libm::atan2(directions[0].cross(&directions[1]).norm(), directions[0].dot(&directions[1]));
-        let parts = ((turn / TURN_A_PART).ceil() as usize).clamp(LEAST_PARTS, MOST_PARTS);
+        let parts = ((turn / TURN_A_PART).ceil() as usize).clamp(LEAST_PARTS, MAX_PARTS);
         let (from, to) = (all[i].length, all[i + 1].length);
         for k in 1..parts {
             let share = k as f64 / parts as f64;

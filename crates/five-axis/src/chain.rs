@@ -340,10 +340,10 @@ impl Chain {
         let rest = self.swing * self.swing - 1.0 - self.mean * self.mean + 2.0 * height * self.mean;
         let square = radial * radial + rest;
         let sine = if rest == 0.0 { radial } else { square.max(0.0).sqrt() };
-        let apart = libm::atan2(sine, height - self.mean);
+        let from_start = libm::atan2(sine, height - self.mean);
         let to = azimuth(tool_axis);
-        let angles = [apart, -apart].map(|apart| {
-            let first = self.start + apart;
+        let angles = [from_start, -from_start].map(|from_start| {
+            let first = self.start + from_start;
             if radial < POLE {
                 return [first, free];
             }
@@ -436,8 +436,8 @@ impl Chain {
         // At a pole `mean + swing cos(q - start)` is 1 or -1.
         let poles = [1.0, -1.0].map(|height| (height - self.mean) / self.swing);
         poles.into_iter().filter(|cosine| cosine.abs() <= 1.0 + POLE).any(|cosine| {
-            let apart = libm::acos(cosine.clamp(-1.0, 1.0));
-            [self.start + apart, self.start - apart].into_iter().any(|pole| {
+            let from_start = libm::acos(cosine.clamp(-1.0, 1.0));
+            [self.start + from_start, self.start - from_start].into_iter().any(|pole| {
                 let turns = |q: f64| ((q - pole) / TAU).floor();
                 turns(from) != turns(to)
             })

@@ -48,12 +48,12 @@ impl Interpolation {
         if self == Self::RotaryLinear || from.rotary == to.rotary {
             return 0.0;
         }
-        let apart = |t: f64| {
+        let off = |t: f64| {
             let [p, q] = [self, Self::RotaryLinear].map(|rule| rule.pose(machine, [from, to], length, t));
             let tip = p.tip - q.tip;
             // The distance is convex over the height.
             tip.norm().max((tip + (p.axis - q.axis) * height).norm())
         };
-        apart(0.25).max(apart(0.5)).max(apart(0.75))
+        off(0.25).max(off(0.5)).max(off(0.75))
     }
 }

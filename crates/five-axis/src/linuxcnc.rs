@@ -123,8 +123,8 @@ impl LineSegment {
         };
         let (speeds, accelerations) = (settings.machine.speeds(), settings.machine.accelerations());
         let own = length / least(&speeds);
-        let asked = if line.time > 0.0 { own.min(length / line.time) } else { own };
-        let speed = asked.min(length / settings.machine.cycle);
+        let programmed = if line.time > 0.0 { own.min(length / line.time) } else { own };
+        let speed = programmed.min(length / settings.machine.cycle);
         Some(Self {
             line: *line,
             pace: speed * line.time / length,
@@ -279,7 +279,7 @@ fn near_end(segment: &LineSegment, run: &mut Running, end: f64, full: f64) {
 
 /// Most simulated periods of a line, without periods at constant speed. A line that takes more gets no time, and no
 /// line runs after it.
-const MOST_PERIODS: usize = 4_000_000;
+const MAX_PERIODS: usize = 4_000_000;
 
 /// Periods at constant speed that are simulated one by one.
 const SIMULATED_PERIODS: f64 = 10_000.0;
@@ -395,7 +395,7 @@ pub fn run(lines: &[Line], settings: &Settings) -> Vec<Ran> {
         let from =
             next.map(|n| if segment.end == LineEnd::Blend { blend_speed(segment, n, settings.tolerance) } else { 0.0 });
         let mut corner = from.map(|from| Corner::new(segment, from, settings));
-        for _ in 0..MOST_PERIODS {
+        for _ in 0..MAX_PERIODS {
             let before = this.way;
             let skipped = even(segment, &this, full);
             this.way += skipped * full * this.speed;
@@ -467,7 +467,7 @@ struct Corner {
 impl Corner {
     fn new(segment: &LineSegment, from: f64, settings: &Settings) -> Self {
         let sooner = 1.0 + segment.acceleration * settings.machine.cycle / from.max(ZERO);
-        Self { joints: None, deviation: [0.0; 2], speed: [0.0; 5], late: (sooner * sooner).min(MOST_LATE) }
+        Self { joints: None, deviation: [0.0; 2], speed: [0.0; 5], late: (sooner * sooner).min(MAX_LATE) }
     }
 
     /// A period in which both lines move. `way` holds the length run on the first line before and after the period, and
@@ -489,7 +489,7 @@ impl Corner {
 }
 
 /// Largest factor for a blend that begins a period earlier.
-const MOST_LATE: f64 = 4.0;
+const MAX_LATE: f64 = 4.0;
 
 fn joints_at(settings: &Settings, place: &JointPoint) -> JointPoint {
     let machine = settings.machine;
@@ -507,18 +507,18 @@ mod tests {
 
     fn machine() -> Machine {
         Machine {
-            linear: [LinearAxis { speed: 20.0, acceleration: 300.0, ..LinearAxis::WIDE }; 3],
+            linear: [LinearAxis { speed: 20.0, acceleration: 300.0, ..LinearAxis::UNLIMITED }; 3],
             rotary: ["A", "C"].map(|name| RotaryAxis {
                 min: -9.0,
                 max: 9.0,
                 speed: 0.5,
                 acceleration: 5.0,
-                ..RotaryAxis::wide(name)
+                ..RotaryAxis::unlimited(name)
             }),
             rapid: 20.0,
             cycle: 0.001,
             planning: Planning::LinuxCnc,
-            ..Machine::wide(Chain::tilting_table())
+            ..Machine::unlimited(Chain::tilting_table())
         }
     }
 

@@ -97,20 +97,20 @@ pub struct Machine {
     pub assumed: Vec<String>,
 }
 
-/// Azimuths at which the reach of the rotary axes is looked at, and steps of the angle to Z, radians.
+/// Azimuths at which the reach of the rotary axes is tried, and steps of the angle to Z, radians.
 const AZIMUTHS: usize = 360;
-const LEAN_STEP: f64 = PI / 180.0;
-const LEAN_HALVINGS: usize = 12;
+const TILT_STEP: f64 = PI / 180.0;
+const TILT_HALVINGS: usize = 12;
 
-/// Angle from axis 2 at which directions beside it are looked at, radians.
-const BESIDE_POLE: f64 = 1e-3;
+/// Angle from axis 2 of the directions near it that are tried, radians.
+const NEAR_POLE: f64 = 1e-3;
 
 /// Excess over the travel of a rotary axis that is rounding, radians.
 const ANGLE_ROUNDING: f64 = 1e-9;
 
 /// Direction at an angle to Z, and one of [`AZIMUTHS`].
-fn leaning(lean: f64, azimuth: usize) -> Vector3<f64> {
-    let (sine, cosine) = libm::sincos(lean);
+fn tilted(tilt: f64, azimuth: usize) -> Vector3<f64> {
+    let (sine, cosine) = libm::sincos(tilt);
     let (y, x) = libm::sincos(TAU * azimuth as f64 / AZIMUTHS as f64);
     Vector3::new(sine * x, sine * y, cosine)
 }
@@ -120,12 +120,12 @@ const BLENDED: f64 = 0.97;
 
 impl LinearAxis {
     /// An axis without effective limits.
-    pub const WIDE: Self = Self { min: -1e6, max: 1e6, speed: 1e6, acceleration: 1e9, jerk: f64::INFINITY };
+    pub const UNLIMITED: Self = Self { min: -1e6, max: 1e6, speed: 1e6, acceleration: 1e9, jerk: f64::INFINITY };
 }
 
 impl RotaryAxis {
     /// An axis without effective limits.
-    pub fn wide(name: &str) -> Self {
+    pub fn unlimited(name: &str) -> Self {
         Self {
             name: name.to_owned(),
             min: -1e3,
@@ -143,11 +143,11 @@ impl RotaryAxis {
 impl Machine {
     /// A machine without effective limits, for queries that need only the chain. The origin of the part is that of the
     /// machine frame.
-    pub fn wide(chain: Chain) -> Self {
+    pub fn unlimited(chain: Chain) -> Self {
         Self {
             name: String::new(),
-            linear: [LinearAxis::WIDE; 3],
-            rotary: ["A", "C"].map(RotaryAxis::wide),
+            linear: [LinearAxis::UNLIMITED; 3],
+            rotary: ["A", "C"].map(RotaryAxis::unlimited),
             chain,
             part_origin: Vector3::zeros(),
             retract: 1e6,
@@ -217,31 +217,31 @@ impl Machine {
     /// radians. Where axis 2 turns about Z, it is the largest angle at all: `link-moves` chooses branch and winding for each
     /// pass, and refuses what the travel does not permit. For other axes azimuths of 1 deg decide: between two of them a corner
     /// of the travel may lie up to 1 deg nearer to Z.
-    pub fn most_lean(&self) -> f64 {
+    pub fn max_tilt(&self) -> f64 {
         let [first, _] = &self.rotary;
         let upright = self.chain.directions_in_part()[1].z;
         if upright.abs() == 1.0 {
             let ends = self.chain.polar_angle_range(first.min, first.max);
             return if upright > 0.0 { ends[1] } else { PI - ends[0] };
         }
-        let beside_poles = self.least_lean_beside_poles();
-        let reached = |lean: f64| lean < beside_poles && (0..AZIMUTHS).all(|k| self.reaches(&leaning(lean, k)));
+        let near_poles = self.least_tilt_near_poles();
+        let reached = |tilt: f64| tilt < near_poles && (0..AZIMUTHS).all(|k| self.reaches(&tilted(tilt, k)));
         let mut low = 0.0;
-        while low + LEAN_STEP <= PI && reached(low + LEAN_STEP) {
-            low += LEAN_STEP;
+        while low + TILT_STEP <= PI && reached(low + TILT_STEP) {
+            low += TILT_STEP;
         }
-        Bracket { holds: low, fails: low + LEAN_STEP }.halved(LEAN_HALVINGS, reached).holds
+        Bracket { holds: low, fails: low + TILT_STEP }.halved(TILT_HALVINGS, reached).holds
     }
 
-    /// Least angle to Z of the directions beside axis 2 that the travel does not give the tool, radians. A gap in the travel of
+    /// Least angle to Z of the directions near axis 2 that the travel does not give the tool, radians. A gap in the travel of
     /// axis 2 begins at its direction with no width, so that few azimuths about Z would meet it.
-    fn least_lean_beside_poles(&self) -> f64 {
+    fn least_tilt_near_poles(&self) -> f64 {
         let second = self.chain.directions_in_part()[1];
         let poles = [second, -second];
         let around = poles.iter().flat_map(|pole| {
             let turn = Rotation3::rotation_between(&Vector3::z(), pole)
                 .unwrap_or_else(|| Rotation3::from_axis_angle(&Vector3::x_axis(), PI));
-            (0..AZIMUTHS).map(move |k| turn * leaning(BESIDE_POLE, k))
+            (0..AZIMUTHS).map(move |k| turn * tilted(NEAR_POLE, k))
         });
         around.filter(|axis| !self.reaches(axis)).map(|axis| libm::acos(axis.z.clamp(-1.0, 1.0))).fold(PI, f64::min)
     }
@@ -269,7 +269,7 @@ impl Machine {
     /// it is an upper bound, some hundredths of a millimetre over the largest height.
     pub fn highest(&self, profile: &[[f64; 2]]) -> f64 {
         if !self.chain.holds_part_upright() {
-            return self.highest_beside(profile);
+            return self.highest_off_upright(profile);
         }
         let [first, second] = self.chain.axes();
         let corners = |height: &dyn Fn(f64, f64) -> f64| {
@@ -287,12 +287,12 @@ impl Machine {
             let eccentric = libm::hypot(x, y);
             // Horizontal direction, across the axis that tilts the table.
             let across = Vector3::z().cross(&first.direction);
-            let beside = across.dot(&(second.point - first.point));
+            let across = across.dot(&(second.point - first.point));
             let above = self.part_origin.z - first.point.z;
             return first.point.z
                 + corners(&|r, z| {
                     // A whole turn of the table takes a point to both sides of its axis.
-                    let sides = [beside - r - eccentric, beside + r + eccentric];
+                    let sides = [across - r - eccentric, across + r + eccentric];
                     sides.map(|y| self.risen(y, z + above)).into_iter().fold(f64::NEG_INFINITY, f64::max)
                 });
         }
@@ -306,7 +306,7 @@ impl Machine {
     }
 
     /// [`Self::highest`] for a part whose axis is not along Z with all axes at zero: an upper bound.
-    fn highest_beside(&self, profile: &[[f64; 2]]) -> f64 {
+    fn highest_off_upright(&self, profile: &[[f64; 2]]) -> f64 {
         let to_part = self.chain.part_axes().inverse();
         let [x, y] = self.table_axis();
         let eccentric = libm::hypot(x, y);
@@ -376,15 +376,15 @@ impl Machine {
             .collect()
     }
 
-    /// Largest height over the tilting axis, over the travel of this axis, of a point with a position beside and above
+    /// Largest height over the tilting axis, over the travel of this axis, of a point with a position across and above
     /// the axis at angle zero.
-    fn risen(&self, beside: f64, above: f64) -> f64 {
+    fn risen(&self, across: f64, above: f64) -> f64 {
         let tilt = &self.rotary[0];
-        let height = |a: f64| above * libm::cos(a) - beside * libm::sin(a);
-        let top = libm::atan2(-beside, above);
+        let height = |a: f64| above * libm::cos(a) - across * libm::sin(a);
+        let top = libm::atan2(-across, above);
         let ends = height(tilt.min).max(height(tilt.max));
         let turns = ((tilt.min - top) / TAU).ceil();
-        if top + turns * TAU <= tilt.max { libm::hypot(beside, above) } else { ends }
+        if top + turns * TAU <= tilt.max { libm::hypot(across, above) } else { ends }
     }
 
     /// Upper bound of the turn of the tool against the part between angles, see [`Chain::turn`].
@@ -414,8 +414,8 @@ mod tests {
     use proptest::prelude::*;
 
     fn machine([min, max]: [f64; 2], lines: [AxisLine; 2], origin: [f64; 3]) -> Machine {
-        let rotary = ["A", "C"].map(|name| RotaryAxis { min, max, ..RotaryAxis::wide(name) });
-        Machine { rotary, part_origin: Vector3::from(origin), ..Machine::wide(Chain::new(lines).unwrap()) }
+        let rotary = ["A", "C"].map(|name| RotaryAxis { min, max, ..RotaryAxis::unlimited(name) });
+        Machine { rotary, part_origin: Vector3::from(origin), ..Machine::unlimited(Chain::new(lines).unwrap()) }
     }
 
     fn line(carries: Carries, direction: Vector3<f64>, point: [f64; 3]) -> AxisLine {
@@ -603,14 +603,14 @@ mod tests {
             // At the poles of axis 2 its angle is free.
             let pole = axis.cross(&other.chain.axes()[1].direction).norm();
             prop_assert!(pole < 1e-3 || apart < 1e-6 || (apart - TAU).abs() < 1e-6, "{a:?} {b:?}");
-            let reach = [&m, &other].map(|m| [m.most_lean(), m.highest(&[[30.0, 20.0]])]);
+            let reach = [&m, &other].map(|m| [m.max_tilt(), m.highest(&[[30.0, 20.0]])]);
             prop_assert!((reach[0][0] - reach[1][0]).abs() < 0.03, "{reach:?}");
             prop_assert!((reach[0][1] - reach[1][1]).abs() < 0.1, "{reach:?}");
         }
 
         /// Up to this angle every direction is reached within the travel, and not every one a little beyond.
         #[test]
-        fn most_lean_is_the_largest_cone(
+        fn max_tilt_is_the_largest_cone(
             nutating in -0.9..0.9_f64, level in any::<bool>(), low in -2.5..-0.2_f64, range in 0.3..5.0_f64
         ) {
             let [k1, k2] = if level {
@@ -624,9 +624,9 @@ mod tests {
                 prop_assume!(low + range > 0.05);
                 (m.rotary[1].min, m.rotary[1].max) = (-10.0, 10.0);
             }
-            let most = m.most_lean();
-            let all = |lean: f64| (0..1000).all(|k| {
-                let (sine, cosine) = libm::sincos(lean);
+            let most = m.max_tilt();
+            let all = |tilt: f64| (0..1000).all(|k| {
+                let (sine, cosine) = libm::sincos(tilt);
                 let (y, x) = libm::sincos(f64::from(k) * TAU / 1000.0);
                 m.reaches(&Vector3::new(sine * x, sine * y, cosine))
             });

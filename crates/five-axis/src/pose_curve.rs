@@ -17,7 +17,7 @@ use nurbs::bezier;
 pub const MAX_CHORD_ERROR_MM: f64 = 1e-4;
 
 /// Most halvings of a curve into chords.
-const MOST_HALVINGS: u32 = 14;
+const MAX_HALVINGS: u32 = 14;
 
 /// Largest break of direction, as a share of the speed, over which one curve counts as the continuation of another, and the
 /// height at which turns are compared with ways, mm.
@@ -163,7 +163,7 @@ impl PoseCurve {
     }
 
     /// Bounds of the second derivative of tip (mm) and tool axis (radians) by the parameter, without the bend of a chord.
-    fn bends(&self) -> [f64; 2] {
+    fn second_derivatives(&self) -> [f64; 2] {
         let tip = bezier::most_derivative(&self.tip, 2);
         let axis = match &self.turn {
             // The axis turns by at most the sum of both turns.
@@ -192,14 +192,14 @@ impl PoseCurve {
                 CurveDirection::Rotary(angles) => angles,
                 CurveDirection::Axis(axis) => chain.near(&axis, at)?,
             };
-            let [bend, turning] = part.bends();
+            let [second, turning] = part.second_derivatives();
             // On a chord the rotary axes turn evenly, which bends the axis as well.
             let turn = if part.levers().is_some() { chain.turn(at, rotary) } else { 0.0 };
-            let away = bend + height * (turning + chain.turning().second * turn * turn);
+            let away = second + height * (turning + chain.turning().second * turn * turn);
             if away <= 8.0 * MAX_CHORD_ERROR_MM {
                 at = rotary;
                 chords.push(Chord { end: RotaryPose { tip, rotary }, ends });
-            } else if halvings < MOST_HALVINGS {
+            } else if halvings < MAX_HALVINGS {
                 let middle = 0.5 * (ends[0] + ends[1]);
                 open.push((part.part([0.5, 1.0]), [middle, ends[1]], halvings + 1));
                 open.push((part.part([0.0, 0.5]), [ends[0], middle], halvings + 1));

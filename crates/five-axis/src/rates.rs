@@ -8,7 +8,7 @@ use nalgebra::{Point3, Rotation3, Unit, Vector3};
 const CELL_TURN: f64 = 0.015;
 
 /// Most cells of a block. Blocks with a larger turn get valid but wider bounds.
-const MOST_CELLS: f64 = 2000.0;
+const MAX_CELLS: f64 = 2000.0;
 
 /// An even rotation about an axis.
 struct Turn {
@@ -93,7 +93,7 @@ impl Machine {
     pub fn largest_rates(&self, from: &Joints, to: &Joints, length: f64) -> [f64; 5] {
         let [tip, gauge] = self.moving(from, to, length);
         let turns = [0, 1].map(|k| (to.rotary[k] - from.rotary[k]).abs());
-        let count = ((turns[0] + turns[1]) / CELL_TURN).ceil().clamp(1.0, MOST_CELLS);
+        let count = ((turns[0] + turns[1]) / CELL_TURN).ceil().clamp(1.0, MAX_CELLS);
         let head = self.chain.has_head();
         let all = tip.third() + if head { gauge.third() } else { 0.0 };
         let between = all / (8.0 * count * count);

@@ -55,7 +55,7 @@ mod tests {
     fn machines_come_back_bit_by_bit() {
         let turned = Rotation3::from_euler_angles(0.1, 0.2, 0.3);
         for chain in [Chain::tilting_table(), Chain::tilting_table().with_part(turned)] {
-            let mut machine = Machine::wide(chain);
+            let mut machine = Machine::unlimited(chain);
             machine.part_origin = Vector3::new(0.1 + 0.2, -0.0, 1.0 / 3.0);
             machine.rotary[1].min = f64::NEG_INFINITY;
             machine.rotary[1].max = f64::INFINITY;
@@ -67,7 +67,7 @@ mod tests {
 
     #[test]
     fn impossible_machines_are_errors() {
-        let whole = to_value(Machine::wide(Chain::tilting_table())).unwrap();
+        let whole = to_value(Machine::unlimited(Chain::tilting_table())).unwrap();
         let fault = |change: &dyn Fn(&mut Value)| {
             let mut changed = whole.clone();
             change(&mut changed);
@@ -78,7 +78,7 @@ mod tests {
         assert!(fault(&|m| m["chain"]["part_axes"] = json!([1, 0, 0, 0, 1, 0, 0, 0, -1])).contains("right-handed"));
         assert!(fault(&|m| m["retract"] = Value::Null).contains("null"));
         assert!(fault(&|m| _ = m.as_object_mut().unwrap().remove("power")).contains("missing field `power`"));
-        let mut broken = Machine::wide(Chain::tilting_table());
+        let mut broken = Machine::unlimited(Chain::tilting_table());
         broken.linear[0].jerk = f64::NAN;
         assert!(to_string(&broken).is_err());
     }

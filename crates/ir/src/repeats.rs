@@ -333,7 +333,7 @@ mod tests {
 
     #[test]
     fn what_repeats_is_found_with_its_turn_and_its_branch() {
-        let machine = Machine::wide(Chain::tilting_table());
+        let machine = Machine::unlimited(Chain::tilting_table());
         let symmetry = symmetry(&machine, 8);
         let pitch = symmetry.pitch;
         let mut moves = Vec::new();
@@ -381,7 +381,7 @@ mod tests {
 
     #[test]
     fn short_parts_stay_where_they_are() {
-        let machine = Machine::wide(Chain::tilting_table());
+        let machine = Machine::unlimited(Chain::tilting_table());
         let symmetry = symmetry(&machine, 8);
         let mut moves = Vec::new();
         for k in 0..8 {

@@ -82,8 +82,8 @@ fn add_defaults(contracts: &mut Vec<ContractSpec>, allowed: &[AllowedSpec]) {
     let body = Clearance(Guarded::Body);
     let parts = [Guarded::Shank, Guarded::Holder].map(Clearance);
     // Where the job distinguishes shank and holder, the defaults do so as well.
-    let apart = contracts.iter().any(|c| parts.contains(&c.kind)) || allowed.iter().any(|a| parts.contains(&a.kind));
-    let kinds = if apart { vec![Gouge, parts[0], parts[1]] } else { vec![Gouge, body] };
+    let separate = contracts.iter().any(|c| parts.contains(&c.kind)) || allowed.iter().any(|a| parts.contains(&a.kind));
+    let kinds = if separate { vec![Gouge, parts[0], parts[1]] } else { vec![Gouge, body] };
     for kind in kinds {
         let whole = contracts.iter().any(|c| c.kind.covers(kind) && c.scope.is_whole());
         let waived = allowed.iter().any(|a| a.kind.covers(kind) && a.scope.is_whole());

@@ -21,7 +21,7 @@ const LARGEST_EXCESS: f64 = 2.0;
 const LARGEST_REST: f64 = 10.0;
 
 /// Largest usual deviation of the tool axis, deg.
-const WIDEST: f64 = 5.0;
+const MAX_USUAL_ERROR_DEG: f64 = 5.0;
 
 /// Longest usual machining time, s: 1000 h.
 const LONGEST_TIME: f64 = 3.6e6;
@@ -141,12 +141,12 @@ fn deep_limit(tool: &ToolSpec, sink: &mut Sink) {
 }
 
 fn stick_out(tool: &ToolSpec, sink: &mut Sink) {
-    let wide = tool.diameter.get().max(tool.shank.get());
-    let ratio = tool.reach.get() / wide;
+    let widest = tool.diameter.get().max(tool.shank.get());
+    let ratio = tool.reach.get() / widest;
     if ratio > MAX_STICK_OUT {
         sink.push(
             warning(format!("{} sticks out by {} diameters", tool.name, trim(ratio, 0)))
-                .label(tool.span, format!("`reach` of {} with a diameter of {}", tool.reach, Mm(wide)))
+                .label(tool.span, format!("`reach` of {} with a diameter of {}", tool.reach, Mm(widest)))
                 .help("compare `reach` with the tool: it is the length from the tip to the holder; a wider `shank` makes the tool stiff"),
         );
     }
@@ -199,7 +199,9 @@ fn loose(contract: &ContractSpec, kind: ContractKind, sink: &mut Sink) {
         ContractKind::ContourError => {
             (value > MAX_GOUGE_MM, format!("`contour-error <= {} um`", trim(MAX_GOUGE_MM * 1e3, 0)))
         }
-        ContractKind::OrientationError => (value > WIDEST, format!("`orientation-error <= {WIDEST} deg`")),
+        ContractKind::OrientationError => {
+            (value > MAX_USUAL_ERROR_DEG, format!("`orientation-error <= {MAX_USUAL_ERROR_DEG} deg`"))
+        }
         // A cutter has an arc of 180 deg in a slot, and never more.
         ContractKind::Engagement(_) => (value >= 180.0, "an arc below 180 deg".to_owned()),
         // Above it, an axis is refused without a contract.

@@ -8,7 +8,7 @@ use crate::library::schema::LINUXCNC;
 use crate::model::tool::{PROPERTIES, PropertyText, ToolSpec};
 use crate::model::{
     AnglesAtSpan, AnglesSpec, BladeForm, BladeSpec, CamberSpec, CurveSpec, DistributionSpec, EdgePlace, FaceForm,
-    FaceSpec, Job, Looks, MeridianPlace, OperationKind, OperationSpec, RevolvedSpec, RotarySpec, SectionsSpec,
+    FaceSpec, Facing, Job, MeridianPlace, OperationKind, OperationSpec, RevolvedSpec, RotarySpec, SectionsSpec,
     StockSpec,
 };
 use crate::property::Property;
@@ -254,9 +254,9 @@ fn blade_form(out: &mut String, blade: &BladeSpec, main: &str) {
 }
 
 /// Where the pressure face looks.
-fn looks(out: &mut String, pressure: Option<Looks>) {
+fn facing(out: &mut String, pressure: Option<Facing>) {
     match pressure {
-        Some(looks) => _ = writeln!(out, "    pressure {}", looks.name()),
+        Some(facing) => _ = writeln!(out, "    pressure {}", facing.name()),
         None => out.push_str("    // pressure as found\n"),
     }
 }
@@ -269,7 +269,7 @@ fn sections(out: &mut String, given: &SectionsSpec) {
             None => writeln!(out, "    // {name} as found"),
         };
     }
-    looks(out, given.pressure);
+    facing(out, given.pressure);
     out.push_str("    sections ");
     // Only a file can state the points of the edges.
     if let Some(file) = given.file.as_ref().filter(|_| given.loops.iter().any(|section| section.edges.is_some())) {
@@ -307,7 +307,7 @@ fn angles(out: &mut String, given: &AnglesSpec, main: &str) {
             }
         }
         CamberSpec::Own { angles, lean, edges } => {
-            looks(out, given.pressure);
+            facing(out, given.pressure);
             out.push_str("    beta-from meridian\n");
             edge_places(out, edges);
             lean.iter().for_each(|lean| _ = writeln!(out, "    lean {}", distribution(lean, angle)));

@@ -36,7 +36,7 @@ pub fn resolve(file: &File, files: &mut dyn Files, sources: &mut SourceMap, sink
 
 /// The readable content of a job. Every fault goes to the sink.
 pub fn understand(file: &File, files: &mut dyn Files, sources: &mut SourceMap, sink: &mut Sink) -> PartialJob {
-    let mut cx = Context { scope: LetScope::new(file.damaged), files, sources, sink, looked_up: 0 };
+    let mut cx = Context { scope: LetScope::new(file.damaged), files, sources, sink, searched_bytes: 0 };
     edition(file, &mut cx);
     lets(file, &mut cx);
     let machine = machine(file, &mut cx);

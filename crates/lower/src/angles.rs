@@ -3,7 +3,7 @@
 use super::curves;
 use super::face_curves::no_surface;
 use super::names::blade_name;
-use super::pressure::{looks, side};
+use super::pressure::{facing, side};
 use base::source::Span;
 use base::units::{length, trim};
 use blade::angles::limits::{LEAST_LENGTH, OFF_ENDS};
@@ -174,7 +174,7 @@ impl AngleBladeGiven<'_> {
                 return None;
             }
         };
-        self.told(&name, &surfaces, &residual, side, sink).then(|| {
+        self.report(&name, &surfaces, &residual, side, sink).then(|| {
             let LoftedBlade { faces: [pressure, suction], edges, .. } = surfaces;
             let fillet = self.blade.fillet.clone();
             let made = Blade::new(&self.blade.name, [pressure.into(), suction.into()], fillet);
@@ -237,7 +237,7 @@ impl AngleBladeGiven<'_> {
     }
 
     /// Reports what was made; `false` when the surfaces do not keep `fit`.
-    fn told(&self, name: &str, made: &LoftedBlade, residual: &SurfaceResidual, side: Side, sink: &mut Sink) -> bool {
+    fn report(&self, name: &str, made: &LoftedBlade, residual: &SurfaceResidual, side: Side, sink: &mut Sink) -> bool {
         let spec = self.spec;
         let place = format!("{name}, {} of the span", percent(residual.span));
         if residual.distance > spec.fit.get() {
@@ -268,7 +268,7 @@ impl AngleBladeGiven<'_> {
             .place(place, residual.at)
             .note(format!(
                 "the pressure face looks {}; {} sections, a face has {} by {} control points",
-                looks(side).name(),
+                facing(side).name(),
                 residual.sections,
                 counts[0],
                 counts[1]

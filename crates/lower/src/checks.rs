@@ -280,7 +280,7 @@ pub(super) fn overlap(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(
 }
 
 /// Checks that splitters stand between their main blade and the next one, and apart from each other.
-pub(super) fn beside(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(), Aborted> {
+pub(super) fn splitters_between(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(), Aborted> {
     /// Intervals along and up a face, at whose ends the face is compared with the opposite faces.
     const PLACES: [usize; 2] = [12, 2];
     let before = sink.count();
@@ -297,8 +297,8 @@ pub(super) fn beside(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<()
                 let near = Rotation3::from_axis_angle(&Vector3::z_axis(), -turn) * p;
                 let wall = part.face(*wall);
                 let foot = wall.surface.closest(&near, Patch { u: [0.0, 1.0], v: [-0.2, 1.2] });
-                let beside = foot.u > 0.0 && foot.u < 1.0;
-                beside && (near - foot.point).dot(&wall.normal(foot.u, foot.v)) <= 0.0
+                let within = foot.u > 0.0 && foot.u < 1.0;
+                within && (near - foot.point).dot(&wall.normal(foot.u, foot.v)) <= 0.0
             })
         };
         let found = id.faces().into_iter().find_map(|face| {

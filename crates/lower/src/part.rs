@@ -81,7 +81,7 @@ pub(super) fn part(spec: &PartSpec, tools: &[ToolSpec], sink: &mut Sink) -> Resu
     checks::heights(spec, &part, sink)?;
     checks::faces(spec, &part, sink)?;
     checks::overlap(spec, &part, sink)?;
-    checks::beside(spec, &part, sink)?;
+    checks::splitters_between(spec, &part, sink)?;
     checks::extensions(spec, &part, doubt.as_deref(), sink)?;
     facing::upside_down(spec, &part.hub, sink);
     if let Some(doubt) = doubt {

@@ -4,20 +4,20 @@ use base::source::Span;
 use blade::outline::{Side, side_by_turns};
 use diagnostics::codes::geometry as codes;
 use diagnostics::{Diag, Sink};
-use job::model::Looks;
+use job::model::Facing;
 
 /// Where a pressure face at a side looks.
-pub(super) fn looks(side: Side) -> Looks {
+pub(super) fn facing(side: Side) -> Facing {
     match side {
-        Side::Greater => Looks::CounterClockwise,
-        Side::Smaller => Looks::Clockwise,
+        Side::Greater => Facing::CounterClockwise,
+        Side::Smaller => Facing::Clockwise,
     }
 }
 
 /// Side of the pressure face: as stated, that of the main blade, or that of a blade that takes up work, by its wrap and its
 /// turn, rad.
 pub(super) fn side(
-    stated: Option<Looks>,
+    stated: Option<Facing>,
     main: Option<Side>,
     [wrap, turn]: [f64; 2],
     name: &str,
@@ -25,7 +25,7 @@ pub(super) fn side(
     sink: &mut Sink,
 ) -> Option<Side> {
     let found = match stated {
-        Some(stated) => [Side::Greater, Side::Smaller].into_iter().find(|side| looks(*side) == stated),
+        Some(stated) => [Side::Greater, Side::Smaller].into_iter().find(|side| facing(*side) == stated),
         None => main.or_else(|| side_by_turns(wrap, turn)),
     };
     if found.is_none() {

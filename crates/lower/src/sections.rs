@@ -3,10 +3,10 @@
 use super::face_curves::no_surface;
 use super::limits::{MAX_COORDINATE, MIN_RADIUS, SAME_POINT};
 use super::names::blade_name;
-use super::pressure::{self, looks};
-use ::job::model::{BladeSpec, Looks, LoopSpec, PartSpec, SectionsSpec};
+use super::pressure::{self, facing};
+use ::job::model::{BladeSpec, Facing, LoopSpec, PartSpec, SectionsSpec};
 use base::units::length;
-use blade::foot::{WideFoot, wide_foot};
+use blade::foot::{FilletedFoot, filleted_foot};
 use blade::loft::{LoftFault, LoftedBlade, loft};
 use blade::outline::{DividedSection, Inlet, Known, Side, outline};
 use blade::{EdgeForm, Outline, Section, SectionForm};
@@ -38,7 +38,7 @@ pub(super) fn fitted(given: &SectionBlade<'_>, sink: &mut Sink) -> Option<(Blade
     }
     let divided = divided(given, &name, sink)?;
     let side = pressure_side(given, &name, &divided, sink)?;
-    let doubled = wide_foot(&divided).map(|foot| fillet_in_sections(given, &name, &foot));
+    let doubled = filleted_foot(&divided).map(|foot| fillet_in_sections(given, &name, &foot));
     let mut outlines: Vec<Outline> = divided.into_iter().map(|section| section.outline).collect();
     if side == Side::Smaller {
         outlines.iter_mut().for_each(exchange);
@@ -53,7 +53,7 @@ pub(super) fn fitted(given: &SectionBlade<'_>, sink: &mut Sink) -> Option<(Blade
             return None;
         }
     };
-    told(given, &name, &made, looks(side), sink).then(|| {
+    report(given, &name, &made, facing(side), sink).then(|| {
         let LoftedBlade { faces: [pressure, suction], edges, .. } = made;
         let fillet = given.blade.fillet.clone();
         let blade = Blade::new(&given.blade.name, [pressure.into(), suction.into()], fillet);
@@ -185,14 +185,14 @@ fn not_lofted(name: &str, given: &SectionBlade<'_>, fault: &LoftFault) -> Diag {
 }
 
 /// Sections that seem to hold the fillet which the job states as well.
-fn fillet_in_sections(given: &SectionBlade<'_>, name: &str, foot: &WideFoot) -> Diag {
-    let [wide, above] = foot.thickness.map(length);
+fn fillet_in_sections(given: &SectionBlade<'_>, name: &str, foot: &FilletedFoot) -> Diag {
+    let [lowest, above] = foot.thickness.map(length);
     let section = |k: usize| given.sections.loops.get(k).map_or("", |section| section.name.as_str());
     Diag::warning(
         job::DOUBTFUL,
         format!("the sections of {name} seem to hold its fillet, and the job states one as well"),
     )
-    .label(given.sections.span, format!("{wide} thick in section {}, {above} in section {}", section(0), section(foot.above)))
+    .label(given.sections.span, format!("{lowest} thick in section {}, {above} in section {}", section(0), section(foot.above)))
     .note(format!("the two sections are {} apart; above them the blade widens far less", length(foot.height)))
     .help(format!(
         "leave the {} lowest sections out and keep `fillet`; or keep them and take `fillet` out: then the foot is cut as they say",
@@ -201,7 +201,7 @@ fn fillet_in_sections(given: &SectionBlade<'_>, name: &str, foot: &WideFoot) -> 
 }
 
 /// Reports what was found; `false` when the curves do not keep `fit`.
-fn told(given: &SectionBlade<'_>, name: &str, made: &LoftedBlade, looks: Looks, sink: &mut Sink) -> bool {
+fn report(given: &SectionBlade<'_>, name: &str, made: &LoftedBlade, facing: Facing, sink: &mut Sink) -> bool {
     let residual = made.residual;
     let of = |k: usize| given.sections.loops.get(k).map_or("", |section| section.name.as_str());
     let place = format!("{name}, section {}", of(residual.section));
@@ -236,7 +236,7 @@ fn told(given: &SectionBlade<'_>, name: &str, made: &LoftedBlade, looks: Looks, 
         .place(place, residual.at)
         .note(format!(
             "the pressure face looks {}; a face has {} by {} control points",
-            looks.name(),
+            facing.name(),
             counts[0],
             counts[1]
         ))

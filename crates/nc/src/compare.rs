@@ -151,7 +151,7 @@ struct WayPlace {
 
 impl WayPlace {
     /// Tip and axis in one space.
-    fn apart(&self, other: &Self) -> (Vector3<f64>, Vector3<f64>) {
+    fn difference(&self, other: &Self) -> (Vector3<f64>, Vector3<f64>) {
         (other.tip - self.tip, (other.axis - self.axis) * TURN_LENGTH_MM)
     }
 }
@@ -192,8 +192,8 @@ struct Found {
 /// The nearest place of a piece of a way.
 fn on_piece(way: &[WayPlace], end: usize, place: &WayPlace) -> Found {
     let (from, to) = (&way[end - 1], &way[end]);
-    let (a, b) = from.apart(to);
-    let (c, d) = from.apart(place);
+    let (a, b) = from.difference(to);
+    let (c, d) = from.difference(place);
     let length = a.norm_squared() + b.norm_squared();
     let share = if length > 0.0 { ((a.dot(&c) + b.dot(&d)) / length).clamp(0.0, 1.0) } else { 0.0 };
     let square = (c - a * share).norm_squared() + (d - b * share).norm_squared();

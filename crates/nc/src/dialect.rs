@@ -84,7 +84,7 @@ pub trait Post: Sync {
     ///
     /// # Errors
     /// The lines that are not understood or that make the program invalid, at least one, at most
-    /// [`super::MOST_FAULTS`].
+    /// [`super::MAX_FAULTS`].
     fn sections(&self, text: &str, machine: &Machine, offset: &str) -> ReadResult;
     /// As [`Self::sections`], with the usual work offset of the dialect.
     ///

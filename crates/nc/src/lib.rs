@@ -31,7 +31,7 @@ pub mod words;
 mod work_frame;
 mod write;
 
-pub use control::{MOST_FAULTS, WorkOffsets};
+pub use control::{MAX_FAULTS, WorkOffsets};
 pub use dialect::{Dialect, Post, WriteBlock};
 pub use divided::Divided;
 pub use form::{NumberForm, TextForm};

@@ -109,7 +109,7 @@ mod tests {
         #[test]
         fn words_are_within_a_turn(angle in -60.0..60.0_f64, decimals in 2..7_usize, opposite in any::<bool>()) {
             let word_sign = if opposite { -1.0 } else { 1.0 };
-            let axis = RotaryAxis { word_sign, modulo: Some(ModuloWay::Shortest), ..RotaryAxis::wide("C") };
+            let axis = RotaryAxis { word_sign, modulo: Some(ModuloWay::Shortest), ..RotaryAxis::unlimited("C") };
             let word = degrees(&axis, angle, decimals);
             let turns = (word - angle.to_degrees() * word_sign) / FULL_TURN_DEG;
             prop_assert!((0.0..FULL_TURN_DEG).contains(&word) && !words::fixed(word, decimals).starts_with("360"));
@@ -120,7 +120,7 @@ mod tests {
 
     #[test]
     fn rounding_does_not_lead_to_a_whole_turn() {
-        let axis = RotaryAxis { modulo: Some(ModuloWay::Shortest), ..RotaryAxis::wide("C") };
+        let axis = RotaryAxis { modulo: Some(ModuloWay::Shortest), ..RotaryAxis::unlimited("C") };
         for degree in [-0.000_04_f64, 359.999_97, 719.999_97, 360.0, -360.0] {
             assert_eq!(words::fixed(degrees(&axis, degree.to_radians(), 4), 4), "0.0000", "{degree}");
         }

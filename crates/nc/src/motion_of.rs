@@ -37,7 +37,7 @@ impl NcMotion {
 }
 
 /// Most faults of one text that are reported.
-const MOST_FAULTS: usize = super::MOST_FAULTS;
+const MAX_FAULTS: usize = super::MAX_FAULTS;
 
 /// Share by which feed and spindle speed may exceed those of the job through rounding.
 const FEED_ROUNDING: f64 = 1e-6;
@@ -115,17 +115,17 @@ struct Interpreter<'a> {
 impl Interpreter<'_> {
     fn fault(&mut self, code: Code, line: usize, text: String, help: &str) -> Diag {
         // To find a line takes time in proportion to the length of the text.
-        if self.reported >= MOST_FAULTS {
+        if self.reported >= MAX_FAULTS {
             return Diag::error(code, text);
         }
         Diag::error(code, text).label((self.span)(line), "this block").help(help)
     }
 
-    /// Reports a fault. A text with more than [`MOST_FAULTS`] faults is not measured: each of a million blocks may have
+    /// Reports a fault. A text with more than [`MAX_FAULTS`] faults is not measured: each of a million blocks may have
     /// a fault.
     fn tell(&mut self, diag: Diag) {
         self.reported += 1;
-        if self.reported <= MOST_FAULTS {
+        if self.reported <= MAX_FAULTS {
             self.sink.push(diag);
         } else {
             self.sound = false;
@@ -211,7 +211,7 @@ impl Interpreter<'_> {
                 continue;
             }
             let rotary = self.rotary(m, course.rotary, free);
-            if course.stays(m, rotary) {
+            if course.is_still(m, rotary) {
                 continue;
             }
             let first = course.last.is_none();
@@ -488,7 +488,7 @@ impl<'a> Course<'a> {
     }
 
     /// Whether a block moves no axis.
-    fn stays(&self, m: &NcMove, rotary: Angles) -> bool {
+    fn is_still(&self, m: &NcMove, rotary: Angles) -> bool {
         self.last.is_some_and(|l| l.tip == m.tip && rotary == self.rotary)
     }
 

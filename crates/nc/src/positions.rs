@@ -80,7 +80,7 @@ mod tests {
     use nalgebra::Point3;
 
     fn machine(first: [f64; 2], second: [f64; 2]) -> Machine {
-        let mut machine = Machine::wide(Chain::tilting_table());
+        let mut machine = Machine::unlimited(Chain::tilting_table());
         for (axis, [min, max]) in machine.rotary.iter_mut().zip([first, second]) {
             *axis = RotaryAxis { min, max, ..axis.clone() };
         }

@@ -149,25 +149,25 @@ const CONTROL_POINT_ROUNDING: f64 = 1e-6;
 
 /// Compares the polynomials of a block. Two curves of one degree are nowhere farther apart than their control points.
 fn same_curve(program: &Program, meant: &PoseCurve, read: &PoseCurve, result: &mut ReadBack) -> Result<(), String> {
-    fn apart<const N: usize>(a: &[SVector<f64, N>], b: &[SVector<f64, N>]) -> f64 {
+    fn distance<const N: usize>(a: &[SVector<f64, N>], b: &[SVector<f64, N>]) -> f64 {
         let [a, b] = [a, b].map(|control| bezier::elevated(control, bezier::MAX_BEZIER_DEGREE));
         a.iter().zip(&b).map(|(p, q)| (p - q).amax()).fold(0.0, f64::max)
     }
     let digits = &program.post.control.decimals;
-    let tip = apart(meant.tip(), read.tip());
+    let tip = distance(meant.tip(), read.tip());
     if tip > half_step(digits.length) + CONTROL_POINT_ROUNDING {
         return Err(format!("the tip is off by {tip:.6} mm"));
     }
     let axis = match (meant.turn(), read.turn()) {
         (TurnCurve::Rotary(a), TurnCurve::Rotary(b)) => {
-            let off = apart(a, b);
+            let off = distance(a, b);
             if off > half_step(digits.angle).to_radians() + CONTROL_POINT_ROUNDING {
                 return Err(format!("a rotary axis is off by {:.7} deg", off.to_degrees()));
             }
             off
         }
         (TurnCurve::Second(a), TurnCurve::Second(b)) => {
-            let off = apart(a, b);
+            let off = distance(a, b);
             if off > half_step(digits.length) + CONTROL_POINT_ROUNDING {
                 return Err(format!("the second point is off by {off:.6} mm"));
             }
@@ -241,9 +241,9 @@ fn stations(
     }
     // Above the last target, where the text has no word of an axis but Z.
     let over = operation.moves.get(operation.moves.len().saturating_sub(2)).unwrap_or(last);
-    let beside = (last.joints.xyz - over.joints.xyz).xy().amax();
+    let across = (last.joints.xyz - over.joints.xyz).xy().amax();
     let turned = most_turn(last.joints.rotary, over.joints.rotary);
-    if beside > half_step(digits.length) || turned > 0.0 {
+    if across > half_step(digits.length) || turned > 0.0 {
         return Err((true, "the last station is not above the last target".to_owned()));
     }
     Ok(())

@@ -222,9 +222,10 @@ impl ProgramLines {
         let place = station.and_then(|(fields, _)| templates.iter().rposition(|t| holds(t, fields)));
         for (k, template) in templates.iter().enumerate() {
             let text = values.filled(template);
-            let stays = |field: Field| matches!(field, Field::HomeX | Field::HomeY) && values.value(field).is_empty();
+            let is_unset =
+                |field: Field| matches!(field, Field::HomeX | Field::HomeY) && values.value(field).is_empty();
             // A field may have no text in this dialect or operation, and an axis no place to park.
-            if text.trim().is_empty() || template.fields().any(stays) {
+            if text.trim().is_empty() || template.fields().any(is_unset) {
                 continue;
             }
             let source = station.filter(|_| place == Some(k)).map(|(_, source)| source);

@@ -203,18 +203,18 @@ mod tests {
     /// As many questions as halvings, and none at the ends.
     #[test]
     fn bisection_asks_in_the_middle_only() {
-        let asked = Cell::new(Vec::new());
+        let tried = Cell::new(Vec::new());
         let ask = |x: f64| {
-            let mut all = asked.take();
+            let mut all = tried.take();
             all.push(x);
-            asked.set(all);
+            tried.set(all);
             x < 0.3
         };
         let found = Bracket { holds: 0.0, fails: 1.0 }.halved(3, ask);
-        assert_eq!(asked.take(), [0.5, 0.25, 0.375]);
+        assert_eq!(tried.take(), [0.5, 0.25, 0.375]);
         assert_eq!(found, Bracket { holds: 0.25, fails: 0.375 });
         let found = Bracket { holds: 0.0, fails: 1.0 }.narrowed(0.125, ask);
-        assert_eq!((asked.take().len(), found), (3, Bracket { holds: 0.25, fails: 0.375 }));
+        assert_eq!((tried.take().len(), found), (3, Bracket { holds: 0.25, fails: 0.375 }));
     }
 
     #[test]

@@ -55,10 +55,10 @@ impl BandMetric {
     ) -> Self {
         let count = count.max(4);
         let step = (to - from) / (count - 1) as f64;
-        let apart = if layers > 1 { (high - low) / (layers - 1) as f64 } else { 0.0 };
+        let spacing = if layers > 1 { (high - low) / (layers - 1) as f64 } else { 0.0 };
         let row = |y: f64| (0..count).map(|i| metric(from + step * i as f64, y)).collect();
-        let forms = (0..layers.max(1)).map(|k| row(low + apart * k as f64)).collect();
-        Self { from, step, layers: [low, apart], forms }
+        let forms = (0..layers.max(1)).map(|k| row(low + spacing * k as f64)).collect();
+        Self { from, step, layers: [low, spacing], forms }
     }
 
     /// Number of stations.
@@ -138,9 +138,10 @@ impl BandMetric {
                     }
                     reached
                 };
-                let look = |i: usize| x + half * (2.0 * i as f64 / DISK_PLACES as f64 - 1.0);
-                let best = (0..=DISK_PLACES).max_by(|a, b| height(look(*a)).total_cmp(&height(look(*b)))).unwrap_or(0);
-                let (low, high) = (look(best.saturating_sub(1)), look((best + 1).min(DISK_PLACES)));
+                let place = |i: usize| x + half * (2.0 * i as f64 / DISK_PLACES as f64 - 1.0);
+                let best =
+                    (0..=DISK_PLACES).max_by(|a, b| height(place(*a)).total_cmp(&height(place(*b)))).unwrap_or(0);
+                let (low, high) = (place(best.saturating_sub(1)), place((best + 1).min(DISK_PLACES)));
                 sign * greatest(height, [low, high], GOLDEN_SECTIONS).max(height(x))
             })
             .collect()

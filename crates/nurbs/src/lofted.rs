@@ -63,11 +63,11 @@ pub fn places(sections: &[Vec<&NurbsCurve>]) -> Result<Vec<f64>, GeomError> {
     let mut places = vec![0.0];
     let mut sum = 0.0;
     for (k, pair) in sections.windows(2).enumerate() {
-        let apart = |(a, b): (&&NurbsCurve, &&NurbsCurve)| -> f64 {
+        let mean_distance = |(a, b): (&&NurbsCurve, &&NurbsCurve)| -> f64 {
             let at = (0..=SECTION_STATIONS).map(|i| f64::from(i) / f64::from(SECTION_STATIONS));
             at.map(|u| (b.point(u) - a.point(u)).norm()).sum::<f64>() / f64::from(SECTION_STATIONS + 1)
         };
-        let mean = pair[0].iter().zip(&pair[1]).map(apart).sum::<f64>() / pair[0].len().max(1) as f64;
+        let mean = pair[0].iter().zip(&pair[1]).map(mean_distance).sum::<f64>() / pair[0].len().max(1) as f64;
         if !(mean > SAME_SECTION && mean.is_finite()) {
             return Err(GeomError::CoincidentPoints(k));
         }
@@ -399,7 +399,7 @@ struct StoredLoft {
 
 /// Most sections of a surface that is read: no blade has as many, and the matrix between them grows by the square.
 #[cfg(feature = "serde")]
-const MOST_SECTIONS: usize = 1000;
+const MAX_SECTIONS: usize = 1000;
 
 /// Share of the size of a surface to which control points follow from the sections.
 #[cfg(feature = "serde")]
@@ -410,7 +410,7 @@ impl TryFrom<StoredLoft> for LoftedSurface {
     type Error = GeomError;
 
     fn try_from(StoredLoft { sections, places, control }: StoredLoft) -> Result<Self, GeomError> {
-        if sections.len() > MOST_SECTIONS {
+        if sections.len() > MAX_SECTIONS {
             return Err(GeomError::TooManySections(sections.len()));
         }
         if places.first() != Some(&0.0) || places.last() != Some(&1.0) {

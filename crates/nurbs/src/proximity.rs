@@ -122,13 +122,13 @@ impl RuledSurface {
                     continue;
                 }
                 let (mut a, mut b, mut d) = (at(patch.u, i, n), at(other_patch.u, j, n), here);
-                let (wide, other_wide) = (patch.u[1] - patch.u[0], other_patch.u[1] - other_patch.u[0]);
+                let (width, other_width) = (patch.u[1] - patch.u[0], other_patch.u[1] - other_patch.u[0]);
                 let mut step = 0.5 / n as f64;
                 while step > MIN_SEARCH_STEP {
                     let moves = [(1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1)];
                     let better = moves.iter().find_map(|(da, db)| {
-                        let x = (a + f64::from(*da) * step * wide).clamp(patch.u[0], patch.u[1]);
-                        let y = (b + f64::from(*db) * step * other_wide).clamp(other_patch.u[0], other_patch.u[1]);
+                        let x = (a + f64::from(*da) * step * width).clamp(patch.u[0], patch.u[1]);
+                        let y = (b + f64::from(*db) * step * other_width).clamp(other_patch.u[0], other_patch.u[1]);
                         let e = distance(x, y);
                         (e < d).then_some((x, y, e))
                     });

@@ -23,7 +23,7 @@ const POINTS_A_SPAN: usize = 8;
 const SMOOTH: f64 = 1e-7;
 
 /// Spans, at most.
-const MOST_SPANS: usize = 400;
+const MAX_SPANS: usize = 400;
 
 /// Spans are halved down to this part of the tolerance, to compare fits.
 const HALVED_TOLERANCE: f64 = 32.0;
@@ -116,7 +116,7 @@ pub fn fit_rows(rows: &[Row], closed: bool, tolerance: f64) -> Option<RowFit> {
         if best.as_ref().is_none_or(|best| found.fit.is_better(best, tolerance)) {
             best = Some(found.fit);
         }
-        if halves.is_empty() || inner.len() + halves.len() > MOST_SPANS {
+        if halves.is_empty() || inner.len() + halves.len() > MAX_SPANS {
             return best;
         }
         inner.extend(halves);
@@ -126,7 +126,7 @@ pub fn fit_rows(rows: &[Row], closed: bool, tolerance: f64) -> Option<RowFit> {
 
 /// Inner knots at the start: with equal numbers of points between them, over all rows.
 fn start(all: &[f64], least: usize, closed: bool) -> Vec<f64> {
-    let spans = (least / POINTS_A_SPAN).clamp(if closed { DEGREE + 1 } else { 1 }, MOST_SPANS / 4);
+    let spans = (least / POINTS_A_SPAN).clamp(if closed { DEGREE + 1 } else { 1 }, MAX_SPANS / 4);
     let at = |k: usize| {
         let i = (k * all.len() / spans).clamp(1, all.len() - 1);
         0.5 * (all[i - 1] + all[i])

@@ -16,7 +16,7 @@ use nalgebra::SVector;
 const LEAST_POINTS: usize = 8;
 
 /// Spans of a spline, at most: beyond, straight lines are no worse.
-const MOST_SPANS: usize = 64;
+const MAX_SPANS: usize = 64;
 
 /// A B-spline of a degree of at least three. Each inner knot stands as often as leaves the second derivative continuous.
 struct FittedSpline<const N: usize> {
@@ -48,7 +48,7 @@ pub fn fit<const N: usize>(
         if failing.is_empty() {
             break found;
         }
-        if inner.len() + failing.len() >= MOST_SPANS {
+        if inner.len() + failing.len() >= MAX_SPANS {
             return Err(points.len() / 2);
         }
         for span in failing {

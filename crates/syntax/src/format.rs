@@ -16,7 +16,7 @@ use std::ops::Range;
 const INDENT: usize = 2;
 
 /// Blanks before a comment at the end of a line, and between two entries on one line.
-const WIDE: usize = 2;
+const WIDE_GAP: usize = 2;
 
 /// Why a text has no usual form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -221,10 +221,10 @@ impl<'a> JobLayout<'a> {
 /// Blanks between two tokens of a line.
 fn gap(before: &LinePiece<'_>, token: &FormToken, starts: bool) -> usize {
     match (before.kind, token.kind) {
-        (_, TokenKind::Comment) => WIDE,
+        (_, TokenKind::Comment) => WIDE_GAP,
         (_, TokenKind::Comma) | (TokenKind::Open(b'[' | b'('), _) | (_, TokenKind::Close(b']' | b')')) => 0,
         (TokenKind::Open(b'{'), _) => 1,
-        _ if starts => WIDE,
+        _ if starts => WIDE_GAP,
         (TokenKind::Comma | TokenKind::Relation | TokenKind::Close(b'}'), _)
         | (_, TokenKind::Relation | TokenKind::Open(b'{') | TokenKind::Close(b'}')) => 1,
         (TokenKind::Close(b']'), _) | (TokenKind::Close(b')'), TokenKind::Open(b'(')) => 1,
@@ -381,7 +381,7 @@ fn align_comments(lines: &mut [JobLine<'_>], indents: &[usize]) {
         let most = ends.iter().max().copied().unwrap_or(0);
         for (line, end) in lines[run.clone()].iter_mut().zip(ends) {
             if let Some(comment) = line.pieces.last_mut() {
-                comment.gap = WIDE + most - end;
+                comment.gap = WIDE_GAP + most - end;
             }
         }
         k = run.end.max(k + 1);

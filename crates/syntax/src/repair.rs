@@ -238,11 +238,11 @@ impl FormFinder {
                     self.push(Form::Relation, range, read, format!("write `{due}`"), Some(due));
                 }
                 '°' => {
-                    let room = range.start..range.end + rest.len() - rest.trim_start_matches(' ').len();
+                    let space = range.start..range.end + rest.len() - rest.trim_start_matches(' ').len();
                     // Two blanks or the end of the line, so that a word behind stays a word.
-                    let fits = room.len() > 3 || rest.trim().is_empty() && room.len() >= 3;
-                    let read = if fits { padded("deg", &room) } else { None };
-                    let (range, read) = read.map_or_else(|| (range.clone(), blank(&range)), |read| (room, read));
+                    let fits = space.len() > 3 || rest.trim().is_empty() && space.len() >= 3;
+                    let read = if fits { padded("deg", &space) } else { None };
+                    let (range, read) = read.map_or_else(|| (range.clone(), blank(&range)), |read| (space, read));
                     self.push(Form::Degree, range, read, "write `deg`", None);
                 }
                 _ => {}
@@ -390,11 +390,11 @@ impl FormFinder {
                 self.push(Form::DigitGroups, range, read, format!("write `{due} {unit}`"), Some(&due));
             }
             [(LinePiece::Number(_), a), (LinePiece::Text(_) | LinePiece::Sign('"'), b), ..] if adjacent(a, b) => {
-                let room = |length| start + b.start..start + b.start + length;
+                let space = |length| start + b.start..start + b.start + length;
                 if line[b.start + 1..].starts_with(' ') {
-                    self.push(Form::Inch, room(2), "in".to_owned(), "write `in`", Some("in "));
+                    self.push(Form::Inch, space(2), "in".to_owned(), "write `in`", Some("in "));
                 } else {
-                    self.push(Form::Inch, room(1), " ".to_owned(), "write `in`", Some(" in"));
+                    self.push(Form::Inch, space(1), " ".to_owned(), "write `in`", Some(" in"));
                 }
             }
             [
@@ -416,10 +416,10 @@ impl FormFinder {
                 ..,
             ] => {
                 let blanks = line[b.end..].len() - line[b.end..].trim_start_matches(' ').len();
-                let room = start + a.start..start + b.end + blanks;
+                let space = start + a.start..start + b.end + blanks;
                 // One blank must stay before the next word.
-                let (range, read) = match padded("mm/tooth", &room) {
-                    Some(read) if blanks > 2 || b.end + blanks == line.len() => (room, read),
+                let (range, read) = match padded("mm/tooth", &space) {
+                    Some(read) if blanks > 2 || b.end + blanks == line.len() => (space, read),
                     _ => (at(a, b), "m/min ".to_owned()),
                 };
                 let help = "divide the feed per turn by the number of flutes, and write `mm/tooth`";

@@ -181,8 +181,8 @@ impl JobText<'_> {
     }
 
     /// Changes that remove the faults in a range.
-    fn actions(&self, asked: [Position; 2]) -> Value {
-        let [from, to] = asked.map(|at| self.positions.byte(at));
+    fn actions(&self, selected: [Position; 2]) -> Value {
+        let [from, to] = selected.map(|at| self.positions.byte(at));
         let touches = |diag: &Diag| {
             diag.labels.iter().any(|l| l.span.source == JOB && l.span.range().start <= to && from <= l.span.range().end)
         };
@@ -196,9 +196,9 @@ impl JobText<'_> {
         diags.filter_map(|diag| Some(action(diag, diag.fix.as_ref().filter(|fix| fix.span.source == JOB)?))).collect()
     }
 
-    fn hints(&self, asked: Range<usize>) -> Value {
+    fn hints(&self, selected: Range<usize>) -> Value {
         let hints = language::hints(&self.document.understood).into_iter();
-        let within = hints.filter(|hint| asked.start <= hint.at && hint.at <= asked.end);
+        let within = hints.filter(|hint| selected.start <= hint.at && hint.at <= selected.end);
         let hint = |hint: language::Hint| {
             let at = self.positions.of(hint.at);
             json!({

@@ -232,7 +232,7 @@ impl JobJudge {
         let ended = AtomicBool::new(false);
         let outcome = std::thread::scope(|threads| {
             let teller = threads.spawn(|| {
-                let mut told = String::new();
+                let mut shown = String::new();
                 while !ended.load(Ordering::Acquire) {
                     // The share is that of the current work, which begins at zero several times: a percentage of the protocol
                     // must not fall.
@@ -240,9 +240,9 @@ impl JobJudge {
                         Some(share) => format!("{text} {:.0} %", 100.0 * share),
                         None => text,
                     });
-                    if let Some(now) = now.filter(|now| *now != told) {
+                    if let Some(now) = now.filter(|now| *now != shown) {
                         tell(json!({ "kind": "report", "message": now }));
-                        told = now;
+                        shown = now;
                     }
                     std::thread::park_timeout(PROGRESS_INTERVAL);
                 }

@@ -17,7 +17,7 @@ use job_text::JobText;
 use judgement::{Judgement, Wishes, judge, lock, token};
 use lsp_server::{Connection, ErrorCode, Message, Notification, Request, Response};
 use messages::{address, diagnostics, path, position, published, range, refused};
-use nc_text::TextBeside;
+use nc_text::FilesOfText;
 use serde_json::{Value, json};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -63,7 +63,7 @@ struct Document {
     changed: bool,
     judgement: Arc<Mutex<Judgement>>,
     /// What is known of NC text, when it was asked for.
-    nc: RefCell<Option<Rc<TextBeside>>>,
+    nc: RefCell<Option<Rc<FilesOfText>>>,
 }
 
 /// The open texts.
@@ -98,12 +98,12 @@ fn capabilities() -> Value {
 /// # Errors
 /// A connection that breaks, or messages out of the order of the protocol.
 pub fn serve(connection: &Connection, library: Option<PathBuf>) -> Result<(), String> {
-    let (id, asked) = connection.initialize_start().map_err(|e| e.to_string())?;
+    let (id, offered) = connection.initialize_start().map_err(|e| e.to_string())?;
     let server = json!({ "name": "impellerc", "version": env!("CARGO_PKG_VERSION") });
     connection
         .initialize_finish(id, json!({ "capabilities": capabilities(), "serverInfo": server }))
         .map_err(|e| e.to_string())?;
-    let can = |path: &str| asked.pointer(path).and_then(Value::as_bool);
+    let can = |path: &str| offered.pointer(path).and_then(Value::as_bool);
     let wishes = Wishes {
         progress: can("/capabilities/window/workDoneProgress").unwrap_or(false),
         lenses: can("/capabilities/workspace/codeLens/refreshSupport").unwrap_or(false),
@@ -284,7 +284,7 @@ fn of_nc(document: &Document, positions: &Positions<'_>, method: &str, params: &
     let nc = || {
         let mut known = document.nc.borrow_mut();
         let last = known.take().filter(|nc| nc.holds(&document.path));
-        let nc = last.unwrap_or_else(|| Rc::new(TextBeside::new(&document.path, &document.text)));
+        let nc = last.unwrap_or_else(|| Rc::new(FilesOfText::new(&document.path, &document.text)));
         Rc::clone(known.insert(nc))
     };
     match method {

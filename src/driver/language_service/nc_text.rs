@@ -20,7 +20,7 @@ const FORMAT_BYTES: usize = 200;
 
 /// What is known of an NC text.
 #[derive(Debug, Default)]
-pub(super) struct TextBeside {
+pub(super) struct FilesOfText {
     map: Option<LaidMap>,
     /// Why a source map beside the text cannot be read.
     refused: Option<String>,
@@ -28,11 +28,11 @@ pub(super) struct TextBeside {
     figures: Vec<(u64, u64, String)>,
     folder: PathBuf,
     /// The files that could belong to the text, as they were.
-    beside: FileStamps,
+    json_files: FileStamps,
 }
 
 /// The JSON files beside a text.
-fn beside(path: &Path) -> Vec<PathBuf> {
+fn json_files(path: &Path) -> Vec<PathBuf> {
     let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let files = entries.map(|entry| entry.path()).filter(|path| path.extension().is_some_and(|e| e == "json"));
@@ -52,10 +52,10 @@ fn of_format(files: &[PathBuf], format: &str) -> Vec<String> {
     found.filter_map(|path| String::from_utf8(reading::read(path, MAX_FILE_BYTES).ok()??).ok()).collect()
 }
 
-impl TextBeside {
+impl FilesOfText {
     /// Looks for the files that belong to a text: of several source maps, the one that knows the most lines.
     pub(super) fn new(path: &Path, text: &str) -> Self {
-        let files = beside(path);
+        let files = json_files(path);
         let stamps = FileStamps::new(files.iter().cloned());
         let (mut map, mut refused) = (None::<LaidMap>, None);
         for found in of_format(&files, source_map::FORMAT) {
@@ -70,12 +70,12 @@ impl TextBeside {
         let mut read = certificates.iter().filter_map(|text| CertificateFile::read(text).ok());
         let figures = read.find(|file| file.nc.body_sha256 == body).map(|file| figures(&file.measured));
         let folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
-        Self { map, refused, figures: figures.unwrap_or_default(), folder, beside: stamps }
+        Self { map, refused, figures: figures.unwrap_or_default(), folder, json_files: stamps }
     }
 
     /// True while the files beside the text are as they were.
     pub(super) fn holds(&self, path: &Path) -> bool {
-        self.beside == FileStamps::new(beside(path).into_iter())
+        self.json_files == FileStamps::new(json_files(path).into_iter())
     }
 
     /// What a line, from 0, is: Markdown.

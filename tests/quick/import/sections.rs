@@ -201,7 +201,7 @@ fn facts_name_their_points() {
     let mut bump = clean.clone();
     bump[40][0] += 0.05;
     assert!(
-        matches!(found(&bump).as_slice(), [SectionFact::Beside(40, off)] if (off - 0.05).abs() < 0.01),
+        matches!(found(&bump).as_slice(), [SectionFact::OffCurve(40, off)] if (off - 0.05).abs() < 0.01),
         "{:?}",
         found(&bump)
     );

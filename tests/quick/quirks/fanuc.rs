@@ -43,8 +43,8 @@ M30
 fn head() -> Machine {
     let line = |carries, direction| AxisLine { carries, direction, point: Point3::origin() };
     let axes = [line(Carries::Tool, Vector3::y_axis()), line(Carries::Part, Vector3::z_axis())];
-    let rotary = ["B", "C"].map(RotaryAxis::wide);
-    Machine { rotary, retract: 350.0, ..Machine::wide(Chain::new(axes).unwrap()) }
+    let rotary = ["B", "C"].map(RotaryAxis::unlimited);
+    Machine { rotary, retract: 350.0, ..Machine::unlimited(Chain::new(axes).unwrap()) }
 }
 
 fn said(dialect: &str, machine: &Machine, text: &str) -> String {

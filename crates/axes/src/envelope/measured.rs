@@ -2,7 +2,7 @@
 
 use super::band::dot;
 use super::deviation::{Deviation, Mounted, deviations};
-use super::program::MOST_ENTRIES;
+use super::program::MAX_ENTRIES;
 use super::target::Target;
 use nurbs::DualCurve;
 
@@ -61,7 +61,7 @@ pub(super) struct Row {
     pub(super) first: usize,
     /// Derivatives by this unknown and the next ones: for each control point x, y, z of the lower and of the upper
     /// curve.
-    change: [f64; MOST_ENTRIES],
+    change: [f64; MAX_ENTRIES],
     /// How many of these entries count.
     count: usize,
 }
@@ -94,7 +94,7 @@ impl Row {
     }
 
     /// The derivatives times a number, with zeros behind them.
-    pub(super) fn scaled(&self, by: f64) -> [f64; MOST_ENTRIES] {
+    pub(super) fn scaled(&self, by: f64) -> [f64; MAX_ENTRIES] {
         self.change.map(|x| x * by)
     }
 }

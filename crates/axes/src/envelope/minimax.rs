@@ -127,7 +127,7 @@ const EXCHANGES: usize = 5;
 
 /// Relative gain that finer knots must achieve, and the largest number of control points.
 const WORTH: f64 = 0.03;
-const MOST_CONTROL: usize = 40;
+const MAX_CONTROL: usize = 40;
 
 /// Widening that finer knots need not reduce, mm.
 const SMALL_WIDENING_MM: f64 = 1e-5;
@@ -155,7 +155,7 @@ pub fn finest(start: &DualCurve, tool: &Mounted<'_>, targets: &[Target], dense: 
         Finest { best, targets }
     };
     let mut found = exchanged(start, targets.to_vec());
-    while found.best.widening > SMALL_WIDENING_MM && found.best.curve.control_count() < MOST_CONTROL {
+    while found.best.widening > SMALL_WIDENING_MM && found.best.curve.control_count() < MAX_CONTROL {
         let finer = exchanged(&found.best.curve.refined(), found.targets.clone());
         let worth = finer.best.widening < (1.0 - WORTH) * found.best.widening;
         if finer.best.widening < found.best.widening {

@@ -9,7 +9,7 @@ use super::band::{Band, Factor, dot};
 use nurbs::bezier::MAX_BEZIER_DEGREE;
 
 /// Factors of a bound, at most: for the control points of both curves on which a place depends.
-pub(super) const MOST_ENTRIES: usize = 6 * (MAX_BEZIER_DEGREE + 1);
+pub(super) const MAX_ENTRIES: usize = 6 * (MAX_BEZIER_DEGREE + 1);
 
 /// A bound: a x <= limit + give w.
 #[derive(Clone, Copy, Debug)]
@@ -17,7 +17,7 @@ pub(super) struct Bound {
     /// First unknown of the bound.
     pub(super) first: usize,
     /// Factors of this unknown and of the next ones.
-    pub(super) a: [f64; MOST_ENTRIES],
+    pub(super) a: [f64; MAX_ENTRIES],
     /// Right side.
     pub(super) limit: f64,
     /// Factor of the widening.

@@ -60,7 +60,7 @@ const MAX_PROGRAMS: usize = 12;
 const JOIN: usize = 100;
 
 /// Least distance between points whose bounds join in the same round, mm.
-const JOINING_POINTS_APART_MM: f64 = 1.5;
+const JOINING_POINTS_DISTANCE_MM: f64 = 1.5;
 
 /// Largest violation of a bound outside of the program, mm; less where the widening itself is small.
 const BROKEN: f64 = 1e-5;
@@ -124,11 +124,11 @@ pub(super) fn best(model: &Model<'_>, aim: &Aim<'_>, kept: &mut Vec<usize>) -> O
         let mut joining: Vec<usize> = Vec::new();
         for (_, i) in missed {
             let at = model.targets[open[i].target].point;
-            let apart = |j: &usize| {
+            let is_far = |j: &usize| {
                 (model.targets[open[*j].target].point - at).norm_squared()
-                    > JOINING_POINTS_APART_MM * JOINING_POINTS_APART_MM
+                    > JOINING_POINTS_DISTANCE_MM * JOINING_POINTS_DISTANCE_MM
             };
-            if joining.len() < JOIN && joining.iter().all(apart) {
+            if joining.len() < JOIN && joining.iter().all(is_far) {
                 joining.push(i);
             }
         }
@@ -159,15 +159,15 @@ fn solve(model: &Model<'_>, aim: &Aim<'_>, active: &[Side], unit: f64) -> Option
     let bounds: Vec<Bound> = active.iter().map(bound).collect();
     let (quadratic, linear): (Band, Vec<f64>) = match aim {
         Aim::Widening(_) => {
-            let (mut beside, mut slope) = (Band::new(n, second_derivative::WIDTH), vec![0.0; n]);
+            let (mut hessian, mut slope) = (Band::new(n, second_derivative::WIDTH), vec![0.0; n]);
             // Quintics run to and fro by themselves.
             let pushed = model.curve.degree() > 3 || model.targets.iter().any(|t| t.of != Of::Cutter);
             if pushed {
-                second_derivative::add_model(model.curve, SECOND_DERIVATIVE_WEIGHT, &mut beside, &mut slope);
-                beside.scale(model.trust * model.trust);
+                second_derivative::add_model(model.curve, SECOND_DERIVATIVE_WEIGHT, &mut hessian, &mut slope);
+                hessian.scale(model.trust * model.trust);
             }
-            (0..n).for_each(|i| *beside.diagonal(i) += if pushed { IDLE_PUSHED } else { IDLE });
-            (beside, slope.iter().map(|x| x * model.trust).collect())
+            (0..n).for_each(|i| *hessian.diagonal(i) += if pushed { IDLE_PUSHED } else { IDLE });
+            (hessian, slope.iter().map(|x| x * model.trust).collect())
         }
         Aim::Quadratic { hessian, slope } => {
             // Scaled by the trust region and by the largest diagonal entry.

@@ -41,10 +41,10 @@ pub fn choose(
 ) -> Vec<Vector3<f64>> {
     let mut chosen: Vec<Vector3<f64>> = Vec::with_capacity(contacts.len());
     for (i, contact) in contacts.iter().enumerate() {
-        let beside = neighbours.and_then(|n| n.get(i)).copied();
+        let neighbour = neighbours.and_then(|n| n.get(i)).copied();
         let cost = |axis: &Vector3<f64>| {
             let along = energy.next(&chosen, axis, spacing);
-            let across = beside.map_or(0.0, |b| energy.next(&[b], axis, spacing));
+            let across = neighbour.map_or(0.0, |b| energy.next(&[b], axis, spacing));
             // Without neighbours the normal alone decides: the start in the paper.
             let upright = (axis - contact.normal).norm_squared() / (1.0 + contact.weight);
             along + across + UPRIGHT * upright

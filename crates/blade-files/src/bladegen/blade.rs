@@ -41,7 +41,7 @@ pub(super) fn shapes(block: &ModelSection<'_>) -> Result<[EdgeShape; 2], Diag> {
 }
 
 fn shape(block: &ModelSection<'_>, key: &str, edge: &str) -> Result<EdgeShape, Diag> {
-    let kind = block.value(key)?.ok_or_else(|| block.lacks(&format!("{key}=Ellipse")))?;
+    let kind = block.value(key)?.ok_or_else(|| block.missing(&format!("{key}=Ellipse")))?;
     if same(kind.text, "CutOff") {
         return Ok(EdgeShape::CutOff);
     }
@@ -50,7 +50,7 @@ fn shape(block: &ModelSection<'_>, key: &str, edge: &str) -> Result<EdgeShape, D
     }
     block.must_have("EllipseAtMean")?;
     let ratio = |key: String| {
-        let (ratio, line) = block.number(&key)?.ok_or_else(|| block.lacks(&format!("{key}=2")))?;
+        let (ratio, line) = block.number(&key)?.ok_or_else(|| block.missing(&format!("{key}=2")))?;
         if (RATIOS[0]..=RATIOS[1]).contains(&ratio) {
             return Ok((ratio, line));
         }
@@ -120,7 +120,7 @@ impl CurveReader<'_> {
 
     fn angle(&mut self, curve: &ModelSection<'_>, span: f64) -> Result<StatedAngle, Diag> {
         let keys = ["Layer", "DefinitionType", "HorizDim", "VertDim"];
-        let kind = curve.value("DefinitionType")?.ok_or_else(|| curve.lacks("DefinitionType=ThetaCurve"))?;
+        let kind = curve.value("DefinitionType")?.ok_or_else(|| curve.missing("DefinitionType=ThetaCurve"))?;
         curve.must_be("VertDim", "Degree")?;
         let radians = |mut values: Vec<[f64; 2]>| {
             values.iter_mut().for_each(|[_, angle]| *angle = self.model.sign() * angle.to_radians());
@@ -141,7 +141,7 @@ impl CurveReader<'_> {
                 "`BetaAxialDef` is expected in `Model`",
             ));
         }
-        let (start, _) = curve.number("LE_Theta")?.ok_or_else(|| curve.lacks("LE_Theta=0"))?;
+        let (start, _) = curve.number("LE_Theta")?.ok_or_else(|| curve.missing("LE_Theta=0"))?;
         let beta = radians(self.on_layer(curve, span)?);
         Ok(StatedAngle::Beta(beta, self.model.sign() * start.to_radians()))
     }

@@ -81,7 +81,7 @@ fn corner(turn: f64, at: Span) -> Diag {
 /// The points of a segment.
 fn segment<'b, 't>(block: &'b ModelSection<'t>) -> Result<&'b [ListedPoint<'t>], Diag> {
     block.only(&["CurveType", "UpstreamControl", "DownstreamControl"], &["Data"])?;
-    let kind = block.value("CurveType")?.ok_or_else(|| block.lacks("CurveType=Spline"))?;
+    let kind = block.value("CurveType")?.ok_or_else(|| block.missing("CurveType=Spline"))?;
     let data = block.required("Data")?;
     data.only(&[], &[])?;
     if !same(kind.text, "Spline") && !same(kind.text, "Linear") {

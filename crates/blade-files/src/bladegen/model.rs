@@ -6,7 +6,7 @@ use crate::Options;
 use crate::found::{Found, within};
 use crate::frame::{Axis, Frame, Handedness, LengthUnit};
 use crate::limits;
-use crate::stated::Asked;
+use crate::stated::RequiredFacts;
 use base::source::Spanned;
 use diagnostics::codes::import as codes;
 use diagnostics::{Diag, printable};
@@ -92,12 +92,12 @@ impl WheelModel {
             (Some(line), None) => Some(Spanned::new(Handedness::Left, line.span)),
             (None, right) => right.map(|line| Spanned::new(Handedness::Right, line.span)),
         };
-        let mut asked = Asked::of(options, found, block.line.span);
-        let unit = asked.unit(unit)?;
-        let axis = asked.axis(Some(Spanned::new(Axis::Z, block.line.span)))?;
-        let handedness = asked.handedness(handedness)?;
-        let count = asked.blades(count)?;
-        asked.end()?;
+        let mut required = RequiredFacts::of(options, found, block.line.span);
+        let unit = required.unit(unit)?;
+        let axis = required.axis(Some(Spanned::new(Axis::Z, block.line.span)))?;
+        let handedness = required.handedness(handedness)?;
+        let count = required.blades(count)?;
+        required.end()?;
         let beta_from_meridian = block.flag("BetaAxialDef")?.is_some();
         Ok(Self { count, frame: Frame { mm: unit.mm(), axis, handedness }, beta_from_meridian })
     }
@@ -143,8 +143,8 @@ impl Meridional {
         let mut layers: Vec<(String, f64)> = Vec::new();
         for layer in block.all("SpanLayer") {
             layer.only(&["Name", "OutputLayer", "SpanFraction"], &[])?;
-            let name = layer.value("Name")?.ok_or_else(|| layer.lacks("Name=Layer1"))?;
-            let (share, line) = layer.number("SpanFraction")?.ok_or_else(|| layer.lacks("SpanFraction=0"))?;
+            let name = layer.value("Name")?.ok_or_else(|| layer.missing("Name=Layer1"))?;
+            let (share, line) = layer.number("SpanFraction")?.ok_or_else(|| layer.missing("SpanFraction=0"))?;
             if !(0.0..=1.0).contains(&share) {
                 return Err(line.fault("a layer lies beyond hub and shroud", "a share from 0 to 1 is expected"));
             }
@@ -159,7 +159,7 @@ impl Meridional {
 
     /// Share of the span of the layer that a curve names.
     pub(super) fn layer(&self, curve: &ModelSection<'_>) -> Result<f64, Diag> {
-        let name = curve.value("Layer")?.ok_or_else(|| curve.lacks("Layer=\"Layer1\""))?;
+        let name = curve.value("Layer")?.ok_or_else(|| curve.missing("Layer=\"Layer1\""))?;
         let known = self.layers.iter().find(|(layer, _)| same(layer, name.text));
         known
             .map(|(_, share)| *share)

@@ -180,7 +180,7 @@ impl<'t> ModelSection<'t> {
     }
 
     /// The fault of a key that is missing: what BladeGen takes then is not known.
-    pub(super) fn lacks(&self, what: &str) -> Diag {
+    pub(super) fn missing(&self, what: &str) -> Diag {
         let name = printable(self.name);
         Diag::error(codes::NOT_STATED, format!("the section `{name}` does not state `{what}`"))
             .label(self.line.span, "this section")
@@ -191,7 +191,7 @@ impl<'t> ModelSection<'t> {
 
     /// Refuses a key that has another value than the one that is read, or none.
     pub(super) fn must_be(&self, key: &str, due: &str) -> Result<(), Diag> {
-        let value = self.value(key)?.ok_or_else(|| self.lacks(&format!("{key}={due}")))?;
+        let value = self.value(key)?.ok_or_else(|| self.missing(&format!("{key}={due}")))?;
         if same(value.text, due) {
             return Ok(());
         }
@@ -201,7 +201,7 @@ impl<'t> ModelSection<'t> {
 
     /// Refuses a block without a flag.
     pub(super) fn must_have(&self, flag: &str) -> Result<(), Diag> {
-        self.flag(flag)?.map(|_| ()).ok_or_else(|| self.lacks(flag))
+        self.flag(flag)?.map(|_| ()).ok_or_else(|| self.missing(flag))
     }
 
     /// Refuses keys and blocks that are not known.

@@ -64,7 +64,7 @@ pub(super) fn splitter(
         }
     }
     block.only(&[&EDGE_KEYS[..], &["PitchFraction"]].concat(), &["LeadingEdgeCut"])?;
-    let (share, line) = block.number("PitchFraction")?.ok_or_else(|| block.lacks("PitchFraction=0.5"))?;
+    let (share, line) = block.number("PitchFraction")?.ok_or_else(|| block.missing("PitchFraction=0.5"))?;
     if !(share > 0.0 && share < 1.0) {
         return Err(
             line.fault("a splitter stands in a blade or beyond the next", "a share between 0 and 1 is expected")

@@ -16,7 +16,7 @@ use std::collections::{BTreeMap, BTreeSet};
 const MAX_NESTING: usize = 8;
 
 /// Most places at which a part may stand.
-const MOST_PLACES: usize = 1000;
+const MAX_PLACES: usize = 1000;
 
 /// Deepest nesting of solids and shells above a face.
 const ABOVE_FACE: usize = 4;
@@ -102,7 +102,7 @@ pub(super) fn place(
         }
         let whole = places.and_then(|places| places.first()).map(|place| place.whole);
         match first {
-            Some((other, at)) if counts(k) && other != whole => return Err(apart(face.entity.span, at)),
+            Some((other, at)) if counts(k) && other != whole => return Err(of_another_solid(face.entity.span, at)),
             None if counts(k) => first = Some((whole, face.entity.span)),
             _ => {}
         }
@@ -111,7 +111,7 @@ pub(super) fn place(
 }
 
 /// The fault of faces in parts that nothing places against each other.
-fn apart(here: Span, there: Span) -> Diag {
+fn of_another_solid(here: Span, there: Span) -> Diag {
     Diag::error(codes::NOT_READ, "faces of the wheel belong to parts that no assembly places against each other")
         .label(here, "the part of this face")
         .label(there, "and that of this one")
@@ -225,8 +225,8 @@ impl Assembly {
             if depth >= MAX_NESTING {
                 return Err(fault(format!("assemblies are nested more than {MAX_NESTING} deep, or hold themselves")));
             }
-            if places.len() >= MOST_PLACES {
-                return Err(fault(format!("a part stands at more than {MOST_PLACES} places")));
+            if places.len() >= MAX_PLACES {
+                return Err(fault(format!("a part stands at more than {MAX_PLACES} places")));
             }
             let [own, there] = standing.frames.map(|frame| geometry.placement(frame, standing.span));
             let step = isometry(&there?) * isometry(&own?).inverse();

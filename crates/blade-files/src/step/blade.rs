@@ -19,7 +19,7 @@ use nalgebra::Point3;
 use nurbs::angle::nearest_turn;
 
 /// Most faces of an edge.
-const MOST_EDGE_FACES: usize = 12;
+const MAX_EDGE_FACES: usize = 12;
 
 /// Names of both ends.
 pub(super) const ENDS: [&str; 2] = ["inlet", "outlet"];
@@ -192,7 +192,7 @@ impl BladeReader<'_, '_> {
         let along = |p: &Point3<f64>| self.hub.nearest(&flat(p))[0];
         let sheets = [self.sheet(&faces[0], along)?, self.sheet(&faces[1], along)?];
         for (sheet, face) in sheets.iter().zip(&faces) {
-            let gap = trim(1e3 * sheet.apart, 2);
+            let gap = trim(1e3 * sheet.gap, 2);
             found.note(
                 face.span,
                 format!("#{} `{}`: its edges lie within {gap} um of its surface", face.number, face.name),
@@ -234,7 +234,7 @@ impl BladeReader<'_, '_> {
         let role = FaceRole::OfBlade(blade, [BladeFace::Inlet, BladeFace::Outlet][end]);
         let mut used = faces.to_vec();
         let mut chain: Vec<StepSheet> = Vec::new();
-        while chain.len() < MOST_EDGE_FACES {
+        while chain.len() < MAX_EDGE_FACES {
             let side = chain.last().map_or(SheetEnd { sheet: &sheets[0], end }, |sheet| SheetEnd { sheet, end: 1 });
             if side.meets(SheetEnd { sheet: &sheets[1], end }) {
                 return if chain.is_empty() {

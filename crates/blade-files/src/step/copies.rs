@@ -1,6 +1,6 @@
 //! Copies of a face about the axis: how many blades the wheel has.
 
-use super::face::{EDGE_APART_MM, EDGE_STEPS, StepFace};
+use super::face::{EDGE_GAP_MM, EDGE_STEPS, StepFace};
 use nalgebra::{Point3, Rotation3, Vector3};
 use nurbs::angle::nearest_turn;
 use std::f64::consts::TAU;
@@ -25,20 +25,20 @@ pub(super) fn count(face: &StepFace, others: impl Iterator<Item = StepFace>) -> 
         let theirs = marks(&other);
         let there = middle(&theirs);
         let same = theirs.len() == own.len()
-            && (libm::hypot(there.x, there.y) - libm::hypot(at.x, at.y)).abs() < EDGE_APART_MM
-            && (there.z - at.z).abs() < EDGE_APART_MM;
+            && (libm::hypot(there.x, there.y) - libm::hypot(at.x, at.y)).abs() < EDGE_GAP_MM
+            && (there.z - at.z).abs() < EDGE_GAP_MM;
         if !same {
             continue;
         }
         let angle = libm::atan2(there.y, there.x) - libm::atan2(at.y, at.x);
         let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), angle);
-        let has = |p: &Point3<f64>| theirs.iter().any(|q| nalgebra::distance(&(turn * p), q) < EDGE_APART_MM);
+        let has = |p: &Point3<f64>| theirs.iter().any(|q| nalgebra::distance(&(turn * p), q) < EDGE_GAP_MM);
         if own.iter().all(has) {
             angles.push(angle.rem_euclid(TAU));
         }
     }
     let pitch = TAU / angles.len() as f64;
-    let far = EDGE_APART_MM / libm::hypot(at.x, at.y).max(EDGE_APART_MM);
+    let far = EDGE_GAP_MM / libm::hypot(at.x, at.y).max(EDGE_GAP_MM);
     let mut places: Vec<f64> = angles.iter().map(|a| (a / pitch).round() * pitch).collect();
     let even = angles.iter().zip(&places).all(|(a, place)| nearest_turn(a - place, 0.0).abs() < far);
     places.iter_mut().for_each(|place| *place = place.rem_euclid(TAU));

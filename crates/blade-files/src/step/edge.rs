@@ -1,6 +1,6 @@
 //! Edges of a blade: the faces between its pressure and its suction face at one end.
 
-use super::face::EDGE_APART_MM;
+use super::face::EDGE_GAP_MM;
 use super::meridian::flat;
 use super::sheet::StepSheet;
 use blade::EdgeForm;
@@ -30,7 +30,7 @@ impl SheetEnd<'_> {
     /// Whether another sheet ends in the same line.
     pub(super) fn meets(self, other: SheetEnd<'_>) -> bool {
         let [here, there] = [self, other].map(|side| side.sheet.end(side.end as f64, SIDE_PLACES));
-        here.iter().zip(&there).all(|(a, b)| nalgebra::distance(a, b) < EDGE_APART_MM)
+        here.iter().zip(&there).all(|(a, b)| nalgebra::distance(a, b) < EDGE_GAP_MM)
     }
 }
 
@@ -91,7 +91,7 @@ fn is_cut_off(sheets: &[StepSheet], faces: &[StepSheet; 2], end: usize) -> bool 
     ];
     let [from, to] = [first.jet(0.0, 0.5).point, last.jet(1.0, 0.5).point];
     let chord = to - from;
-    let beside = |p: Point3<f64>| (p - from).cross(&chord).norm() / chord.norm().max(f64::MIN_POSITIVE);
-    let highest = sheets.iter().flat_map(|sheet| sheet.row(0.5, SIDE_PLACES)).map(beside).fold(0.0, f64::max);
+    let off_chord = |p: Point3<f64>| (p - from).cross(&chord).norm() / chord.norm().max(f64::MIN_POSITIVE);
+    let highest = sheets.iter().flat_map(|sheet| sheet.row(0.5, SIDE_PLACES)).map(off_chord).fold(0.0, f64::max);
     blade::is_cut_off(turns, highest, chord.norm())
 }

@@ -88,7 +88,7 @@ impl WheelEnds {
         for (end, name) in ENDS.into_iter().enumerate() {
             let (off, edge) = (self.off_line(blade, end), &blade.edges[end]);
             let count = edge.sheets.len();
-            let told = match edge.form {
+            let note = match edge.form {
                 None => format!(
                     "both faces meet at the {name}{of} without a face between them: the curvature of closed sections tells the edge"
                 ),
@@ -117,7 +117,7 @@ impl WheelEnds {
                 Some(EdgeForm::Round) => format!("the {name} edge{of} is round: {count} faces lead round it"),
                 _ => format!("the {name} edge{of} is cut off inside of the wheel, between two corners"),
             };
-            found.note(place, told);
+            found.note(place, note);
         }
         Ok(())
     }
@@ -189,7 +189,7 @@ fn shroud(main: &StepBlade, faces: &[StepFace], place: Span, found: &mut Found) 
     }
     let (shroud, spread) = turned_faces::meridian(faces)?;
     revolved::check(faces, spread, "shroud", place, found)?;
-    found.moved(turned_faces::apart(&shroud, faces));
+    found.moved(turned_faces::distance(&shroud, faces));
     let [first, last] = [0.0, 1.0].map(|s| shroud.nearest(&flat(&main.sheets[0].jet(s, 1.0).point))[0]);
     Ok(if first < last { shroud } else { shroud.reversed() })
 }

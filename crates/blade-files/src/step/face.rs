@@ -14,10 +14,10 @@ pub(super) const EDGE_STEPS: usize = 512;
 
 /// Largest distance of a curve from the vertices of its edge, and of an edge from its surface, mm. Files of usual accuracy keep
 /// 0.001 mm to 0.01 mm.
-pub(super) const EDGE_APART_MM: f64 = 0.02;
+pub(super) const EDGE_GAP_MM: f64 = 0.02;
 
 /// Most edges of a face that is read.
-const MOST_EDGES: usize = 1000;
+const MAX_EDGES: usize = 1000;
 
 /// A face that was picked.
 #[derive(Clone, Debug)]
@@ -60,7 +60,7 @@ impl StepFace {
         let border: Vec<Vector2<f64>> = points
             .map(|p| {
                 let (place, far) = self.surface.nearest(p, near);
-                near = if far < EDGE_APART_MM { Some(place) } else { None };
+                near = if far < EDGE_GAP_MM { Some(place) } else { None };
                 place.into()
             })
             .collect();
@@ -108,8 +108,8 @@ impl StepGeometry<'_, '_> {
             return Err(self.unknown(&entity, "border", "EDGE_LOOP"));
         }
         let edges = entity.arguments("EDGE_LOOP")?.references(1)?;
-        if edges.len() > MOST_EDGES {
-            return Err(entity.fault(format!("#{number} has {} edges, more than {MOST_EDGES}", edges.len())));
+        if edges.len() > MAX_EDGES {
+            return Err(entity.fault(format!("#{number} has {} edges, more than {MAX_EDGES}", edges.len())));
         }
         let mut border = Vec::with_capacity(edges.len());
         for edge in edges {
@@ -124,7 +124,7 @@ impl StepGeometry<'_, '_> {
         }
         let open = |k: usize| {
             let [here, next] = [k, k + 1].map(|k| &border[k % border.len()].points);
-            here.last().zip(next.first()).is_none_or(|(a, b)| nalgebra::distance(a, b) > EDGE_APART_MM)
+            here.last().zip(next.first()).is_none_or(|(a, b)| nalgebra::distance(a, b) > EDGE_GAP_MM)
         };
         if (0..border.len()).any(open) {
             return Err(entity.fault(format!("the border #{number} is not closed")));
@@ -147,10 +147,10 @@ impl StepGeometry<'_, '_> {
         let along = arguments.word(4) != Some("F");
         let range = range(&curve, ends, along);
         for (end, t) in ends.iter().zip(range) {
-            let apart = nalgebra::distance(end, &curve.at(t).0);
-            if apart > EDGE_APART_MM {
+            let gap = nalgebra::distance(end, &curve.at(t).0);
+            if gap > EDGE_GAP_MM {
                 return Err(entity
-                    .fault(format!("the curve of the edge #{number} is {apart:.3} mm away from an end of the edge")));
+                    .fault(format!("the curve of the edge #{number} is {gap:.3} mm away from an end of the edge")));
             }
         }
         let at = |k: usize| curve.at(range[0] + (range[1] - range[0]) * k as f64 / EDGE_STEPS as f64).0;
@@ -163,7 +163,7 @@ fn range(curve: &StepCurve, ends: [Point3<f64>; 2], along: bool) -> [f64; 2] {
     let [from, to] = ends.map(|end| curve.nearest(&end));
     let Some([lo, hi]) = curve.domain() else { return [from, to] };
     let whole = hi - lo;
-    let closed = nalgebra::distance(&curve.at(lo).0, &curve.at(hi).0) < EDGE_APART_MM;
+    let closed = nalgebra::distance(&curve.at(lo).0, &curve.at(hi).0) < EDGE_GAP_MM;
     // Ends nearer than this share of the whole are one.
     let same = 1e-9 * whole;
     match (curve, along) {

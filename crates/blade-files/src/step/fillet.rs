@@ -3,7 +3,7 @@
 //! From a place of the face the centre of the ball is its radius away along the normal. The ball touches the hub where the centre
 //! has the same distance from it. So each place gives a radius, and a fillet of a rolling ball gives the same everywhere.
 
-use super::face::{EDGE_APART_MM, StepFace};
+use super::face::{EDGE_GAP_MM, StepFace};
 use super::meridian::{StepMeridian, flat};
 use super::surface::SurfaceJet;
 use nalgebra::{Point3, Vector3};
@@ -63,7 +63,7 @@ fn radii(face: &StepFace, hub: &StepMeridian, side: f64) -> Vec<f64> {
     let places = face.inside(BORDER_STRIDE).into_iter().map(|place| face.surface.at(place));
     let heights: Vec<(SurfaceJet, f64)> = places.map(|jet| (jet, hub.nearest(&flat(&jet.point))[1])).collect();
     let highest = heights.iter().map(|(_, height)| *height).fold(0.0, f64::max);
-    let away = heights.into_iter().filter(|(_, height)| *height > EDGE_APART_MM.max(AWAY * highest));
+    let away = heights.into_iter().filter(|(_, height)| *height > EDGE_GAP_MM.max(AWAY * highest));
     away.filter_map(|(jet, height)| radius(&jet.point, jet.normal()? * side, height, hub)).collect()
 }
 

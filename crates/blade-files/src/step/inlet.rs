@@ -1,7 +1,7 @@
 //! Which end of the hub is the inlet: by an edge that was picked, by the caller along the axis, otherwise the end of the blade nearer to
 //! the axis.
 
-use super::face::{EDGE_APART_MM, StepFace};
+use super::face::{EDGE_GAP_MM, StepFace};
 use super::meridian::{StepMeridian, flat};
 use crate::found::Found;
 use crate::{Axis, Start};
@@ -100,7 +100,7 @@ impl BladeEnds {
     fn stated(&self, start: Option<Start>, axis: Axis) -> Result<Option<bool>, Diag> {
         let Some(start) = start else { return Ok(None) };
         let [first, last] = self.at.map(|p| p.y);
-        if (first - last).abs() <= EDGE_APART_MM {
+        if (first - last).abs() <= EDGE_GAP_MM {
             let message =
                 format!("`--start` does not tell the inlet: both ends of the blade are at one height along {axis}");
             return Err(Diag::error(codes::CONTRADICTS, message)

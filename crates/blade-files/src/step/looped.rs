@@ -131,8 +131,8 @@ fn off(blade: &StepBlade, made: &LoftedBlade, turned: [bool; 2]) -> f64 {
                 let near = own.map_or(f64::INFINITY, |own| from_surface(&p, own, [s, *t]));
                 // Faces and edges of a section need not end where those of the file do.
                 let nearest = || {
-                    let beside = starts.iter().map(|starts| starts.distance(&p));
-                    beside.chain(across_cuts(blade, made, &p, *t)).fold(near, f64::min)
+                    let nearby = starts.iter().map(|starts| starts.distance(&p));
+                    nearby.chain(across_cuts(blade, made, &p, *t)).fold(near, f64::min)
                 };
                 most = most.max(if near <= most { near } else { nearest() });
             }
@@ -164,8 +164,8 @@ fn across_cut(made: &LoftedBlade, end: usize, p: &Point3<f64>, mut t: f64, mut s
     let ends = |t: f64| made.faces.each_ref().map(|face| face.derivatives(end as f64, t));
     let far = |t: f64| from_chords(p, &ends(t).map(|d| d.point));
     for _ in 0..DIVISIONS {
-        let beside = [t, t - step, t + step].map(|t| t.clamp(0.0, 1.0));
-        t = beside.into_iter().min_by(|a, b| far(*a).total_cmp(&far(*b))).unwrap_or(t);
+        let nearby = [t, t - step, t + step].map(|t| t.clamp(0.0, 1.0));
+        t = nearby.into_iter().min_by(|a, b| far(*a).total_cmp(&far(*b))).unwrap_or(t);
         step *= 0.5;
     }
     let [a, b] = ends(t);

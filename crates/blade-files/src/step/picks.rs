@@ -9,7 +9,7 @@ use diagnostics::{Diag, printable};
 use nalgebra::IsometryMatrix3;
 
 /// Most faces that are listed. A wheel of 40 blades with fillets has some 500.
-pub(super) const MOST_FACES: usize = 20_000;
+pub(super) const MAX_FACES: usize = 20_000;
 
 /// Most faces that are named in a message.
 const MAX_NAMED_FACES: usize = 12;
@@ -36,8 +36,8 @@ pub(super) fn listed<'t>(table: &EntityTable<'t>) -> Result<Vec<ListedFace<'t>>,
     let mut faces = Vec::new();
     for entity in table.of_kinds(&["ADVANCED_FACE", "FACE_SURFACE"]) {
         let entity = entity?;
-        if faces.len() >= MOST_FACES {
-            return Err(Diag::error(codes::TOO_MUCH, format!("more than {MOST_FACES} faces, the limit"))
+        if faces.len() >= MAX_FACES {
+            return Err(Diag::error(codes::TOO_MUCH, format!("more than {MAX_FACES} faces, the limit"))
                 .label(entity.span, "this one exceeds it")
                 .help("export one sector of the wheel alone"));
         }

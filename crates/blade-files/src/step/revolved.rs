@@ -60,7 +60,7 @@ fn spreads<'a, 't>(geometry: &StepGeometry<'a, 't>, hub_in: &HubIn<'_, 'a, 't>) 
 
 fn chosen(spreads: [(Axis, f64); 3], stated: Option<Axis>, span: Span, found: &mut Found) -> Result<Axis, Diag> {
     let fits: Vec<Axis> = spreads.iter().filter(|(_, s)| *s <= REVOLVED).map(|(axis, _)| *axis).collect();
-    let told = || told(spreads);
+    let described = || described(spreads);
     match (stated, fits.as_slice()) {
         (Some(axis), fits) if fits.contains(&axis) => {
             found.note(None, format!("the axis of rotation is {axis}, by `--axis`"));
@@ -68,7 +68,7 @@ fn chosen(spreads: [(Axis, f64); 3], stated: Option<Axis>, span: Span, found: &m
         }
         (Some(axis), _) => {
             Err(Diag::error(codes::CONTRADICTS, format!("the hub is not turned about {axis}, as `--axis` says"))
-                .label(span, told())
+                .label(span, described())
                 .help("leave out `--axis`, or pick another face as hub"))
         }
         (None, [axis]) => {
@@ -76,22 +76,22 @@ fn chosen(spreads: [(Axis, f64); 3], stated: Option<Axis>, span: Span, found: &m
             Ok(*axis)
         }
         (None, []) => Err(Diag::error(codes::NOT_READ, "the hub is turned about no axis of the file")
-            .label(span, told())
+            .label(span, described())
             .help("pick other faces as hub, or export the wheel with its axis as x, y or z through the origin")),
         (None, _) => Err(Diag::error(codes::NOT_STATED, "the hub can be turned about several axes")
-            .label(span, told())
+            .label(span, described())
             .help("state `--axis`: x, y or z")),
     }
 }
 
 /// How far the borders of the hub lie off one meridian about each axis, in words.
-fn told(spreads: [(Axis, f64); 3]) -> String {
+fn described(spreads: [(Axis, f64); 3]) -> String {
     let (known, none): (Vec<_>, Vec<_>) = spreads.into_iter().partition(|(_, spread)| spread.is_finite());
     let far: Vec<String> = known.iter().map(|(axis, spread)| format!("{} mm about {axis}", trim(*spread, 3))).collect();
     let none: Vec<String> = none.iter().map(|(axis, _)| axis.to_string()).collect();
     let lie = (!far.is_empty()).then(|| format!("lie off one meridian by {}", far.join(", ")));
-    let lack = (!none.is_empty()).then(|| format!("have no meridian about {}", none.join(", ")));
-    format!("its borders {}", [lie, lack].into_iter().flatten().collect::<Vec<_>>().join(" and "))
+    let without = (!none.is_empty()).then(|| format!("have no meridian about {}", none.join(", ")));
+    format!("its borders {}", [lie, without].into_iter().flatten().collect::<Vec<_>>().join(" and "))
 }
 
 /// Refuses faces that are not turned about Z, and says how near they are. `spread` is the distance of their borders from one

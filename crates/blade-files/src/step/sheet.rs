@@ -3,7 +3,7 @@
 //! The parameters of the sides are blended (a Coons patch in the parameters of the surface), so that each place lies on the
 //! surface, and the sides are those of the face also where it is trimmed.
 
-use super::face::{EDGE_APART_MM, StepChain, StepFace, four_sides};
+use super::face::{EDGE_GAP_MM, StepChain, StepFace, four_sides};
 use super::surface::{StepSurface, SurfaceJet};
 use diagnostics::Diag;
 use diagnostics::codes::import as codes;
@@ -41,7 +41,7 @@ pub(super) struct StepSheet {
     /// Root and tip along s, first and last side along t.
     sides: [SheetSide; 4],
     /// Largest distance of the edges from the surface, mm.
-    pub(super) apart: f64,
+    pub(super) gap: f64,
 }
 
 impl StepSheet {
@@ -64,7 +64,7 @@ impl StepSheet {
         // The root is the side whose farthest point is nearest to the hub.
         let farthest = |side: &StepChain| side.points.iter().map(&from_root).fold(0.0, f64::max);
         let root = (0..4).min_by(|a, b| farthest(&sides[*a]).total_cmp(&farthest(&sides[*b]))).unwrap_or(0);
-        let (mut apart, mut near) = (0.0_f64, None);
+        let (mut gap, mut near) = (0.0_f64, None);
         let mut placed = Vec::with_capacity(4);
         for side in &sides {
             let mut places = Vec::with_capacity(side.points.len());
@@ -72,11 +72,11 @@ impl StepSheet {
                 let (mut place, mut far) = face.surface.nearest(p, near);
                 // From a place at which a parameter has no speed no search comes away. Round a closed surface it may jump.
                 let closed = (0..2).any(|k| face.surface.period(k).is_some());
-                if far > EDGE_APART_MM && near.is_some() && !closed {
+                if far > EDGE_GAP_MM && near.is_some() && !closed {
                     (place, far) = face.surface.nearest(p, None);
                 }
                 near = Some(place);
-                apart = apart.max(far);
+                gap = gap.max(far);
                 places.push(Vector2::from(place));
             }
             let lengths = chords::lengths(&side.points);
@@ -84,11 +84,8 @@ impl StepSheet {
             let shares = lengths.into_iter().map(|l| l / whole).collect();
             placed.push(SheetSide { edges: side.edges.clone(), shares, places });
         }
-        if apart.is_nan() || apart > EDGE_APART_MM {
-            return Err(fault(format!(
-                "the border of the face #{} is {apart:.3} mm away from its surface",
-                face.number
-            )));
+        if gap.is_nan() || gap > EDGE_GAP_MM {
+            return Err(fault(format!("the border of the face #{} is {gap:.3} mm away from its surface", face.number)));
         }
         let ends = |side: &SheetSide| [side.places[0], side.places[side.places.len() - 1]];
         let joined = |a: Vector2<f64>, b: Vector2<f64>| {
@@ -97,7 +94,7 @@ impl StepSheet {
         };
         // Round a closed surface the parameters of the border may not come back.
         let (first, last) = (ends(&placed[0])[0], ends(&placed[3])[1]);
-        if joined(first, last) > EDGE_APART_MM || (first - last).norm() > 1.0 + 1e-3 * first.norm() {
+        if joined(first, last) > EDGE_GAP_MM || (first - last).norm() > 1.0 + 1e-3 * first.norm() {
             return Err(fault(format!("the border of the face #{} goes round its surface", face.number)));
         }
         placed.rotate_left(root);
@@ -109,7 +106,7 @@ impl StepSheet {
         } else {
             [root.reversed(), tip, second, fourth.reversed()]
         };
-        Ok(Self { surface: face.surface.clone(), sides, apart })
+        Ok(Self { surface: face.surface.clone(), sides, gap })
     }
 
     /// Point and derivatives of the surface at a place of the unit square.

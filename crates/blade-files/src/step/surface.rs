@@ -74,8 +74,8 @@ impl StepSurface {
                 let axis = frame.axes[2];
                 let turn = Rotation3::from_axis_angle(&Unit::new_unchecked(axis), u);
                 let (point, slope) = curve.at(v);
-                let arm = turn * (point - frame.origin);
-                SurfaceJet { point: frame.origin + arm, by: [axis.cross(&arm), turn * slope] }
+                let offset = turn * (point - frame.origin);
+                SurfaceJet { point: frame.origin + offset, by: [axis.cross(&offset), turn * slope] }
             }
             Self::Extrusion(curve, way) => {
                 let (point, slope) = curve.at(u);

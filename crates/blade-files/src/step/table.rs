@@ -7,7 +7,7 @@ use diagnostics::codes::import as codes;
 use diagnostics::{Diag, printable};
 
 /// Most entities. A wheel of splines has some 100 000.
-const MOST_ENTITIES: usize = 8_000_000;
+const MAX_ENTITIES: usize = 8_000_000;
 
 /// Deepest nesting of lists. The schemas have three.
 const MAX_NESTING: usize = 16;
@@ -210,8 +210,8 @@ fn data(lexer: &mut Lexer<'_>, places: &mut Vec<EntityPlace>, begins: usize) -> 
                     return Err(malformed(format!("#{number} is no entity"), span, "`=` is expected behind it"));
                 };
                 let (start, end) = skip_record(lexer, span.range().start)?;
-                if places.len() >= MOST_ENTITIES {
-                    return Err(Diag::error(codes::TOO_MUCH, format!("more than {MOST_ENTITIES} entities, the limit"))
+                if places.len() >= MAX_ENTITIES {
+                    return Err(Diag::error(codes::TOO_MUCH, format!("more than {MAX_ENTITIES} entities, the limit"))
                         .label(span, "this one exceeds it")
                         .help("export one sector of the wheel alone"));
                 }

@@ -28,7 +28,7 @@ pub(super) fn meridian(faces: &[StepFace]) -> Result<(StepMeridian, f64), Diag> 
 }
 
 /// Largest distance of all points of the borders of faces from a meridian, mm.
-pub(super) fn apart(line: &StepMeridian, faces: &[StepFace]) -> f64 {
+pub(super) fn distance(line: &StepMeridian, faces: &[StepFace]) -> f64 {
     let edges = faces.iter().flat_map(|face| face.borders.iter().flatten());
     edges.flat_map(|edge| &edge.points).map(|p| line.nearest(&flat(p))[1]).fold(0.0, f64::max)
 }

@@ -3,7 +3,7 @@
 //! Any line of a surface of revolution that runs from one of its ends to the other shows the meridian by its radii and heights. So no
 //! edge needs to run along the meridian: a face may lie between two rings, and have holes where blades stand.
 
-use super::face::{EDGE_APART_MM, EDGE_STEPS, StepBorder, StepFace};
+use super::face::{EDGE_GAP_MM, EDGE_STEPS, StepBorder, StepFace};
 use super::meridian::{StepMeridian, flat};
 use super::placement::StepPlacement;
 use super::surface::StepSurface;
@@ -39,7 +39,7 @@ pub(super) fn traced(face: &StepFace) -> Option<StepMeridian> {
 fn about_z(frame: &StepPlacement) -> bool {
     let across = |x: f64, y: f64| libm::hypot(x, y);
     let [_, _, axis] = frame.axes;
-    across(axis.x, axis.y) <= TILTED && across(frame.origin.x, frame.origin.y) <= EDGE_APART_MM
+    across(axis.x, axis.y) <= TILTED && across(frame.origin.x, frame.origin.y) <= EDGE_GAP_MM
 }
 
 fn first_point(border: &StepBorder) -> Option<&Point3<f64>> {
@@ -91,10 +91,10 @@ fn of_plane(face: &StepFace, frame: &StepPlacement) -> Option<StepMeridian> {
 fn of_sphere(face: &StepFace, middle: &Point3<f64>, radius: f64) -> Option<StepMeridian> {
     let ring = |edge: &[Point3<f64>]| {
         let first = edge.first().map(flat);
-        edge.iter().all(|p| first.is_some_and(|first| (flat(p) - first).norm() <= EDGE_APART_MM))
+        edge.iter().all(|p| first.is_some_and(|first| (flat(p) - first).norm() <= EDGE_GAP_MM))
     };
     let has_ring = face.borders.iter().flatten().any(|edge| ring(&edge.points));
-    if !has_ring || libm::hypot(middle.x, middle.y) > EDGE_APART_MM {
+    if !has_ring || libm::hypot(middle.x, middle.y) > EDGE_GAP_MM {
         return None;
     }
     let angle = |p: &Point3<f64>| libm::atan2(p.z - middle.z, flat(p).x);
@@ -117,14 +117,14 @@ fn along(face: &StepFace, k: usize) -> Option<StepMeridian> {
     for p in points(face) {
         let (mut place, mut far) = surface.nearest(p, near);
         // A search that went astray begins anew, and one that came to a seam goes on behind it.
-        if far >= EDGE_APART_MM && near.is_some() {
+        if far >= EDGE_GAP_MM && near.is_some() {
             (place, far) = surface.nearest(p, None);
         }
         let behind = surface.beyond_seam(place).map(|start| surface.nearest(p, Some(start)));
         if let Some(found) = behind.filter(|(_, other)| *other < far) {
             (place, far) = found;
         }
-        near = (far < EDGE_APART_MM).then_some(place);
+        near = (far < EDGE_GAP_MM).then_some(place);
         for (all, at) in places.iter_mut().zip(place) {
             all.push(at);
         }
@@ -137,7 +137,7 @@ fn along(face: &StepFace, k: usize) -> Option<StepMeridian> {
         None => range(places[k].iter().copied())?,
     };
     if let Some(p) = ring_round_axis(face).and_then(first_point) {
-        let tips: Vec<f64> = surface.tips(k).into_iter().filter(|tip| at(*tip).x < EDGE_APART_MM).collect();
+        let tips: Vec<f64> = surface.tips(k).into_iter().filter(|tip| at(*tip).x < EDGE_GAP_MM).collect();
         ends = to_tip(ends, surface.nearest(p, None).0[k], &tips);
     }
     StepMeridian::new(steps(ends).map(at).collect())

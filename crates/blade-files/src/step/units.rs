@@ -2,7 +2,7 @@
 
 use super::super::Options;
 use super::super::found::Found;
-use super::super::stated::{Asked, SAME_UNIT, same_unit};
+use super::super::stated::{RequiredFacts, SAME_UNIT, same_unit};
 use super::table::{Entity, EntityTable};
 use base::source::Span;
 use base::units::trim;
@@ -10,7 +10,7 @@ use diagnostics::Diag;
 use diagnostics::codes::import as codes;
 
 /// Most conversions from a unit to the metre. Files have one.
-const MOST_CONVERSIONS: usize = 8;
+const MAX_CONVERSIONS: usize = 8;
 
 /// Names of the SI prefixes with their powers of ten.
 const PREFIXES: [(&str, i32); 16] = [
@@ -58,9 +58,9 @@ pub(super) fn length(table: &EntityTable<'_>, options: &Options, end: Span, foun
         }
     }
     let Some((mm, at)) = stated else {
-        let mut asked = Asked::of(options, found, end);
-        let unit = asked.unit(None)?;
-        asked.end()?;
+        let mut required = RequiredFacts::of(options, found, end);
+        let unit = required.unit(None)?;
+        required.end()?;
         return Ok(unit.mm());
     };
     same_unit(options, mm, &format!("the unit of the file is {} mm", trim(mm, 9)), at)?;
@@ -91,7 +91,7 @@ pub(super) fn angle(table: &EntityTable<'_>) -> Result<f64, Diag> {
 /// Millimetres of a unit.
 fn millimetres<'t>(table: &EntityTable<'t>, mut unit: Entity<'t>) -> Result<f64, Diag> {
     let mut factor = 1.0;
-    for _ in 0..MOST_CONVERSIONS {
+    for _ in 0..MAX_CONVERSIONS {
         if unit.part("SI_UNIT").is_some() {
             let si = unit.arguments("SI_UNIT")?;
             let power = match si.word(0) {

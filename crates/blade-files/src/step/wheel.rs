@@ -10,12 +10,12 @@ use super::inlet::run_from_inlet;
 use super::looped::{self, LoopedSections};
 use super::meridian::StepMeridian;
 use super::neighbours::EdgeFaces;
-use super::picks::{ListedFace, MOST_FACES, PickedFaces, missing};
+use super::picks::{ListedFace, MAX_FACES, PickedFaces, missing};
 use super::placement::StepGeometry;
 use super::revolved;
 use super::turned_faces;
 use crate::found::Found;
-use crate::stated::Asked;
+use crate::stated::RequiredFacts;
 use crate::{BladeFace, BladeSurfaces, FaceRole, Handedness, Imported, ImportedBlade, ImportedRow, Options};
 use base::source::{Span, Spanned};
 use base::units::trim;
@@ -49,7 +49,7 @@ impl<'a, 't> StepWheel<'a, 't> {
         let Some(first) = self.picked.of(FaceRole::Hub).first().map(|k| &self.faces[*k]) else {
             return Err(missing(self.faces, FaceRole::Hub, self.end));
         };
-        self.told_places(found);
+        self.note_places(found);
         let whole = self.geometry;
         // The wheel is read in the frame of the part that has the hub. Where that has no axis of rotation, the whole may have it.
         let frames = [whole.moved(&first.place().inverse()), whole];
@@ -64,7 +64,7 @@ impl<'a, 't> StepWheel<'a, 't> {
         let main: Vec<StepFace> =
             [of_main(BladeFace::Pressure)?, of_main(BladeFace::Suction)?].into_iter().flatten().collect();
         let ends = [of_main(BladeFace::Inlet)?, of_main(BladeFace::Outlet)?];
-        found.moved(turned_faces::apart(&hub, &hub_faces));
+        found.moved(turned_faces::distance(&hub, &hub_faces));
         let hub = run_from_inlet(hub, &main, ends, self.options.start, axis, found)?;
         let count = self.count(found)?;
         let blades = self.blades(&hub, count, found)?;
@@ -91,15 +91,15 @@ impl<'a, 't> StepWheel<'a, 't> {
     }
 
     /// Says which faces belong to parts of an assembly.
-    fn told_places(&self, found: &mut Found) {
+    fn note_places(&self, found: &mut Found) {
         let placed = |face: &&ListedFace<'_>| face.place() != IsometryMatrix3::identity() || face.places.len() > 1;
         let picked = self.faces.iter().enumerate().filter(|(k, _)| self.picked.has(*k)).map(|(_, face)| face);
         for face in picked.filter(placed) {
-            let told = match face.places.len() {
+            let note = match face.places.len() {
                 1 => "its part stands in an assembly; it is placed against the part of the hub".to_owned(),
                 many => format!("its part stands at {many} places of an assembly; the first one counts"),
             };
-            found.note(face.entity.span, format!("#{} `{}`: {told}", face.entity.number, printable(&face.name)));
+            found.note(face.entity.span, format!("#{} `{}`: {note}", face.entity.number, printable(&face.name)));
         }
     }
 
@@ -111,8 +111,8 @@ impl<'a, 't> StepWheel<'a, 't> {
         };
         let face = self.geometry.listed(own)?;
         let alike = self.faces.iter().filter(|f| f.surface == own.surface);
-        if alike.clone().map(|f| f.places.len()).sum::<usize>() > MOST_FACES {
-            let message = format!("more than {MOST_FACES} faces that may be copies of a blade, the limit");
+        if alike.clone().map(|f| f.places.len()).sum::<usize>() > MAX_FACES {
+            let message = format!("more than {MAX_FACES} faces that may be copies of a blade, the limit");
             return Err(Diag::error(codes::TOO_MUCH, message)
                 .label(own.entity.span, "copies of this face are counted")
                 .help("export the wheel as a part of its own"));
@@ -130,10 +130,10 @@ impl<'a, 't> StepWheel<'a, 't> {
         if counted.is_some() {
             found.note(span, "the blades are counted: the file has equal copies of the pressure face at equal angles");
         }
-        let mut asked = Asked::of(self.options, found, self.end);
-        let count = asked.blades(counted.map(|n| Spanned::new(n, span)))?;
-        asked.handedness(Some(Spanned::new(Handedness::Right, self.end)))?;
-        asked.end()?;
+        let mut required = RequiredFacts::of(self.options, found, self.end);
+        let count = required.blades(counted.map(|n| Spanned::new(n, span)))?;
+        required.handedness(Some(Spanned::new(Handedness::Right, self.end)))?;
+        required.end()?;
         for splitter in 1..self.picked.blades() {
             let (copies, span) = self.copies(splitter)?;
             if let Some(copies) = copies.filter(|copies| *copies != count) {
@@ -167,8 +167,8 @@ impl<'a, 't> StepWheel<'a, 't> {
             let by = IsometryMatrix3::from_parts(Translation3::identity(), turn);
             let whole = sectors.rem_euclid(f64::from(count));
             if whole != 0.0 {
-                let told = format!("splitter {splitter} is turned by {whole} sectors, to the first main blade");
-                found.note(given.faces[0].span, told);
+                let note = format!("splitter {splitter} is turned by {whole} sectors, to the first main blade");
+                found.note(given.faces[0].span, note);
             }
             blades.push(reader(self.geometry.moved(&by)).blade(splitter, found)?);
         }
@@ -187,12 +187,12 @@ impl<'a, 't> StepWheel<'a, 't> {
         let Some(first) = faces.first() else {
             if let Some(below) = blade.below.map(|k| &self.faces[k]) {
                 let number = below.entity.number;
-                let told = format!(
+                let note = format!(
                     "{of} ends at #{number} `{}`, which is no face of the hub: its faces are extended to the hub, and it has no fillet. `--face {role}=#{number}` finds the radius, if #{number} is a fillet",
                     printable(&below.name)
                 );
-                found.note(below.entity.span, told.clone());
-                found.note(None, told);
+                found.note(below.entity.span, note.clone());
+                found.note(None, note);
             }
             return Ok(None);
         };
@@ -203,7 +203,7 @@ impl<'a, 't> StepWheel<'a, 't> {
                 .help("pick faces between the blade and the hub, or none: then state `fillet` in the job")
         })?;
         let constant = measured.is_constant();
-        let told = if constant {
+        let note = if constant {
             let ([all, keep], within) = (measured.places, trim(1e3 * measured.within, 1));
             let radius = trim(measured.radius, 3);
             format!(
@@ -215,14 +215,14 @@ impl<'a, 't> StepWheel<'a, 't> {
                 "the fillet of {of} is not constant, from {least} to {most} mm: the job has none, state `fillet` there"
             )
         };
-        found.note(first.span, told.clone());
-        found.note(None, told);
+        found.note(first.span, note.clone());
+        found.note(None, note);
         Ok(constant.then_some(measured.radius))
     }
 }
 
 /// Says how near the faces of the job are to those of the file.
-fn told(distance: f64, span: Span, found: &mut Found) {
+fn note_distance(distance: f64, span: Span, found: &mut Found) {
     found.moved(distance);
     let distance = trim(1e3 * distance, 2);
     found.note(span, format!("faces of the job lie within {distance} um of those of the file"));
@@ -241,7 +241,7 @@ fn of_faces(blades: &[StepBlade], extend: f64, found: &mut Found) -> Result<(Vec
                 .label(suction.span, format!("#{}", suction.number))
                 .help("look at these faces in the program that wrote them: a side has no length")
         })?;
-        told(fitted.distance, pressure.span, found);
+        note_distance(fitted.distance, pressure.span, found);
         lofted |= fitted.rows.len() > 2;
         let FittedSections { rows, .. } = fitted;
         read.push(imported(k, blade, rows.into_iter().map(SectionForm::Faces).collect()));
@@ -265,7 +265,7 @@ fn of_loops(
                 .label(span, why)
                 .help("export sections of the blade as points, such as a table of closed loops")
         })?;
-        told(distance, span, found);
+        note_distance(distance, span, found);
         let divided = |EdgedLoop { points, edges }| SectionForm::DividedLoop { points, edges };
         let sections = loops.into_iter().map(divided).collect();
         let edges = forms.map(Some);

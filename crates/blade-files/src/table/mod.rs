@@ -12,7 +12,7 @@ use super::header_unit;
 use super::lines::{Line, Text, ends};
 use super::loader::Loader;
 use super::loops::{self, ReadLoop};
-use super::stated::{Asked, not_stated};
+use super::stated::{RequiredFacts, not_stated};
 use super::{Imported, ImportedBlade, ImportedRow, Options, limits, meridian};
 use base::source::{SourceId, Span, Spanned};
 use blade::{MeanPoint, Section, SectionForm};
@@ -61,16 +61,16 @@ pub(super) fn read(
                 .help("give files of one part"));
         }
     }
-    let mut asked = Asked::of(options, found, of_first.at());
+    let mut required = RequiredFacts::of(options, found, of_first.at());
     let in_head = files.iter().find_map(|(id, _)| {
         let (unit, line) = header_unit::stated(loader.text(*id).whole().1)?;
         Some(Spanned::new(unit, Span::new(*id, line)))
     });
-    let unit = asked.unit(in_head)?;
-    let axis = asked.axis(named)?;
-    let handedness = asked.handedness(None)?;
-    let count = asked.blades(None)?;
-    asked.end()?;
+    let unit = required.unit(in_head)?;
+    let axis = required.axis(named)?;
+    let handedness = required.handedness(None)?;
+    let count = required.blades(None)?;
+    required.end()?;
     let frame = Frame { mm: unit.mm(), axis, handedness };
 
     let mut meridians: [Option<Vec<[f64; 2]>>; 2] = [None, None];

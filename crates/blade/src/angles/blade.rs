@@ -20,7 +20,7 @@ const HALF_EDGE: usize = 32;
 const CHECKED: usize = 256;
 
 /// Share of the camber line that both elliptic edges may take.
-const MOST_EDGES: f64 = 0.9;
+const MAX_EDGES: f64 = 0.9;
 
 /// Thinnest blade, mm.
 const THINNEST: f64 = 1e-3;
@@ -130,7 +130,7 @@ impl AngleBlade<'_> {
         section.check()?;
         let depths = [0, 1].map(|edge| section.depth(edge));
         let length = section.line.length(section.ends[0], section.ends[1]);
-        if depths[0] + depths[1] > MOST_EDGES * length {
+        if depths[0] + depths[1] > MAX_EDGES * length {
             return Err(section.fault(section.ends[0], FaultKind::EdgesMeet([depths[0] + depths[1], length])));
         }
         let mut joints = section.ends;
@@ -249,14 +249,14 @@ impl SectionLine<'_> {
     }
 
     /// A point of a side (1 towards greater theta, -1), at half of a share of the stated thickness from the camber line.
-    fn beside(&self, x: f64, side: f64, share: f64) -> OnSurface {
+    fn on_side(&self, x: f64, side: f64, share: f64) -> OnSurface {
         self.line.across(x, 0.5 * side * share * self.thickness(x))
     }
 
     /// The place of the camber line whose point on a side lies where an edge is cut off.
     fn cut(&self, edge: usize, side: f64) -> Option<f64> {
         let end = self.ends[edge];
-        let over = |x: f64| self.beside(x, side, 1.0)[0] - end;
+        let over = |x: f64| self.on_side(x, side, 1.0)[0] - end;
         let first = over(end);
         if first == 0.0 {
             return Some(end);
@@ -326,7 +326,7 @@ impl SectionLine<'_> {
             }
         }
         let places = self.places(range, depths).into_iter();
-        let face: Vec<(f64, OnSurface)> = places.map(|x| (x, self.beside(x, side, 1.0))).collect();
+        let face: Vec<(f64, OnSurface)> = places.map(|x| (x, self.on_side(x, side, 1.0))).collect();
         let half = |edge: usize| -> Vec<(f64, OnSurface)> {
             if self.blade.edges[edge] == EdgeShape::CutOff {
                 return Vec::new();
@@ -340,7 +340,7 @@ impl SectionLine<'_> {
                     _ => self.inside(edge, depths[edge] * (1.0 - sin)),
                 };
                 let share = if k == HALF_EDGE { 0.0 } else { cos };
-                (x, self.beside(x, side, share))
+                (x, self.on_side(x, side, share))
             };
             (0..=HALF_EDGE).map(at).collect()
         };
@@ -424,15 +424,15 @@ mod tests {
         // The spiral and its normals are coordinates for the edge: its length from the nose, and the distance beside.
         for p in &outline.edges[0] {
             let q = flat(p);
-            let (k, beside) = spiral
+            let (k, on_side) = spiral
                 .iter()
                 .enumerate()
                 .map(|(k, s)| (k, libm::hypot(q[0] - s[0], q[1] - s[1])))
                 .min_by(|a, b| a.1.total_cmp(&b.1))
                 .unwrap();
             let depth = 40.0 * (k as f64 - 2000.0) / 20_000.0 / libm::cos(beta);
-            let ellipse = libm::hypot((3.0 - depth) / 3.0, beside);
-            assert!((ellipse - 1.0).abs() < 2e-3, "{depth} {beside} {ellipse}");
+            let ellipse = libm::hypot((3.0 - depth) / 3.0, on_side);
+            assert!((ellipse - 1.0).abs() < 2e-3, "{depth} {on_side} {ellipse}");
         }
         // Both faces end on the rim.
         for face in &outline.faces {
@@ -480,8 +480,8 @@ mod tests {
         // The line bends by 1.2 rad over some 4 mm.
         let values: Vec<[f64; 2]> =
             (0..=20).map(|k| [f64::from(k) / 20.0, 0.6 * f64::from((k - 10_i32).signum())]).collect();
-        let bend = Distribution::through(&values).unwrap();
-        let angles = CamberAngles::Beta { beta: bend, end: 0, theta: 0.0 };
+        let beta = Distribution::through(&values).unwrap();
+        let angles = CamberAngles::Beta { beta, end: 0, theta: 0.0 };
         let row = CamberRow { span: 0.0, angles };
         let straight = [EdgeLine::straight([0.0; 2]), EdgeLine::straight([40.0; 2])];
         let meridian = |r: f64| {

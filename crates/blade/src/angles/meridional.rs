@@ -127,7 +127,7 @@ impl EdgeLine {
     }
 
     /// How far the curve is beside its chord at a share of its length.
-    fn beside_chord(&self, share: f64) -> [f64; 2] {
+    fn off_chord(&self, share: f64) -> [f64; 2] {
         let Some(curve) = &self.curve else { return [0.0; 2] };
         let [first, last, here] = [0.0, curve.length(), curve.length() * share].map(|length| curve.at(length).0);
         [0, 1].map(|i| here[i] - (1.0 - share) * first[i] - share * last[i])
@@ -161,7 +161,7 @@ impl MeridionalPatch {
                 slope[i] += weight * d[i] * (to - from);
             }
         }
-        let [leading, trailing] = self.edges.each_ref().map(|edge| edge.beside_chord(span));
+        let [leading, trailing] = self.edges.each_ref().map(|edge| edge.off_chord(span));
         for i in 0..2 {
             point[i] += (1.0 - x) * leading[i] + x * trailing[i];
             slope[i] += trailing[i] - leading[i];

@@ -28,7 +28,7 @@ const GAIN: f64 = 1e-3;
 /// Factor by which the slope may grow from one sweep to the next; then the ratio of a widened bound to the value that
 /// violated it.
 const LEEWAY: f64 = 1.3;
-const WIDER: f64 = 1.02;
+const MARGIN: f64 = 1.02;
 
 /// Number of sweeps after which a violation reduces the share of the limits, and the factor of this reduction.
 const STUBBORN: usize = 3;
@@ -227,7 +227,7 @@ impl SearchBounds {
                         *s *= SMALLER;
                     }
                 }
-                self.most[j] = self.most[j].max(WIDER * found);
+                self.most[j] = self.most[j].max(MARGIN * found);
                 self.steep[j] = self.steep[j].max(LEEWAY * slope);
             } else if !broken {
                 self.most[j] = (self.most[j] * found).sqrt().max(found);
@@ -264,11 +264,11 @@ pub fn limit(
     rows: &impl Rows,
 ) -> Option<Vec<f64>> {
     let n = widths.len();
-    let asked = accelerations != [0.0; 2];
+    let accelerated = accelerations != [0.0; 2];
     if n == 0 {
         return Some(Vec::new());
     }
-    if asked && n < 4 {
+    if accelerated && n < 4 {
         return None;
     }
     let step = steps(widths);
@@ -277,7 +277,7 @@ pub fn limit(
         top[j + 1] = ceiling[j].max(edge);
     }
     let ends = [(1, widths[0] * accelerations[0]), (n, widths[n - 1] * accelerations[1])];
-    if asked {
+    if accelerated {
         for (c, rise) in ends {
             top[c] = edge + rise;
             if top[c] > ceiling[c - 1] {
@@ -317,7 +317,7 @@ pub fn limit(
     }
     match best {
         Some((_, c)) => Some(c),
-        None if asked => None,
+        None if accelerated => None,
         None => Some(slowed(widths, &last, rows)),
     }
 }

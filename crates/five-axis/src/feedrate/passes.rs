@@ -32,13 +32,13 @@ fn ends(span: &PathSpan, limit: &Axes, y: f64, most: f64) -> [(f64, Edge); 2] {
                 continue;
             }
             // |start y + end z| <= limit
-            let (middle, wide) = (-start / end, limit / end.abs());
-            let (top, bottom) = (wide + middle * y, middle * y - wide);
+            let (middle, half_width) = (-start / end, limit / end.abs());
+            let (top, bottom) = (half_width + middle * y, middle * y - half_width);
             if top < upper.0 {
-                upper = (top, Edge { offset: wide, slope: middle });
+                upper = (top, Edge { offset: half_width, slope: middle });
             }
             if bottom > lower.0 {
-                lower = (bottom, Edge { offset: -wide, slope: middle });
+                lower = (bottom, Edge { offset: -half_width, slope: middle });
             }
         }
     }

@@ -13,7 +13,7 @@ pub(crate) struct Context<'a> {
     pub(crate) sources: &'a mut SourceMap,
     pub(crate) sink: &'a mut Sink,
     /// Length of the texts in which curves were looked up, bytes.
-    pub(crate) looked_up: usize,
+    pub(crate) searched_bytes: usize,
 }
 
 /// The span of an item in messages: up to its block.

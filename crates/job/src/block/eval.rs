@@ -107,7 +107,7 @@ impl LetScope {
             return None;
         }
         self.unknown += 1;
-        sink.push(if self.unknown > MOST_COMPARED {
+        sink.push(if self.unknown > MAX_COMPARED {
             Diag::error(codes::UNKNOWN_NAME, format!("the name `{text}` is not declared"))
                 .label(path.span, "not declared")
                 .help("declare the name with `let` before its use, or correct it")
@@ -335,24 +335,24 @@ const OTHER_SIZES: &[(&str, &str)] = &[
 ];
 
 /// Most unknown names of a job for which a similar name is searched.
-const MOST_COMPARED: usize = 1000;
+const MAX_COMPARED: usize = 1000;
 
 /// Most names with which an unknown name is compared. No person writes a job or library with more names, and a text may
 /// have many unknown names.
-const MOST_KNOWN: usize = 100;
+const MAX_KNOWN: usize = 100;
 
 /// Most names that a message lists.
-const MOST_LISTED: usize = 30;
+const MAX_LISTED: usize = 30;
 
-/// The known names for a message, at most the first [`MOST_LISTED`].
+/// The known names for a message, at most the first [`MAX_LISTED`].
 fn listed(known: &[&str]) -> String {
-    let more = if known.len() > MOST_LISTED { ", ..." } else { "" };
-    format!("{}{more}", known.iter().take(MOST_LISTED).copied().collect::<Vec<_>>().join(", "))
+    let more = if known.len() > MAX_LISTED { ", ..." } else { "" };
+    format!("{}{more}", known.iter().take(MAX_LISTED).copied().collect::<Vec<_>>().join(", "))
 }
 
 /// The diagnostic for an unknown word, with a suggestion where a known word is similar.
 pub(crate) fn unknown<'a>(text: &str, span: Span, kind: &str, known: impl Iterator<Item = &'a str>) -> Diag {
-    let known: Vec<_> = known.take(MOST_KNOWN).collect();
+    let known: Vec<_> = known.take(MAX_KNOWN).collect();
     let diag = Diag::error(codes::UNKNOWN_NAME, format!("no {kind} is called `{text}`"));
     suggest(diag, text, span, kind, &known)
 }
@@ -387,7 +387,7 @@ pub(crate) fn suggest(diag: Diag, text: &str, span: Span, kind: &str, known: &[&
 
 /// The known word that is meant: a word of another system, or the most similar word, where it is similar enough.
 pub(crate) fn nearest<'a>(text: &str, known: impl Iterator<Item = &'a str>) -> Option<&'a str> {
-    let known: Vec<&str> = known.take(MOST_KNOWN).collect();
+    let known: Vec<&str> = known.take(MAX_KNOWN).collect();
     if let Some(meant) = other_names::meant(text, &known) {
         return Some(meant);
     }

@@ -20,7 +20,7 @@ pub(crate) struct Properties<'a, 'c> {
     entries: Vec<(&'a Name, Vec<&'a Value>)>,
     damaged: bool,
     /// What stands in the place of words of other systems, as it was told, with the first of these words.
-    told: Vec<(&'static str, Span)>,
+    reported: Vec<(&'static str, Span)>,
     /// Names for expressions.
     pub(crate) scope: &'c mut LetScope,
     /// Receives the faults.
@@ -68,7 +68,7 @@ impl<'a, 'c> Properties<'a, 'c> {
         sink: &'c mut Sink,
     ) -> Self {
         let damaged = block.damaged || scope.damaged;
-        let mut this = Self { owner, head, entries: Vec::new(), damaged, told: Vec::new(), scope, sink };
+        let mut this = Self { owner, head, entries: Vec::new(), damaged, reported: Vec::new(), scope, sink };
         let mut before: Option<&Entry> = None;
         for entry in &block.entries {
             this.add(entry, before, known, many, block.damaged);
@@ -152,11 +152,11 @@ impl<'a, 'c> Properties<'a, 'c> {
             return;
         }
         if let Some(reason) = instead(&name.text).filter(|_| diag.fix.is_none()) {
-            if let Some((_, first)) = self.told.iter().find(|(told, _)| *told == reason) {
+            if let Some((_, first)) = self.reported.iter().find(|(reported, _)| *reported == reason) {
                 also_unknown(self.sink, *first, name.span);
                 return;
             }
-            self.told.push((reason, name.span));
+            self.reported.push((reason, name.span));
         }
         self.sink.push(match (&diag.fix, elsewhere.as_slice()) {
             (None, [first, ..]) => diag.note(format!(

@@ -177,8 +177,8 @@ pub(super) fn mention_at(tree: &File, at: usize) -> Option<Mention<'_>> {
 
 /// All places of the name at a place, the one that gives it first; none where no name is or no item gives it.
 pub fn places(understood: &Understood, at: usize) -> Vec<Range<usize>> {
-    let Some(asked) = mention_at(&understood.tree, at) else { return Vec::new() };
-    let same = |m: &Mention<'_>| m.named == asked.named && m.name.text == asked.name.text;
+    let Some(pointed) = mention_at(&understood.tree, at) else { return Vec::new() };
+    let same = |m: &Mention<'_>| m.named == pointed.named && m.name.text == pointed.name.text;
     let mut found: Vec<Mention<'_>> = mentions(&understood.tree).into_iter().filter(same).collect();
     // Stable: the mentions stay in the order of the text.
     found.sort_by_key(|mention| !mention.gives);

@@ -30,7 +30,7 @@ mod tests {
     use crate::files::shipped;
 
     /// What the reader says of a shipped machine with a line in the place of another.
-    fn told(line: &str, other: &str) -> Vec<String> {
+    fn differences(line: &str, other: &str) -> Vec<String> {
         let text = shipped::MACHINES[0].1;
         assert!(text.contains(line), "{line}");
         let mut sink = Sink::default();
@@ -39,13 +39,13 @@ mod tests {
     }
 
     #[test]
-    fn ranges_are_told_in_the_unit_that_stands_there() {
+    fn ranges_are_given_in_the_unit_that_stands_there() {
         let kind = "kind = \"table-table\"\n";
-        assert_eq!(told(kind, kind), [""; 0]);
-        assert_eq!(told(kind, &format!("{kind}cycle = \"0.01 s\"\n")), [""; 0]);
-        let cycle = told(kind, &format!("{kind}cycle = \"0.02 s\"\n"));
+        assert_eq!(differences(kind, kind), [""; 0]);
+        assert_eq!(differences(kind, &format!("{kind}cycle = \"0.01 s\"\n")), [""; 0]);
+        let cycle = differences(kind, &format!("{kind}cycle = \"0.02 s\"\n"));
         assert!(cycle.contains(&"a value from 0.000001 to 0.01 s is expected".to_owned()), "{cycle:?}");
-        let power = told("[spindle]\n", "[spindle]\npower = \"2000 kW\"\n");
+        let power = differences("[spindle]\n", "[spindle]\npower = \"2000 kW\"\n");
         assert!(power.contains(&"a value from 0.01 to 1000 kW is expected".to_owned()), "{power:?}");
     }
 }

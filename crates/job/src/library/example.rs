@@ -11,7 +11,7 @@ use toml::de::{DeTable, DeValue};
 const MAX_EXAMPLE: usize = 80;
 
 /// Most keys of a table that is shown in one line.
-const MOST_KEYS: usize = 4;
+const MAX_KEYS: usize = 4;
 
 /// A key with a value, as a text for messages: `` `speed = "30 m/min"` ``, or the line of a table. `place` are the tables around the
 /// key: `axes.X`.
@@ -80,7 +80,7 @@ fn below<'t, 'i>(value: &'t Spanned<DeValue<'i>>, rest: &[&str]) -> Option<&'t S
 /// Whether a table fits into one line.
 fn short(keys: &[Property]) -> bool {
     let plain = |key: &Property| !matches!(key.form, Form::Table(_) | Form::Named(_) | Form::Tables(_) | Form::Texts);
-    keys.len() <= MOST_KEYS && keys.iter().all(plain)
+    keys.len() <= MAX_KEYS && keys.iter().all(plain)
 }
 
 /// A table in one line, with the keys that it must have.

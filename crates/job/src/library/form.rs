@@ -17,20 +17,20 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// Most faults of form that are told of one file. A file with more is of another kind.
-const MOST_FAULTS: usize = 8;
+const MAX_FAULTS: usize = 8;
 
-/// Reads a library file that is already in the source map, with the reader of its kind. `asked` is its place in the job. All faults
+/// Reads a library file that is already in the source map, with the reader of its kind. `used` is its place in the job. All faults
 /// of its form go to the sink.
 pub(super) fn read<T>(
     kind: LibraryFile,
     source: SourceId,
     sources: &SourceMap,
-    asked: Option<Span>,
+    used: Option<Span>,
     sink: &mut Sink,
     reader: impl FnOnce(FileTable<'_, '_>, &mut Sink) -> Option<T>,
 ) -> Option<T> {
     let file = sources.get(source)?;
-    let mut walk = Walk { kind, source, text: &file.text, faults: Vec::new(), strays: Vec::new(), gaps: Vec::new() };
+    let mut walk = Walk { kind, source, text: &file.text, faults: Vec::new(), misplaced: Vec::new(), gaps: Vec::new() };
     match DeTable::parse(&file.text) {
         Ok(table) => {
             walk.table("", table.get_ref(), 0..0, kind.keys(), &[]);
@@ -41,10 +41,10 @@ pub(super) fn read<T>(
         }
         Err(error) => walk.not_toml(&error, &file.name),
     }
-    for fault in walk.faults.into_iter().take(MOST_FAULTS) {
-        let diag = fault.told(&file.text);
-        sink.push(match asked {
-            Some(asked) => diag.label(asked, "used here"),
+    for fault in walk.faults.into_iter().take(MAX_FAULTS) {
+        let diag = fault.with_places(&file.text);
+        sink.push(match used {
+            Some(used) => diag.label(used, "used here"),
             None => diag,
         });
     }
@@ -60,14 +60,14 @@ struct Fault {
 }
 
 impl Fault {
-    fn told(self, text: &str) -> Diag {
+    fn with_places(self, text: &str) -> Diag {
         if self.more.is_empty() {
             return self.diag;
         }
         let number = |at: &usize| text.get(..*at).unwrap_or_default().matches('\n').count() + 1;
-        let lines: BTreeSet<usize> = self.more.iter().take(MOST_FAULTS).map(number).collect();
+        let lines: BTreeSet<usize> = self.more.iter().take(MAX_FAULTS).map(number).collect();
         let lines: Vec<String> = lines.iter().map(usize::to_string).collect();
-        let and_more = if self.more.len() > MOST_FAULTS { ", ..." } else { "" };
+        let and_more = if self.more.len() > MAX_FAULTS { ", ..." } else { "" };
         self.diag.note(format!("the same in line {}{and_more}", lines.join(", ")))
     }
 }
@@ -86,7 +86,7 @@ struct Walk<'a> {
     text: &'a str,
     faults: Vec<Fault>,
     /// Names of keys that stand in a table where they do not belong.
-    strays: Vec<String>,
+    misplaced: Vec<String>,
     gaps: Vec<Gap>,
 }
 
@@ -191,16 +191,16 @@ impl Walk<'_> {
         let (label, help) = match (near, &belongs) {
             (Some(near), _) => (format!("did you mean `{near}`?"), self.renamed(place, name, near, keys)),
             (None, Some(table)) if table.is_empty() => {
-                self.strays.push(name.to_owned());
+                self.misplaced.push(name.to_owned());
                 let help = format!(
                     "move the line above the first line in square brackets: behind `[{place}]` it belongs to that table"
                 );
                 ("a key of the whole file".to_owned(), help)
             }
             (None, Some(table)) => {
-                self.strays.push(name.to_owned());
+                self.misplaced.push(name.to_owned());
                 // The table itself is not missing: its line is.
-                self.strays.extend(table.split('.').map(str::to_owned));
+                self.misplaced.extend(table.split('.').map(str::to_owned));
                 (format!("a key of [{table}]"), format!("move the line below `[{table}]`"))
             }
             (None, None) => {
@@ -230,7 +230,7 @@ impl Walk<'_> {
     /// Reports what tables miss, unless it stands in another table by mistake.
     fn close(&mut self) {
         for Gap { place, at, keys } in std::mem::take(&mut self.gaps) {
-            let keys: Vec<_> = keys.into_iter().filter(|key| !self.strays.iter().any(|s| s == key.name)).collect();
+            let keys: Vec<_> = keys.into_iter().filter(|key| !self.misplaced.iter().any(|s| s == key.name)).collect();
             let Some(first) = keys.first() else { continue };
             let names = keys.iter().map(|key| format!("`{}`", key.name)).collect::<Vec<_>>().join(", ");
             let meaning = first.description();

@@ -368,22 +368,22 @@ fn silent_jerks<'a>(axes: impl Iterator<Item = RotaryTable<'a, 'a>>) -> Option<S
     (!silent.is_empty()).then(|| format!("no limit of the jerk of {}, the default", silent.join(", ")))
 }
 
-/// Reads a machine file that is already in the source map. `asked` is its place in the job.
+/// Reads a machine file that is already in the source map. `used` is its place in the job.
 pub(crate) fn machine(
     name: &str,
     source: SourceId,
     sources: &SourceMap,
-    asked: Span,
+    used: Span,
     sink: &mut Sink,
 ) -> Option<MachineSpec> {
     let file = sources.get(source)?;
-    form::read(LibraryFile::Machine, source, sources, Some(asked), sink, |table, sink| {
+    form::read(LibraryFile::Machine, source, sources, Some(used), sink, |table, sink| {
         let mut reader = LibraryReader { source, sink, faults: false };
         let kind = table.text("kind")?;
         let kind = (reader.machine_kind(&kind)?, reader.span(&kind));
         let Some(axes) = reader.rotary_axes(table) else {
             if !reader.faults {
-                sink.push(no_rotary_pair(name, table, &file.name).label(asked, "used here"));
+                sink.push(no_rotary_pair(name, table, &file.name).label(used, "used here"));
             }
             return None;
         };

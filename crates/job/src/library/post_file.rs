@@ -20,7 +20,7 @@ use wheel::post_file::{Field, Frame, LineEnd, PostFile, Template, TemplateFault}
 const MAX_TEMPLATE: usize = 120;
 
 /// Most lines of a frame.
-const MOST_LINES: usize = 100;
+const MAX_LINES: usize = 100;
 
 impl LibraryReader<'_> {
     /// A whole number in its range.
@@ -107,12 +107,12 @@ impl LibraryReader<'_> {
     }
 
     fn frame(&mut self, frame: Frame, lines: &[SpannedText]) -> Vec<Template> {
-        if let Some(line) = lines.get(MOST_LINES) {
-            let message = format!("the frame `{}` has more than {MOST_LINES} lines", frame.name());
+        if let Some(line) = lines.get(MAX_LINES) {
+            let message = format!("the frame `{}` has more than {MAX_LINES} lines", frame.name());
             self.fault(self.span(line), message, "this line and those behind".to_owned(), "write a shorter frame");
         }
         let fields: Vec<Field> = frame.fields().collect();
-        lines.iter().take(MOST_LINES).map(|line| self.template(line, &fields)).collect()
+        lines.iter().take(MAX_LINES).map(|line| self.template(line, &fields)).collect()
     }
 
     /// Refuses a default of the orientation for which there are no words.
@@ -147,12 +147,12 @@ impl LibraryReader<'_> {
         names.map(|name| table.text(name).map(|text| self.template(&text, &fields)).unwrap_or_default())
     }
 
-    fn post(&mut self, name: &str, asked: Option<Span>, table: FileTable<'_, '_>) -> Option<PostFile> {
+    fn post(&mut self, name: &str, used: Option<Span>, table: FileTable<'_, '_>) -> Option<PostFile> {
         let (dialect, orientation) = (table.text("dialect")?, table.text("orientation")?);
         let frames = table.table("frames")?;
         let post = PostFile {
             name: name.to_owned(),
-            span: asked,
+            span: used,
             dialect: dialect.get_ref().clone(),
             dialect_span: self.span(&dialect),
             line_end: (table.text("line-end"))
@@ -192,17 +192,17 @@ fn inner_fields() -> Vec<Field> {
     Frame::OperationStart.fields().filter(|field| !templates.contains(field)).collect()
 }
 
-/// Reads a post file that is already in the source map. `asked` is its place in the job.
+/// Reads a post file that is already in the source map. `used` is its place in the job.
 pub(crate) fn read(
     name: &str,
     source: SourceId,
     sources: &SourceMap,
-    asked: Option<Span>,
+    used: Option<Span>,
     sink: &mut Sink,
 ) -> Option<PostFile> {
-    form::read(LibraryFile::Post, source, sources, asked, sink, |table, sink| {
+    form::read(LibraryFile::Post, source, sources, used, sink, |table, sink| {
         let mut reader = LibraryReader { source, sink, faults: false };
-        let post = reader.post(name, asked, table);
+        let post = reader.post(name, used, table);
         post.filter(|_| !reader.faults)
     })
 }

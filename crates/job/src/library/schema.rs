@@ -46,7 +46,7 @@ pub(crate) const LINUXCNC: &str = "linuxcnc-2.9";
 const MAX_LENGTH_MM: f64 = 100_000.0;
 
 /// Largest size of tables and fixtures, mm: their surfaces are sampled.
-const MOST_CARRIED: f64 = 1000.0;
+const MAX_CARRIED: f64 = 1000.0;
 
 /// A key that a table must have.
 const fn must(name: &'static str, form: Form, meaning: &'static str) -> Property {
@@ -121,7 +121,7 @@ const ROTARY: &[Property] = &[
 
 /// A section of a holder, or of table and fixture.
 const fn section(least: f64) -> [Property; 3] {
-    let size = quantity_of(Dimension::LENGTH, least, MOST_CARRIED);
+    let size = quantity_of(Dimension::LENGTH, least, MAX_CARRIED);
     [
         must("length", size, "Length along the axis."),
         must("lower", size, "Diameter at the lower end."),
@@ -130,7 +130,7 @@ const fn section(least: f64) -> [Property; 3] {
 }
 
 const CARRIED: &[Property] = &[
-    must("top", Form::Quantity(Dimension::LENGTH, Range::Within(MOST_CARRIED)), "Height of the top."),
+    must("top", Form::Quantity(Dimension::LENGTH, Range::Within(MAX_CARRIED)), "Height of the top."),
     must("section", Form::Tables(&section(0.01)), "Sections downwards from the top."),
 ];
 

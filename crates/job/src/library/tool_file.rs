@@ -27,8 +27,8 @@ pub(crate) struct ToolLibrary {
 }
 
 /// Adds a tool file that is already in the source map to the library.
-pub(crate) fn tools(source: SourceId, sources: &SourceMap, asked: Span, into: &mut ToolLibrary, sink: &mut Sink) {
-    let whole = form::read(LibraryFile::Tools, source, sources, Some(asked), sink, |table, sink| {
+pub(crate) fn tools(source: SourceId, sources: &SourceMap, used: Span, into: &mut ToolLibrary, sink: &mut Sink) {
+    let whole = form::read(LibraryFile::Tools, source, sources, Some(used), sink, |table, sink| {
         let mut reader = LibraryReader { source, sink, faults: false };
         for (name, holder) in table.named("holder") {
             library_holder(name, holder, into, &mut reader);

@@ -18,7 +18,7 @@ pub struct CurveSpec {
 base::named! {
     /// Where a face looks, about Z and seen from +Z.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-    pub enum Looks {
+    pub enum Facing {
         /// Ahead in the sense of positive angles.
         CounterClockwise = "counter-clockwise",
         /// The other way.
@@ -38,7 +38,7 @@ pub struct AnglesSpec {
     /// Largest distance of the surfaces to the stated sections.
     pub fit: Mm,
     /// Sense about Z, seen from +Z, in which the pressure face looks, where the job states it.
-    pub pressure: Option<Looks>,
+    pub pressure: Option<Facing>,
     /// Place in the text.
     pub span: Span,
 }

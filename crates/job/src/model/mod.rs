@@ -8,7 +8,7 @@ use base::source::Span;
 use base::units::{Mm, MmPerMin, Rad, Rpm};
 use blade::{EdgeForm, LoopEdges};
 pub use blades::{
-    AnglesAtSpan, AnglesSpec, CamberSpec, CurveSpec, DistributionSpec, EdgePlace, Looks, MeridianPlace, SpanSpec,
+    AnglesAtSpan, AnglesSpec, CamberSpec, CurveSpec, DistributionSpec, EdgePlace, Facing, MeridianPlace, SpanSpec,
 };
 use five_axis::control::{LengthTo, ModuloWay, Planning};
 use std::collections::BTreeMap;
@@ -309,7 +309,7 @@ pub struct SectionsSpec {
     /// Forms of the leading and of the trailing edge, where the job states them.
     pub edges: [Option<EdgeForm>; 2],
     /// Sense about Z, seen from +Z, in which the pressure face looks, where the job states it.
-    pub pressure: Option<Looks>,
+    pub pressure: Option<Facing>,
     /// Place in the text.
     pub span: Span,
 }

@@ -479,13 +479,13 @@ mod tests {
     }
 
     #[test]
-    fn ends_of_ranges_are_in_range_as_they_are_told() {
+    fn ends_of_ranges_are_in_range_as_they_are_written() {
         for property in PROPERTIES {
             let Form::Quantity(due, range) = property.form else { continue };
             for end in range.bounds() {
-                let told = format!("{} {}", due.bound(end), due.usual_unit());
-                let end = crate::property::quantity::Quantity::read(&told).unwrap();
-                assert!(range.holds(end.value), "`{}`: {told}", property.name);
+                let text = format!("{} {}", due.bound(end), due.usual_unit());
+                let end = crate::property::quantity::Quantity::read(&text).unwrap();
+                assert!(range.holds(end.value), "`{}`: {text}", property.name);
             }
         }
     }

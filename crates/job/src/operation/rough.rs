@@ -76,7 +76,7 @@ impl OperationReader<'_> {
             let stepover = ACROSS.of(&mut p, stepovers.get(k).copied().flatten(), spec);
             let slots = match slots? {
                 (false, _) => Slots::Full,
-                (true, given) => Slots::Trochoidal { engagement: given.unwrap_or(beside(stepover?, spec?)) },
+                (true, given) => Slots::Trochoidal { engagement: given.unwrap_or(side_engagement(stepover?, spec?)) },
             };
             let (depth, stepover) = (depth?, stepover?);
             let strategy = RoughingStrategy::Rough { depth, stepover, levels: levels?, milling: milling?, slots };
@@ -148,7 +148,7 @@ fn slots(p: &mut Properties<'_, '_>) -> Option<(bool, Option<Rad>)> {
 }
 
 /// Arc of engagement of a line beside a straight cut, within the arcs that loops may have.
-fn beside(stepover: Mm, tool: &ToolSpec) -> Rad {
+fn side_engagement(stepover: Mm, tool: &ToolSpec) -> Rad {
     let [least, most] = limits::ENGAGEMENT.bounds();
     Rad(libm::acos(1.0 - 2.0 * stepover.get() / tool.diameter.get()).clamp(least, most))
 }

@@ -5,7 +5,9 @@ use super::distributions::{at_spans, distribution, share, single};
 use crate::block::context::Context;
 use crate::block::eval::nearest;
 use crate::block::properties::{Properties, Range, name_of};
-use crate::model::{AnglesAtSpan, AnglesSpec, CamberSpec, DistributionSpec, EdgePlace, Looks, MeridianPlace, SpanSpec};
+use crate::model::{
+    AnglesAtSpan, AnglesSpec, CamberSpec, DistributionSpec, EdgePlace, Facing, MeridianPlace, SpanSpec,
+};
 use crate::property::quantity::Dimension;
 use crate::vocabulary::{self, TopicKind};
 use base::source::Span;
@@ -48,7 +50,7 @@ pub(super) struct AnglesGiven<'a> {
     ends: [Option<Given<'a>>; 2],
     edges: [EdgeShape; 2],
     fit: f64,
-    pressure: Option<Looks>,
+    pressure: Option<Facing>,
     head: Span,
 }
 
@@ -67,7 +69,7 @@ impl<'a> AnglesGiven<'a> {
         } else {
             Some(FIT)
         };
-        let pressure = name_of(p, "pressure", &Looks::ALL, Looks::name);
+        let pressure = name_of(p, "pressure", &Facing::ALL, Facing::name);
         let beta_from = name_of(p, "beta-from", &BetaFrom::ALL, BetaFrom::name);
         let [leading, trailing] = EDGES.map(|edge| edge_shape(p, edge));
         let [of, lean, thickness, from, to] = ["of", "lean", "thickness", "from", "to"].map(|name| p.take(name));

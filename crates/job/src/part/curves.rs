@@ -15,7 +15,7 @@ use syntax::ast::{Name, Spline, SplinePoints, Text};
 
 /// Most text of curve files in which the curves of a job are looked up, in total, bytes: some ten seconds. Each curve
 /// takes one pass through its file.
-const MOST_LOOKED_UP: usize = 2_000_000_000;
+const MAX_SEARCHED_BYTES: usize = 2_000_000_000;
 
 /// Points of a curve of the job.
 pub(super) fn curve(spline: &Spline, cx: &mut Context<'_>) -> Option<CurveSpec> {
@@ -235,8 +235,8 @@ fn source_of(file: &Text, cx: &mut Context<'_>) -> Option<SourceId> {
         Some(at) => SourceId(u32::try_from(at).unwrap_or(u32::MAX)),
         None => cx.sources.add_file(found),
     };
-    cx.looked_up += cx.sources.get(source).map_or(0, |file| file.text.len());
-    if cx.looked_up > MOST_LOOKED_UP {
+    cx.searched_bytes += cx.sources.get(source).map_or(0, |file| file.text.len());
+    if cx.searched_bytes > MAX_SEARCHED_BYTES {
         cx.sink.push(
             Diag::error(codes::CURVE_FILE, "the curve files of the job are too large for so many curves")
                 .label(file.span, "this curve exceeds the limit")

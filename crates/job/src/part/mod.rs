@@ -10,7 +10,7 @@ use crate::block::context::Context;
 use crate::block::eval::{mismatch, suggest};
 use crate::block::properties::{Properties, Range, name_of};
 use crate::model::{
-    AnglesSpec, BladeForm, BladeSpec, CamberSpec, CurveRef, CurveSpec, FaceForm, FaceSpec, Looks, LoopSpec, PartSpec,
+    AnglesSpec, BladeForm, BladeSpec, CamberSpec, CurveRef, CurveSpec, FaceForm, FaceSpec, Facing, LoopSpec, PartSpec,
     RevolvedSpec, SectionsSpec,
 };
 use crate::property::limits;
@@ -291,7 +291,7 @@ struct SectionsGiven<'a> {
     values: Vec<&'a Value>,
     fit: f64,
     edges: [Option<EdgeForm>; 2],
-    pressure: Option<Looks>,
+    pressure: Option<Facing>,
 }
 
 impl<'a> SectionsGiven<'a> {
@@ -305,7 +305,7 @@ impl<'a> SectionsGiven<'a> {
             Some(FIT)
         };
         let edges = ["leading-edge", "trailing-edge"].map(|edge| name_of(p, edge, &EdgeForm::STATED, EdgeForm::name));
-        let pressure = name_of(p, "pressure", &Looks::ALL, Looks::name)?;
+        let pressure = name_of(p, "pressure", &Facing::ALL, Facing::name)?;
         let [leading, trailing] = edges;
         Some(Self { word, values, fit: fit?, edges: [leading?, trailing?], pressure })
     }

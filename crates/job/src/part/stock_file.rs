@@ -9,7 +9,7 @@ use diagnostics::codes::job as codes;
 use nalgebra::Point3;
 use std::sync::Arc;
 use syntax::ast::{Text, Value};
-use tool_stock::stock::stl::{self, MOST_TRIANGLES, StlFault};
+use tool_stock::stock::stl::{self, MAX_TRIANGLES, StlFault};
 
 /// Path of the file. Outer `None`: faulty; inner `None`: the stock is the whole blank.
 pub(crate) fn path<'a>(p: &mut Properties<'a, '_>) -> Option<Option<&'a Text>> {
@@ -79,7 +79,7 @@ fn words(fault: &StlFault) -> (String, &'static str, Option<Point3<f64>>) {
         StlFault::End { due } => (format!("it ends before {due}"), "write or copy the file again; its end is missing"),
         StlFault::NoTriangles => ("it has no triangle with an area".to_owned(), GIVE),
         StlFault::TooMany { triangles } => (
-            format!("it has {triangles} triangles or more; {MOST_TRIANGLES} are possible"),
+            format!("it has {triangles} triangles or more; {MAX_TRIANGLES} are possible"),
             "write a coarser mesh, such as `--stock FOLDER` with a larger `--stock-cell`",
         ),
         StlFault::Coordinate { triangle } => (

@@ -45,7 +45,7 @@ const SPANS: &[Property] = &[
     ),
 ];
 
-const LOOKS: &str = "`clockwise` or `counter-clockwise`";
+const FACINGS: &str = "`clockwise` or `counter-clockwise`";
 
 pub(super) const TOPICS: &[Topic] = &[
     topic_of(
@@ -116,7 +116,7 @@ pub(super) const TOPICS: &[Topic] = &[
                 ),
                 property(
                     "pressure",
-                    LOOKS,
+                    FACINGS,
                     Means("the side that the turn of the sections shows"),
                     "Side of the pressure face, seen from +Z.",
                 ),
@@ -146,7 +146,7 @@ pub(super) const TOPICS: &[Topic] = &[
                 ),
                 property(
                     "pressure",
-                    LOOKS,
+                    FACINGS,
                     Means("the side that the angles show"),
                     "Side of the pressure face, seen from +Z.",
                 ),

@@ -17,8 +17,8 @@ pub(super) fn begin(spline: &SplineBlock, digits: usize, mut statement: impl FnM
     let curve = &spline.curve;
     let TurnCurve::Second(second) = curve.turn() else { return };
     let order = curve.degree() + 1;
-    let apart = curve.levers().and_then(|levers| levers.first().map(Vector3::norm)).unwrap_or_default();
-    statement(vec!["5AXIS".to_owned(), "LENGTH".to_owned(), fixed(apart, digits)]);
+    let distance = curve.levers().and_then(|levers| levers.first().map(Vector3::norm)).unwrap_or_default();
+    statement(vec!["5AXIS".to_owned(), "LENGTH".to_owned(), fixed(distance, digits)]);
     let head = [order, 2 * order, 0, order].map(|n| n.to_string());
     statement([&["ON".to_owned()][..], &head, &[fixed(length(curve), digits)]].concat());
     let knots = (0..2 * order).map(|k| u8::from(k >= order).to_string());

@@ -506,8 +506,9 @@ impl<'a> State<'a> {
                 .fault(format!("the program ends with the spindle on, by line {line}: write SPINDL/OFF before"));
         }
         if let Setting::Said("ON", line) = self.program.setting(ModalGroup::Coolant) {
-            self.program
-                .fault_apart(format!("the program ends with the coolant on, by line {line}: write COOLNT/OFF before"));
+            self.program.independent_fault(format!(
+                "the program ends with the coolant on, by line {line}: write COOLNT/OFF before"
+            ));
         }
         self.program.ended = true;
     }

@@ -7,10 +7,10 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Most lines that are executed: calls make long programs of short texts.
-pub(super) const MOST_EXECUTED: usize = 8_000_000;
+pub(super) const MAX_EXECUTED: usize = 8_000_000;
 
 /// Most times that a call repeats its lines.
-pub(crate) const MOST_TIMES: u32 = 10_000;
+pub(crate) const MAX_TIMES: u32 = 10_000;
 
 /// What the control does in a line that is not a block. Lines count from 0.
 #[derive(Clone, Debug, PartialEq)]

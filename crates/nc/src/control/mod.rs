@@ -19,7 +19,7 @@ use spline::SplineWords;
 use std::sync::Arc;
 
 /// Most faults of one text that are reported.
-pub const MOST_FAULTS: usize = 50;
+pub const MAX_FAULTS: usize = 50;
 
 /// Longest number, in characters.
 pub(super) const LONGEST_NUMBER: usize = 24;

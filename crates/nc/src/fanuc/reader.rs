@@ -7,7 +7,7 @@
 use super::control::{CONTROL, HARMLESS, IN_PLANE, LINEAR, Member, OFFSETS, PRESET, is_offset};
 use super::text::{code_name, count, decimal, first_word, program_name, without_comments};
 use crate::control::modal::ModalGroup;
-use crate::control::{self, LengthWord, MOST_FAULTS, MotionWord, NcBlock, Setup, Smoothing, once, shown};
+use crate::control::{self, LengthWord, MAX_FAULTS, MotionWord, NcBlock, Setup, Smoothing, once, shown};
 use crate::nc::{ENDS_HERE, NcTool, ReadError, ReadResult};
 use five_axis::Machine;
 
@@ -48,7 +48,7 @@ pub(super) fn read(text: &str, machine: &Machine, part_offset: &str, member: &Me
         return result;
     }
     let mut faults = result.err().unwrap_or_default();
-    if faults.len() < MOST_FAULTS {
+    if faults.len() < MAX_FAULTS {
         let line = text.strip_suffix('\n').unwrap_or(text).split('\n').count();
         faults.push(ReadError { line, reason: format!("{ENDS_HERE}`%` in its last line") });
     }

@@ -10,15 +10,15 @@ const TOOL: f64 = 120.0;
 
 /// A C table on an A table, with tools changed at Z350.
 fn machine() -> Machine {
-    Machine { retract: 350.0, part_origin: Vector3::new(0.0, 0.0, 50.0), ..Machine::wide(Chain::tilting_table()) }
+    Machine { retract: 350.0, part_origin: Vector3::new(0.0, 0.0, 50.0), ..Machine::unlimited(Chain::tilting_table()) }
 }
 
 /// A B head over a C table.
 fn head() -> Machine {
     let line = |carries, direction| AxisLine { carries, direction, point: Point3::origin() };
     let axes = [line(Carries::Tool, Vector3::y_axis()), line(Carries::Part, Vector3::z_axis())];
-    let rotary = ["B", "C"].map(RotaryAxis::wide);
-    Machine { rotary, retract: 350.0, ..Machine::wide(Chain::new(axes).unwrap()) }
+    let rotary = ["B", "C"].map(RotaryAxis::unlimited);
+    Machine { rotary, retract: 350.0, ..Machine::unlimited(Chain::new(axes).unwrap()) }
 }
 
 /// Blocks that turn the tables to some angles (deg) over X50 Y-40, in steps.
@@ -217,7 +217,7 @@ fn words_of_the_machine_builder_are_those_of_the_machine_file() {
     refused(&text, "add it to `own-words` of the machine file");
     let machine = Machine { own_words: vec!["M200".to_owned()], ..machine() };
     assert!(reader::read(&text, &machine, "G54", &FANUC).is_ok());
-    let beside = with("F250.", "F250. M200");
-    let faults = reader::read(&beside, &machine, "G54", &FANUC).unwrap_err();
+    let added = with("F250.", "F250. M200");
+    let faults = reader::read(&added, &machine, "G54", &FANUC).unwrap_err();
     assert!(faults[0].reason.contains("depends on the machine"), "{}", faults[0].reason);
 }

@@ -270,9 +270,9 @@ mod tests {
             direction: Unit::new_normalize(Vector3::from(directions[k])),
             point: Point3::new(3.0, -2.0, 7.0),
         };
-        let rotary = names.map(|name| RotaryAxis { word_sign, ..RotaryAxis::wide(name) });
+        let rotary = names.map(|name| RotaryAxis { word_sign, ..RotaryAxis::unlimited(name) });
         let chain = Chain::new([line(0), line(1)]).unwrap();
-        let machine = Machine { planning: Planning::LinuxCnc, rotary, ..Machine::wide(chain) };
+        let machine = Machine { planning: Planning::LinuxCnc, rotary, ..Machine::unlimited(chain) };
         let mut sink = Sink::default();
         check_machine(&machine, None, &mut sink);
         sink.diags().iter().map(|d| d.message.clone()).collect()

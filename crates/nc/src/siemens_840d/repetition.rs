@@ -3,7 +3,7 @@
 //! The control executes the blocks from one label to the other again, and goes on behind the block with REPEAT (programming
 //! manual, "Program part repetition"). Labels must stand before, each alone in its block.
 
-use crate::control::flow::{Flow, MOST_TIMES, Step};
+use crate::control::flow::{Flow, MAX_TIMES, Step};
 use crate::control::shown;
 use std::collections::BTreeMap;
 
@@ -72,9 +72,9 @@ fn call(words: &str, labels: &BTreeMap<String, usize>, at: usize) -> Result<Step
         _ => return Err(format!("REPEAT with {} words: {due}", words.len())),
     };
     let times = count.strip_prefix(['P', 'p']).map(|t| t.strip_prefix('=').unwrap_or(t));
-    let times = times.and_then(|t| t.parse::<u32>().ok()).filter(|t| (1..=MOST_TIMES).contains(t));
+    let times = times.and_then(|t| t.parse::<u32>().ok()).filter(|t| (1..=MAX_TIMES).contains(t));
     let times = times
-        .ok_or_else(|| format!("`{}` of REPEAT is not read: write P=1, at most P={MOST_TIMES}", shown(count, 20)))?;
+        .ok_or_else(|| format!("`{}` of REPEAT is not read: write P=1, at most P={MAX_TIMES}", shown(count, 20)))?;
     let line = |name: &str| {
         labels
             .get(&name.to_ascii_uppercase())

@@ -51,13 +51,13 @@ impl Partials {
                 None => Interval::ALL,
             };
             let (pp, ps, ss) = (p.squared(), p * s, s.squared());
-            let bend = p * d(1, 1) + s * d(0, 2);
+            let mixed = p * d(1, 1) + s * d(0, 2);
             let orders = [
                 d(0, 0),
                 p * d(1, 0) + s * d(0, 1),
                 pp * d(2, 0) + ps * d(1, 1) * 2.0 + ss * d(0, 2) + c * d(0, 1),
                 pp * p * d(3, 0)
-                    + (pp * s * d(2, 1) + p * ss * d(1, 2) + c * bend) * 3.0
+                    + (pp * s * d(2, 1) + p * ss * d(1, 2) + c * mixed) * 3.0
                     + ss * s * d(0, 3)
                     + t * d(0, 1),
             ];

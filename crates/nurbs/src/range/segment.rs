@@ -22,8 +22,8 @@ impl<'k> SpanPart<'k> {
     /// The parts of the spans of clamped knots that a range within [0, 1] covers, also where it is a single place.
     pub(super) fn all(knots: &'k [f64], degree: usize, [from, to]: [f64; 2]) -> impl Iterator<Item = Self> + use<'k> {
         let spans = span(knots, degree, from)..=span(knots, degree, to);
-        let wide = spans.filter(move |i| knots[*i] < knots[*i + 1]);
-        wide.map(move |i| Self { knots, degree, span: i, range: [from.max(knots[i]), to.min(knots[i + 1])] })
+        let nonempty = spans.filter(move |i| knots[*i] < knots[*i + 1]);
+        nonempty.map(move |i| Self { knots, degree, span: i, range: [from.max(knots[i]), to.min(knots[i + 1])] })
     }
 
     /// Index of its first control point.

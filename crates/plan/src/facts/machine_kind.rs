@@ -15,7 +15,7 @@ const LEAST_LEAN: f64 = std::f64::consts::PI / 180.0;
 pub fn check(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
     let machine = &program.machine;
     let [.., first, second] = machine.names();
-    let lean = machine.most_lean();
+    let lean = machine.max_tilt();
     if lean >= LEAST_LEAN {
         return Ok(());
     }

@@ -152,7 +152,7 @@ mod tests {
             tip in [-80.0..80.0_f64, -80.0..80.0, -80.0..80.0], a in 0.05..1.6_f64, c in -9.0..9.0_f64,
             branch in any::<bool>(), vectors in any::<bool>()
         ) {
-            let machine = Machine::wide(Chain::tilting_table());
+            let machine = Machine::unlimited(Chain::tilting_table());
             let orientation = if vectors { Orientation::Vectors } else { Orientation::Angles };
             let words = Words {
                 machine: Cow::Borrowed(&machine),

@@ -10,7 +10,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 /// Most arcs of a meridian.
-const MOST_ARCS: usize = 4;
+const MAX_ARCS: usize = 4;
 
 /// Largest gap between a line and the arc that it touches, share of the size of the cutter.
 const SAME_TANGENT: f64 = 1e-9;
@@ -54,7 +54,7 @@ impl Arc {
 /// A convex profile of arcs and lines, with the angle of the normal decreasing from pi/2 at the tip. The last line goes on upward without end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Meridian {
-    arcs: [Arc; MOST_ARCS],
+    arcs: [Arc; MAX_ARCS],
     count: usize,
     /// Nominal radius.
     pub(super) radius: f64,
@@ -112,7 +112,7 @@ impl Meridian {
         });
         let whole = first.ring >= 0.0 && (first.height - first.radius).abs() <= small && first.to < FRAC_PI_2;
         let ends = last.to >= -FRAC_PI_2 && last.ring + last.radius > 0.0;
-        let holds = arcs.len() <= MOST_ARCS && arcs.iter().all(sound) && joined && whole && ends;
+        let holds = arcs.len() <= MAX_ARCS && arcs.iter().all(sound) && joined && whole && ends;
         holds.then(|| Self::of(arcs))
     }
 

@@ -8,7 +8,7 @@ use nalgebra::Point3;
 use rayon::prelude::*;
 
 /// Most rays of a field, all families together: about 2 GB.
-pub const MOST_RAYS: f64 = 3e7;
+pub const MAX_RAYS: f64 = 3e7;
 
 /// Share of a cell by which a size may exceed a whole number of cells through rounding.
 const CELL_ROUNDING: f64 = 1e-9;
@@ -20,7 +20,7 @@ pub enum FieldError {
     BadCell,
     /// The profile has no inside, or numbers that are not finite.
     BadProfile,
-    /// The field would need more than [`MOST_RAYS`] rays.
+    /// The field would need more than [`MAX_RAYS`] rays.
     TooFine {
         /// Number of rays that the field would need.
         rays: f64,
@@ -120,9 +120,9 @@ impl FieldGrid {
         // A blank thinner than a cell does not change the cell.
         let cell = if size[2] > cell { size[2] / (size[2] / cell - CELL_ROUNDING).ceil().max(1.0) } else { cell };
         let rays = size[0] * size[1] + size[1] * size[2] + size[2] * size[0];
-        if rays / (cell * cell) > MOST_RAYS {
+        if rays / (cell * cell) > MAX_RAYS {
             // Reserve for the rounding of grids and heights to whole cells.
-            let least_cell = (rays / MOST_RAYS).sqrt() * 1.1;
+            let least_cell = (rays / MAX_RAYS).sqrt() * 1.1;
             return Err(FieldError::TooFine { rays: rays / (cell * cell), least_cell });
         }
         let count = size.map(|s| (s / cell - CELL_ROUNDING).ceil().max(1.0) as usize);

@@ -5,7 +5,7 @@
 //! eight at once; the removed parts are united at the end.
 
 use super::lanes::{self, Answers, LANES, Lanes, Question};
-use super::moving::{MOST_NEWTON, Moving};
+use super::moving::{MAX_NEWTON, Moving};
 use super::ray::SKIN;
 use super::sweep::{RayLine, SEARCH_GAP_MM, StepQuery};
 
@@ -154,13 +154,13 @@ impl Intervals {
             open.slopes[first] = open.slope;
             open.t = times[1 - first];
         }
-        let asked = [self.open.len(), self.unsettled.len()];
+        let before = [self.open.len(), self.unsettled.len()];
         std::mem::swap(&mut self.open, &mut self.unsettled);
         self.ask(moving, take);
         for open in &mut self.unsettled {
             open.slopes[1 - first] = open.slope;
         }
-        if asked[0] - asked[1] < asked[1] - self.unsettled.len() {
+        if before[0] - before[1] < before[1] - self.unsettled.len() {
             self.first = 1 - first;
         }
     }
@@ -298,28 +298,28 @@ fn cut_from_both(moving: &Moving, times: [f64; 2], line: &RayLine, [a, b]: [f64;
     }
     // Tangent steps from an end outside of the body, steeper by the turn. If a step still ends inside, a secant brings
     // it back.
-    let approach = |mut x: f64, mut look: StepQuery, sign: f64| {
+    let approach = |mut x: f64, mut query: StepQuery, sign: f64| {
         let mut outside: Option<(f64, f64)> = None;
-        for _ in 0..MOST_NEWTON {
+        for _ in 0..MAX_NEWTON {
             match outside {
-                _ if look.f.abs() <= SEARCH_GAP_MM => return Some((x, look.t)),
-                None if look.f < 0.0 => return Some((x, look.t)),
-                Some((far, f)) if look.f < 0.0 => x += (far - x) * look.f / (look.f - f),
+                _ if query.f.abs() <= SEARCH_GAP_MM => return Some((x, query.t)),
+                None if query.f < 0.0 => return Some((x, query.t)),
+                Some((far, f)) if query.f < 0.0 => x += (far - x) * query.f / (query.f - f),
                 _ => {
-                    outside = Some((x, look.f));
-                    let down = look.rise * sign - turn;
+                    outside = Some((x, query.f));
+                    let down = query.rise * sign - turn;
                     if down >= 0.0 {
                         return None;
                     }
-                    x -= sign * look.f / down;
+                    x -= sign * query.f / down;
                 }
             }
             if !(a..=b).contains(&x) {
                 return None;
             }
-            look = least(x, look.t, f64::INFINITY);
+            query = least(x, query.t, f64::INFINITY);
         }
-        Some((x, look.t))
+        Some((x, query.t))
     };
     let (from, t_from) = approach(a, first, 1.0)?;
     let (to, t_to) = approach(b, last, -1.0)?;

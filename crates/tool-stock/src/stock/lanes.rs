@@ -65,14 +65,14 @@ pub(super) struct Answers {
 /// Least value over a time before or after of a parabola with a value, slope and second derivative, less linear and
 /// cubic terms with the factors `drift` and `twist`.
 #[inline(always)]
-fn least(look: &StepQuery, run: f64, drift: f64, twist: f64) -> f64 {
+fn least(query: &StepQuery, run: f64, drift: f64, twist: f64) -> f64 {
     let square = run * run;
-    let slope = look.slope * run - (drift + twist * square) * run.abs();
-    let second = look.second * square;
+    let slope = query.slope * run - (drift + twist * square) * run.abs();
+    let second = query.second * square;
     let far = slope + second;
     let dips = (slope < 0.0) & (second > -0.5 * slope);
     let dip = -0.25 * slope * slope / if dips { second } else { 1.0 };
-    look.f + if dips { dip } else { smaller(far, 0.0) }
+    query.f + if dips { dip } else { smaller(far, 0.0) }
 }
 
 /// The smaller of two numbers, neither of which is NaN; unlike `min` a single instruction.
@@ -121,42 +121,42 @@ impl Question<'_> {
             let LaneHit { low, high, from, to, nearest } = body.stand(&pose, &line, [a, b], moving.speed * span);
             let inside = low < high;
             let (before, after) = (high <= a, low >= b);
-            let beside = inside & (before | after);
+            let outside = inside & (before | after);
             let through = inside & !(before | after);
             let (upper, lower) = (high < b, low > a);
             // The place to evaluate: the end of the interval on the side of the body, the end of the part inside, or
             // the nearest place.
             let x = larger(smaller(nearest, to), from);
-            let x = if beside { if before { a } else { b } } else { x };
+            let x = if outside { if before { a } else { b } } else { x };
             let x = if through { if upper { high } else { low } } else { x };
-            let sign = if beside & before | through & upper { 1.0 } else { -1.0 };
-            let look = pose.look(body, &line, x);
+            let sign = if outside & before | through & upper { 1.0 } else { -1.0 };
+            let query = pose.query(body, &line, x);
             let (drift, twist, turn) = (moving.drift, moving.twist, moving.turn * span);
-            let least = smaller(least(&look, back, drift, twist), least(&look, ahead, drift, twist));
+            let least = smaller(least(&query, back, drift, twist), least(&query, ahead, drift, twist));
             // Where the body leaves the line at this time, it reaches farther at no other time.
-            let leaves = (look.rise * sign >= turn) & (least > -LEFT);
-            let rising = larger(turn - look.rise, 0.0) * (to - x);
-            let falling = larger(turn + look.rise, 0.0) * (x - from);
+            let leaves = (query.rise * sign >= turn) & (least > -LEFT);
+            let rising = larger(turn - query.rise, 0.0) * (to - x);
+            let falling = larger(turn + query.rise, 0.0) * (x - from);
             let away = (from >= to) | (least > larger(rising, falling));
             let settled = if inside { leaves } else { away };
             let untouched = if settled { UNTOUCHED } else { UNDECIDED };
             let cut = if upper & lower { HALF_CUT } else { CUT };
             let cut = if leaves | !(upper | lower) { cut } else { UNDECIDED };
             answers.state[i] = if through { cut } else { untouched };
-            answers.slope[i] = look.slope;
+            answers.slope[i] = query.slope;
             answers.from[i] = larger(low, a);
             answers.to[i] = smaller(high, b);
         }
         for i in 0..LANES {
             if answers.state[i] == HALF_CUT {
                 let pose = moving.sweep.stand(lanes.t[i]);
-                let look = pose.look(body, &RayLine { x: lanes.x[i], y: lanes.y[i] }, answers.from[i]);
+                let query = pose.query(body, &RayLine { x: lanes.x[i], y: lanes.y[i] }, answers.from[i]);
                 let runs = [lanes.start[i] - lanes.t[i], lanes.end[i] - lanes.t[i]];
                 let span = larger(-runs[0], runs[1]);
-                let least = runs.map(|run| least(&look, run, moving.drift, moving.twist));
-                let leaves = -look.rise >= moving.turn * span && smaller(least[0], least[1]) > -LEFT;
+                let least = runs.map(|run| least(&query, run, moving.drift, moving.twist));
+                let leaves = -query.rise >= moving.turn * span && smaller(least[0], least[1]) > -LEFT;
                 answers.state[i] = if leaves { CUT } else { UNDECIDED };
-                answers.slope[i] = look.slope;
+                answers.slope[i] = query.slope;
             }
         }
         answers
@@ -216,9 +216,9 @@ impl<const BALL: bool> Standing for Round<BALL> {
         }
         // The part that the body may reach.
         let wider = margin * (2.0 * radius + margin);
-        let wide = root + pose.square * wider;
-        let half = if crosses { larger(wide, 0.0).sqrt() * pose.by_square } else { FAR };
-        let may = if crosses { wide > 0.0 } else { off < wider };
+        let wider_root = root + pose.square * wider;
+        let half = if crosses { larger(wider_root, 0.0).sqrt() * pose.by_square } else { FAR };
+        let may = if crosses { wider_root > 0.0 } else { off < wider };
         let (bottom, end) = planes(-margin, top + margin);
         let from = larger(larger(a, bottom), centre - half);
         let to = smaller(smaller(b, end), centre + half);

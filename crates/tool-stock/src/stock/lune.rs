@@ -41,10 +41,10 @@ impl Lune {
         (tip, axis): (&Vector3<f64>, &Vector3<f64>),
         around: &Vector3<f64>,
     ) {
-        let beside = axis.cross(around);
+        let across = axis.cross(around);
         let [a, b] = ends.map(|p| {
             let d = p - tip;
-            [d.dot(around), d.dot(&beside), d.dot(axis)]
+            [d.dot(around), d.dot(&across), d.dot(axis)]
         });
         let [from, to] = [a, b].map(|[x, y, _]| {
             let angle = libm::atan2(y, x);
@@ -132,9 +132,9 @@ mod tests {
     fn segments_count_as_their_points() {
         let (tip, axis) = (Vector3::new(1.0, 2.0, 3.0), Vector3::new(0.2, -0.3, 0.9).normalize());
         let around = axis.cross(&Vector3::x()).normalize();
-        let beside = axis.cross(&around);
+        let across = axis.cross(&around);
         let place = |angle: f64, rho: f64, height: f64| {
-            tip + (around * angle.cos() + beside * angle.sin()) * rho + axis * height
+            tip + (around * angle.cos() + across * angle.sin()) * rho + axis * height
         };
         for (ends, arc) in [
             ([(0.2, 2.0, 0.5), (1.0, 1.0, 0.1)], 0.8),

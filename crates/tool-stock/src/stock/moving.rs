@@ -21,7 +21,7 @@ const ACROSS_AXIS_COSINE: f64 = 1e-6;
 
 /// Newton steps along a ray. Each is a tangent step on a convex function, so that even a grazing ray converges in far
 /// fewer steps.
-pub(super) const MOST_NEWTON: u32 = 40;
+pub(super) const MAX_NEWTON: u32 = 40;
 
 /// A body in motion.
 #[derive(Clone, Copy, Debug)]
@@ -74,10 +74,10 @@ impl Moving {
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for (tip, axis) in poses {
             for k in 0..3 {
-                let wide = radius * (1.0 - axis[k] * axis[k]).max(0.0).sqrt() + sag;
+                let half_width = radius * (1.0 - axis[k] * axis[k]).max(0.0).sqrt() + sag;
                 let (a, b) = (tip[k] + axis[k] * from, tip[k] + axis[k] * to);
-                low[k] = low[k].min(a.min(b) - wide);
-                high[k] = high[k].max(a.max(b) + wide);
+                low[k] = low[k].min(a.min(b) - half_width);
+                high[k] = high[k].max(a.max(b) + half_width);
             }
         }
         let moved = 0.5 * way + (start - axis).norm().max((end - axis).norm()) * reach + sag;
@@ -155,14 +155,14 @@ impl Moving {
     fn shallow(&self, line: &RayLine, [a, b]: [f64; 2], least: f64, guess: &mut f64) -> bool {
         // A look may be this much too low.
         let limit = SEARCH_GAP_MM - least;
-        let look = |x: f64, guess: f64| self.sweep.least(&self.shape, line, x, [0.0, 1.0], guess, limit);
-        let mut low = (a, look(a, *guess));
+        let query = |x: f64, guess: f64| self.sweep.least(&self.shape, line, x, [0.0, 1.0], guess, limit);
+        let mut low = (a, query(a, *guess));
         *guess = low.1.t;
         if low.1.f <= limit || low.1.rise >= 0.0 {
             return low.1.f > limit;
         }
-        let mut high = (b, look(b, *guess));
-        for _ in 0..MOST_NEWTON {
+        let mut high = (b, query(b, *guess));
+        for _ in 0..MAX_NEWTON {
             let (da, db) = (low.1.rise, high.1.rise);
             if high.1.f <= limit || low.1.f <= limit {
                 return false;
@@ -175,7 +175,7 @@ impl Moving {
                 return true;
             }
             let x = (high.1.f - low.1.f + da * low.0 - db * high.0) / (da - db);
-            let middle = (x.clamp(low.0, high.0), look(x.clamp(low.0, high.0), low.1.t));
+            let middle = (x.clamp(low.0, high.0), query(x.clamp(low.0, high.0), low.1.t));
             if middle.1.rise > 0.0 { high = middle } else { low = middle }
         }
         false
@@ -186,12 +186,12 @@ impl Moving {
         if self.shallow(line, [a, b], least, guess) {
             return None;
         }
-        let look = |x: f64, guess: f64| self.sweep.least(&self.shape, line, x, [0.0, 1.0], guess, f64::INFINITY);
-        let (mut low, mut high) = ((a, look(a, *guess)), (b, look(b, *guess)));
+        let query = |x: f64, guess: f64| self.sweep.least(&self.shape, line, x, [0.0, 1.0], guess, f64::INFINITY);
+        let (mut low, mut high) = ((a, query(a, *guess)), (b, query(b, *guess)));
         *guess = low.1.t;
         let mut best = if low.1.f < high.1.f { (low.0, low.1.f) } else { (high.0, high.1.f) };
         // Tangents along the ray.
-        for k in 0..MOST_NEWTON {
+        for k in 0..MAX_NEWTON {
             let (da, db) = (low.1.rise, high.1.rise);
             if da >= 0.0 || db <= 0.0 {
                 break;
@@ -206,7 +206,7 @@ impl Moving {
             } else {
                 (high.1.f - low.1.f + da * low.0 - db * high.0) / (da - db)
             };
-            let middle = (x.clamp(low.0, high.0), look(x.clamp(low.0, high.0), low.1.t));
+            let middle = (x.clamp(low.0, high.0), query(x.clamp(low.0, high.0), low.1.t));
             if middle.1.f < best.1 {
                 best = (middle.0, middle.1.f);
             }

@@ -55,8 +55,8 @@ impl<const BALL: bool> RadiusProfile for Round<BALL> {
                 if ball { h * scale } else { 0.0 },
             )
         } else {
-            let beside = side > -s;
-            (if beside { side } else { -s }, if beside { 1.0 } else { 0.0 }, if beside { 0.0 } else { -1.0 })
+            let on_side = side > -s;
+            (if on_side { side } else { -s }, if on_side { 1.0 } else { 0.0 }, if on_side { 0.0 } else { -1.0 })
         };
         let above = s - self.top;
         let over = above > f;

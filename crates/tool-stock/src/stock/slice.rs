@@ -12,9 +12,9 @@ use super::tile::SIDE;
 use std::ops::Range;
 
 /// Most surfaces behind one another, as a mean over the rays of a row: it bounds the memory.
-const MOST_CROSSINGS: usize = 200;
+const MAX_CROSSINGS: usize = 200;
 
-/// A row of a tile with more than [`MOST_CROSSINGS`] surfaces behind one another.
+/// A row of a tile with more than [`MAX_CROSSINGS`] surfaces behind one another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Crowded;
 
@@ -84,7 +84,7 @@ impl<'a> Slices<'a> {
 
     fn row(&self, triangles: &[u32], at: f64, columns: Range<usize>) -> Result<Row, Crowded> {
         let mut crossings: Vec<Vec<(f64, i32)>> = vec![Vec::new(); columns.len()];
-        let most = MOST_CROSSINGS * SIDE;
+        let most = MAX_CROSSINGS * SIDE;
         let mut count = 0;
         for [up, down] in triangles.iter().filter_map(|n| segment(&self.corners(*n), at)) {
             let [low, high] = [up.across.min(down.across), up.across.max(down.across)];

@@ -10,14 +10,14 @@ use rayon::slice::ParallelSliceMut;
 use std::collections::HashMap;
 
 /// Most triangles: some 250 MB as a binary file, and some 600 MB in memory while it is read.
-pub const MOST_TRIANGLES: usize = 5_000_000;
+pub const MAX_TRIANGLES: usize = 5_000_000;
 
 /// Largest coordinate, mm.
 const FARTHEST: f64 = 1e4;
 
 /// Most length of the longest edges of all triangles, in diagonals of the box around them. A fine mesh has thousands; it
 /// bounds the time of what follows against millions of needles across the whole box.
-const MOST_LENGTH: f64 = 1e5;
+const MAX_LENGTH: f64 = 1e5;
 
 /// Least volume of a solid, mm3.
 const LEAST_VOLUME: f64 = 1e-9;
@@ -54,7 +54,7 @@ pub enum StlFault {
     },
     /// No triangle with an area.
     NoTriangles,
-    /// More than [`MOST_TRIANGLES`].
+    /// More than [`MAX_TRIANGLES`].
     TooMany {
         /// Number of triangles, or how many were read.
         triangles: usize,
@@ -156,7 +156,7 @@ struct Reading {
 impl Reading {
     fn add(&mut self, corners: [[f64; 3]; 3]) -> Result<(), StlFault> {
         self.count += 1;
-        if self.count > MOST_TRIANGLES {
+        if self.count > MAX_TRIANGLES {
             return Err(StlFault::TooMany { triangles: self.count });
         }
         // Not a number is not within the limit either.
@@ -186,7 +186,7 @@ impl Reading {
 
 fn binary(bytes: &[u8], reading: &mut Reading) -> Result<(), StlFault> {
     let records = bytes.get(BINARY_HEAD..).unwrap_or_default().chunks_exact(RECORD);
-    if records.len() > MOST_TRIANGLES {
+    if records.len() > MAX_TRIANGLES {
         return Err(StlFault::TooMany { triangles: records.len() });
     }
     for record in records {
@@ -281,7 +281,7 @@ fn check(mesh: &Mesh) -> Result<(), StlFault> {
         let side = |k: usize| (corner(t[k]) - corner(t[(k + 1) % 3])).norm();
         side(0).max(side(1)).max(side(2))
     };
-    if mesh.triangles.iter().map(longest).sum::<f64>() > MOST_LENGTH * (high - low).norm() {
+    if mesh.triangles.iter().map(longest).sum::<f64>() > MAX_LENGTH * (high - low).norm() {
         return Err(StlFault::Needles);
     }
     closed(mesh)?;

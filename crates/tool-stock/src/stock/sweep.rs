@@ -17,7 +17,7 @@ const INSTANT: f64 = 1e-9;
 pub(super) const SEARCH_GAP_MM: f64 = 1e-4;
 
 /// Steps of the search in time: at least every third step halves the bracket.
-const MOST_LOOKS: u32 = 42;
+const MAX_QUERIES: u32 = 42;
 
 /// Motion of a tool over a step, time from 0 to 1.
 #[derive(Clone, Copy, Debug)]
@@ -82,7 +82,7 @@ pub(super) struct StepPose {
 impl StepPose {
     /// The function on a line at a height.
     #[inline(always)]
-    pub(super) fn look(&self, body: &impl RadiusProfile, line: &RayLine, z: f64) -> StepQuery {
+    pub(super) fn query(&self, body: &impl RadiusProfile, line: &RayLine, z: f64) -> StepQuery {
         let d = line.point(z) - self.tip;
         let s = d.dot(&self.axis);
         let across = d - self.axis * s;
@@ -108,16 +108,16 @@ impl StepPose {
     /// The part of a line inside of the body, by tangents from both ends of an interval, and approximately the place
     /// where the body is nearest.
     pub(super) fn interval_by_tangents(&self, shape: &SolidShape, line: &RayLine, [a, b]: [f64; 2]) -> ([f64; 2], f64) {
-        let look = |z: f64| {
-            let look = self.look(shape, line, z);
-            (z, look.f, look.rise)
+        let query = |z: f64| {
+            let query = self.query(shape, line, z);
+            (z, query.f, query.rise)
         };
         let near = |x: f64| (EMPTY, x);
-        let (first, last) = (look(a), look(b));
+        let (first, last) = (query(a), query(b));
         // Search for a place inside.
         let (mut low, mut high) = (first, last);
         let mut inside = if first.1 < 0.0 { first } else { last };
-        for k in 0..MOST_LOOKS {
+        for k in 0..MAX_QUERIES {
             let best = if low.1 < high.1 { low } else { high };
             if best.1 < 0.0 {
                 inside = best;
@@ -128,11 +128,11 @@ impl StepPose {
             }
             // Intersection of the tangents.
             let x = (high.1 - low.1 + low.2 * low.0 - high.2 * high.0) / (low.2 - high.2);
-            if low.1 + low.2 * (x - low.0) > 0.0 || high.0 - low.0 < SEARCH_GAP_MM || k + 1 == MOST_LOOKS {
+            if low.1 + low.2 * (x - low.0) > 0.0 || high.0 - low.0 < SEARCH_GAP_MM || k + 1 == MAX_QUERIES {
                 return near(best.0);
             }
             let x = if k % 3 == 2 { 0.5 * (low.0 + high.0) } else { x };
-            let middle = look(x.clamp(low.0, high.0));
+            let middle = query(x.clamp(low.0, high.0));
             if middle.2 > 0.0 { high = middle } else { low = middle }
         }
         // From outside, tangent steps approach the surface without passing it.
@@ -140,12 +140,12 @@ impl StepPose {
             if at.1 <= 0.0 {
                 return beyond;
             }
-            for _ in 0..MOST_LOOKS {
+            for _ in 0..MAX_QUERIES {
                 let next = at.0 - at.1 / at.2;
                 if !next.is_finite() || (next - inside.0) * (at.0 - inside.0) <= 0.0 {
                     return inside.0;
                 }
-                at = look(next);
+                at = query(next);
                 if at.1 < SEARCH_GAP_MM {
                     break;
                 }
@@ -248,8 +248,8 @@ impl StepSweep {
 
     /// The function at a place and a time.
     #[inline]
-    fn look(&self, shape: &SolidShape, line: &RayLine, z: f64, t: f64) -> StepQuery {
-        self.stand(t).look(shape, line, z)
+    fn query(&self, shape: &SolidShape, line: &RayLine, z: f64, t: f64) -> StepQuery {
+        self.stand(t).query(shape, line, z)
     }
 
     /// Least value over a piece of time at a place, by tangents from a first guess of the time. The result is at most
@@ -263,7 +263,7 @@ impl StepSweep {
         guess: f64,
         cutoff: f64,
     ) -> StepQuery {
-        let first = self.look(shape, line, z, guess);
+        let first = self.query(shape, line, z, guess);
         let end = if first.slope > 0.0 { from } else { to };
         // Largest fall of the function to both sides.
         let fall = |run: f64| (first.slope + first.second.min(0.0) * run) * run;
@@ -271,13 +271,13 @@ impl StepSweep {
         if gap < SEARCH_GAP_MM || first.f - gap > cutoff {
             return StepQuery { f: first.f - gap, ..first };
         }
-        let other = self.look(shape, line, z, end);
+        let other = self.query(shape, line, z, end);
         if other.slope * (end - 0.5 * (from + to)) <= 0.0 {
             // The function still falls at the end of the time.
             return other;
         }
         let (mut low, mut high) = if end > guess { (first, other) } else { (other, first) };
-        for k in 0..MOST_LOOKS {
+        for k in 0..MAX_QUERIES {
             // The mean of the tangents with zero slope in time: a plane below the least value over time.
             let share = high.slope / (high.slope - low.slope);
             let bound = (low.f - low.slope * low.t) * share + (high.f - high.slope * high.t) * (1.0 - share);
@@ -293,7 +293,7 @@ impl StepSweep {
                 1 => (high.f - low.f + low.slope * low.t - high.slope * high.t) / (low.slope - high.slope),
                 _ => 0.5 * (low.t + high.t),
             };
-            let middle = self.look(shape, line, z, t.clamp(low.t, high.t));
+            let middle = self.query(shape, line, z, t.clamp(low.t, high.t));
             if middle.slope > 0.0 {
                 high = middle
             } else {
@@ -329,7 +329,7 @@ mod tests {
                 let p = Vector3::new(2.0 + 6.0 * (x * 0.7).sin(), 2.0 + 6.0 * (x * 1.3).cos(), -4.0 + x * 0.06);
                 let line = RayLine { x: p.x, y: p.y };
                 let brute = (0..=20_000)
-                    .map(|i| sweep.look(&shape, &line, p.z, f64::from(i) / 20_000.0).f)
+                    .map(|i| sweep.query(&shape, &line, p.z, f64::from(i) / 20_000.0).f)
                     .fold(f64::MAX, f64::min);
                 let reach = (p - tips[0]).norm() + sweep.way.norm();
                 let (bow, twist) = (sweep.bow(reach), sweep.twist(reach));
@@ -339,12 +339,12 @@ mod tests {
                 }
                 // No value lies below its tangent by more than the bow allows.
                 for i in 0..=20 {
-                    let (s, e) = (sweep.look(&shape, &line, p.z, f64::from(i) / 20.0), [0.0, 0.3, 1.0]);
+                    let (s, e) = (sweep.query(&shape, &line, p.z, f64::from(i) / 20.0), [0.0, 0.3, 1.0]);
                     for t in e {
-                        let look = sweep.look(&shape, &line, p.z, t);
+                        let query = sweep.query(&shape, &line, p.z, t);
                         let run = s.t - t;
-                        assert!(s.f > look.f + look.slope * run - bow * run * run - 1e-9, "{k} {i} {t}");
-                        let parabola = look.f + (look.slope + look.second * run) * run;
+                        assert!(s.f > query.f + query.slope * run - bow * run * run - 1e-9, "{k} {i} {t}");
+                        let parabola = query.f + (query.slope + query.second * run) * run;
                         assert!(s.f > parabola - twist * run.abs().powi(3) - 1e-9, "{k} {i} {t}");
                     }
                 }

@@ -265,11 +265,11 @@ impl Tile {
         let half = |rays: usize| 0.5 * (rays as f64 - 1.0);
         let lateral = |rays: usize| half(rays) * cell * std::f64::consts::SQRT_2;
         let (lateral_fine, lateral_coarse) = (lateral(GROUP), lateral(GROUP * GROUP));
-        const WIDE: usize = GROUP * GROUP;
-        for cj in iv.0 / WIDE..=iv.1 / WIDE {
-            for ci in iu.0 / WIDE..=iu.1 / WIDE {
+        const BLOCK: usize = GROUP * GROUP;
+        for cj in iv.0 / BLOCK..=iv.1 / BLOCK {
+            for ci in iu.0 / BLOCK..=iu.1 / BLOCK {
                 let coarse = cj * COARSE_GROUPS + ci;
-                let o = line((ci * WIDE) as f64 + half(WIDE), (cj * WIDE) as f64 + half(WIDE));
+                let o = line((ci * BLOCK) as f64 + half(BLOCK), (cj * BLOCK) as f64 + half(BLOCK));
                 let Some([a, b]) = moving.window(&o, lateral_coarse) else { continue };
                 if !any(&self.coarse[coarse * self.words..][..self.words], [self.bit(a), self.bit(b)]) {
                     continue;

@@ -1,7 +1,7 @@
 //! Cells of the simulated stock: fine enough to find stock that the shank meets, and the arcs of the smallest cutter.
 
 use ir::{OperationId, Program};
-use tool_stock::stock::field::MOST_RAYS;
+use tool_stock::stock::field::MAX_RAYS;
 use wheel::contract::ContractKind;
 
 /// Largest cell of an impeller of up to 200 mm, mm.
@@ -56,7 +56,7 @@ fn is_judged(program: &Program, operation: OperationId) -> bool {
 
 /// Least cell whose rays fit into their share of the memory, mm.
 fn least_cell(program: &Program) -> f64 {
-    let most = MOST_RAYS.min(MEMORY_SHARE * program.memory / RAY_BYTES);
+    let most = MAX_RAYS.min(MEMORY_SHARE * program.memory / RAY_BYTES);
     // A twentieth is the reserve for whole numbers of cells.
     1.05 * (rays(program) / most).sqrt()
 }

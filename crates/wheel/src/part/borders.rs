@@ -151,7 +151,7 @@ fn contact(part: &Part, id: FaceId, u: f64, along: FloorBorder) -> Option<Point3
     let face = part.face(id);
     match along.ball(part, id, u) {
         Some(Rolling { wall, floor, top }) => {
-            let v = part.beside_centre(id, u, [wall, floor], top)?;
+            let v = part.v_of_centre(id, u, [wall, floor], top)?;
             let (point, normal) = face.point_and_normal(u, v);
             Some(point + normal * wall)
         }

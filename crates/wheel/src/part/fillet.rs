@@ -211,14 +211,19 @@ mod tests {
         const DIFFERENCE_STEP: f64 = 1e-4;
         let slope =
             |u: f64| (spline.at(u + DIFFERENCE_STEP) - spline.at(u - DIFFERENCE_STEP)) / (2.0 * DIFFERENCE_STEP);
-        let bend = |u: f64| {
+        let second_derivative = |u: f64| {
             (spline.at(u + DIFFERENCE_STEP) - 2.0 * spline.at(u) + spline.at(u - DIFFERENCE_STEP))
                 / (DIFFERENCE_STEP * DIFFERENCE_STEP)
         };
         assert!(slope(2.0 * DIFFERENCE_STEP).abs() < 0.05 && slope(1.0 - 2.0 * DIFFERENCE_STEP).abs() < 0.05);
         for u in [0.3, 0.7] {
             assert!((slope(u - DIFFERENCE_STEP) - slope(u + DIFFERENCE_STEP)).abs() < 0.05);
-            assert!((bend(u - 2.0 * DIFFERENCE_STEP) - bend(u + 2.0 * DIFFERENCE_STEP)).abs() < 0.5, "{}", bend(u));
+            assert!(
+                (second_derivative(u - 2.0 * DIFFERENCE_STEP) - second_derivative(u + 2.0 * DIFFERENCE_STEP)).abs()
+                    < 0.5,
+                "{}",
+                second_derivative(u)
+            );
         }
         // What the search for extremes finds is what dense samples find.
         let turns: Vec<f64> = spline.turns().collect();

@@ -193,9 +193,9 @@ impl Layout<'_> {
     /// Widths by which the cuts from both faces of a blade leave it until the circle. Before a blade that is inclined, both cuts go
     /// to the same side. The one that follows must not cross the other: they come no nearer to each other than the faces are.
     fn leaves(&self, blade: usize, end: usize) -> [f64; 2] {
-        let [ahead, behind] = [0, 1].map(|side| self.leaves_beside(blade, side, end));
-        let lacks = (-ahead - behind).max(0.0);
-        [ahead + 0.5 * lacks, behind + 0.5 * lacks]
+        let [ahead, behind] = [0, 1].map(|side| self.side_deviation(blade, side, end));
+        let missing = (-ahead - behind).max(0.0);
+        [ahead + 0.5 * missing, behind + 0.5 * missing]
     }
 
     /// Index of the place along a blade by which the direction of its end is found: behind the bulge of the nose.
@@ -210,7 +210,7 @@ impl Layout<'_> {
 
     /// Widths by which a cut leaves its blade with regard to the channel beside it: half way between the line on which the face would
     /// go on and the line to the other blade.
-    fn leaves_beside(&self, blade: usize, side: usize, end: usize) -> f64 {
+    fn side_deviation(&self, blade: usize, side: usize, end: usize) -> f64 {
         let (outward, circle) = (outward(side), end as f64);
         // In the sector in which the plane runs like the channel.
         let (turn, opposite) = if side == 0 {
@@ -236,8 +236,8 @@ impl Layout<'_> {
         let over = [(opposite[0] - start[0]) * way.signum() * along, opening.abs() * across];
         let [on_angle, over_angle] = [on, over].map(|[x, y]| libm::atan2(y, x));
         let half = (0.5 * (on_angle + over_angle)).min(MAX_CUT_ANGLE);
-        let beside = slope * way.signum() * outward * depth + MAX_CUT_DEVIATION * opening.abs();
-        (libm::tan(half) * depth * along / across).min(beside).min(MAX_BLADE_DEVIATION * opening.abs())
+        let deviation = slope * way.signum() * outward * depth + MAX_CUT_DEVIATION * opening.abs();
+        (libm::tan(half) * depth * along / across).min(deviation).min(MAX_BLADE_DEVIATION * opening.abs())
     }
 
     /// Adds the patch between its first and last row, and its first and last column.
@@ -323,7 +323,7 @@ impl Layout<'_> {
             let beyond = if j + 1 == count {
                 after.clone()
             } else {
-                self.plane.beside(
+                self.plane.line_between(
                     &foot[foot.len() - 1],
                     [&before.second, after],
                     ARCS[j + 1],

@@ -69,8 +69,8 @@ impl PatchNodes {
                 let length = |k: usize| nodes[k + 1] - nodes[k];
                 let intervals = nodes.len() - 1;
                 let uneven = |k: &usize| {
-                    let beside = [k.checked_sub(1), Some(k + 1).filter(|k| *k < intervals)];
-                    beside.into_iter().flatten().any(|other| length(*k) > 2 * length(other))
+                    let neighbours = [k.checked_sub(1), Some(k + 1).filter(|k| *k < intervals)];
+                    neighbours.into_iter().flatten().any(|other| length(*k) > 2 * length(other))
                 };
                 new = (0..intervals).filter(uneven).map(|k| middle(nodes, k)).collect();
             }

@@ -36,7 +36,7 @@ impl Part {
     /// v at which a ball of a given radius that touches the face at (u, v) from outside also touches the hub: the upper
     /// edge of the fillet. `None` when the ruling has no such place. Sector 0.
     pub fn fillet_tangent(&self, id: FaceId, u: f64, radius: f64) -> Option<f64> {
-        self.beside_centre(id, u, [radius; 2], 1.0)
+        self.v_of_centre(id, u, [radius; 2], 1.0)
     }
 
     /// v at which the fillet of a face begins, on the ruling at u. `None` for a sharp root, and when the ruling has no such place.
@@ -64,15 +64,15 @@ impl Part {
         let [(before, less, _), (after, more, _)] = [ball(u - DIFFERENCE_STEP)?, ball(u + DIFFERENCE_STEP)?];
         let way = after - before;
         // On the arc the ball neither sinks into the surface nor leaves it while it moves on and grows.
-        let lean = -(more - less) / way.norm();
-        let tilt = way.normalize() * lean;
+        let sine = -(more - less) / way.norm();
+        let tilt = way.normalize() * sine;
         let ends = ends.map(|to| (to - way * (to.dot(&way) / way.norm_squared())).normalize());
-        Some(FilletArc { centre, radius, tilt, level: (1.0 - lean * lean).sqrt(), ends })
+        Some(FilletArc { centre, radius, tilt, level: (1.0 - sine * sine).sqrt(), ends })
     }
 
     /// v at which the point that lies `wall` off the face at (u, v) lies `floor` off the hub, at most `top`. `None` when
     /// the ruling has no such place. Sector 0.
-    pub fn beside_centre(&self, id: FaceId, u: f64, [wall, floor]: [f64; 2], top: f64) -> Option<f64> {
+    pub fn v_of_centre(&self, id: FaceId, u: f64, [wall, floor]: [f64; 2], top: f64) -> Option<f64> {
         let face = self.face(id);
         let gap = |v: f64| {
             let (point, normal) = face.point_and_normal(u, v);
@@ -181,7 +181,7 @@ mod tests {
     #[test]
     fn halvings_by_a_bracket() {
         let plain = |f: &dyn Fn(f64) -> f64| Bracket { holds: -0.5, fails: 1.0 }.halved(50, |v| f(v) < 0.0).middle();
-        let mut asked = 0;
+        let mut evaluations = 0;
         let mut count = 0;
         for k in 0..200 {
             let root = -0.49 + 1.48 * f64::from(k) / 199.0;
@@ -201,11 +201,11 @@ mod tests {
                 let found = halved(g, [-0.5, 1.0].map(|v| (v, f(v))));
                 assert_eq!(found.to_bits(), plain(f).to_bits(), "root {root}");
                 assert!((found - root).abs() < 1e-12);
-                asked += questions.get();
+                evaluations += questions.get();
                 count += 1;
             }
         }
-        assert!(asked <= 17 * count, "{} questions", f64::from(asked) / f64::from(count));
+        assert!(evaluations <= 17 * count, "{} questions", f64::from(evaluations) / f64::from(count));
     }
 
     /// A zero at an end of the bracket, and a function with a jump.

@@ -13,10 +13,10 @@ use serde::{Deserialize, Serialize, Serializer};
 use std::sync::OnceLock;
 
 /// Most sectors of a part that is read: as many as a job may have.
-const MOST_VANES: u32 = 10_000;
+const MAX_VANES: u32 = 10_000;
 
 /// Most blades of a sector of a part that is read; more have no ids.
-const MOST_BLADES: usize = 1000;
+const MAX_BLADES: usize = 1000;
 
 /// The design part. Sector k is sector 0 rotated about Z by k pitches (Wei 18). Its row cannot be changed, since the
 /// charts are made from it once.
@@ -53,7 +53,7 @@ impl TryFrom<BladeRow> for Part {
     type Error = &'static str;
 
     fn try_from(row: BladeRow) -> Result<Self, Self::Error> {
-        if !(2..=MOST_VANES).contains(&row.vane_count) || !(1..=MOST_BLADES).contains(&row.blades.len()) {
+        if !(2..=MAX_VANES).contains(&row.vane_count) || !(1..=MAX_BLADES).contains(&row.blades.len()) {
             return Err("a part needs two sectors or more with a blade in each, and has no more than 10000 sectors");
         }
         let sides = |blade: &Blade| {

@@ -24,7 +24,7 @@ pub struct Volume {
 const GRID_STEPS: [usize; 4] = [48, 12, 16, 8];
 
 /// Most steps of a mesh for a volume, over those of the first one.
-const MOST_TIMES: usize = 16;
+const MAX_TIMES: usize = 16;
 
 /// Volume of the finished part: all vanes milled, no stock over the shroud. The error of chords of uniform grids is
 /// quadratic in the step; two refinements remove it. Thin noses need more of them: up to four are made, until the error is at most
@@ -41,7 +41,7 @@ pub fn volume(part: &Part, stock: &Stock, near: f64) -> Option<Volume> {
         let fine = of(factor)?;
         let value = without_square(coarse, fine);
         let error = (value - before).abs();
-        if error <= near * value || factor == MOST_TIMES {
+        if error <= near * value || factor == MAX_TIMES {
             return Some(Volume { value, error });
         }
         (coarse, before) = (fine, value);
@@ -67,7 +67,7 @@ pub struct ChordMesh {
 
 /// Steps of a mesh at the start, and the most of them in a direction.
 const FIRST_MESH_STEPS: [usize; 7] = [12, 3, 2, 3, 1, 1, 1];
-const MOST_STEPS: usize = 2048;
+const MAX_STEPS: usize = 2048;
 
 /// Mesh of the finished part whose triangles are within a chord error of the surfaces: steps are halved until points half way
 /// between two places are near enough to their chord, in both directions together.
@@ -111,7 +111,7 @@ pub fn mesh_within(part: &Part, stock: &Stock, chord: f64) -> Result<ChordMesh, 
                 Patches::new(part, &Shares::equal(steps), AlongSpacing::FineEnds).map_err(ShellFault::Patches)?;
             return Ok(ChordMesh { mesh: mesh_of(part, stock, &patches), error: worst });
         }
-        if more.iter().any(|n| *n > MOST_STEPS) {
+        if more.iter().any(|n| *n > MAX_STEPS) {
             return Err(ShellFault::NotNear(widest_kind, worst));
         }
         steps = more;

@@ -58,7 +58,7 @@ mod left {
 
 /// Greatest depth of pieces of a triangle, for the search for its farthest point: 2^-12 of a triangle across a blank is
 /// less than a tenth of a millimetre.
-const MOST_HALVINGS: u32 = 24;
+const MAX_HALVINGS: u32 = 24;
 
 /// Space of chuck and table: a cylinder about Z without a lower end, which no part of a tool may enter.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -81,7 +81,7 @@ impl Clamping {
         let rings = |x: &Section| [(x.from, x.radius_from), (x.to, x.radius_to)];
         let centre = |s: f64| -> Point3<f64> { tip + axis * s };
         let over = |(s, r): (f64, f64)| centre(s).z - r * level >= self.below.get();
-        let beside = |x: &Section, radius: f64| {
+        let clears_cylinder = |x: &Section, radius: f64| {
             // The nearest point of the axis of the section to the axis of the part.
             let [from, to] = [x.from, x.to].map(centre);
             let (a, along) = (from.coords.xy(), (to - from).xy());
@@ -90,7 +90,7 @@ impl Clamping {
             (a + along * t).norm() - x.radius_from.max(x.radius_to) >= radius
         };
         let mut sections = solid.shank.iter().chain(&solid.holder);
-        sections.all(|x| rings(x).into_iter().all(over) || self.radius.is_some_and(|r| beside(x, r.get())))
+        sections.all(|x| rings(x).into_iter().all(over) || self.radius.is_some_and(|r| clears_cylinder(x, r.get())))
     }
 }
 
@@ -150,7 +150,7 @@ impl Stock {
         }
         // All corners are near the blank, so the triangles are not larger than it.
         let triangles = mesh.triangles.par_iter().map(|t| t.map(|i| mesh.vertices[i as usize]));
-        let found = triangles.filter_map(|t| self.out_between(&t, most, MOST_HALVINGS));
+        let found = triangles.filter_map(|t| self.out_between(&t, most, MAX_HALVINGS));
         found.reduce_with(farther)
     }
 

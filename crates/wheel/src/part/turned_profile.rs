@@ -26,8 +26,8 @@ struct EdgeRun {
 impl EdgeRun {
     /// Square of the distance of a point to the box, mm^2; 0 inside of it.
     fn square(&self, point: [f64; 2]) -> f64 {
-        let beside = |i: usize| (self.least[i] - point[i]).max(point[i] - self.most[i]).max(0.0);
-        let [r, z] = [0, 1].map(beside);
+        let outside = |i: usize| (self.least[i] - point[i]).max(point[i] - self.most[i]).max(0.0);
+        let [r, z] = [0, 1].map(outside);
         r * r + z * z
     }
 }
@@ -85,12 +85,12 @@ impl TurnedProfile {
             a.total_cmp(&b)
         });
         if let Some(run) = first {
-            self.look(&self.runs[run], point, &mut nearest);
+            self.search(&self.runs[run], point, &mut nearest);
         }
         let mut inside = false;
         for (k, run) in self.runs.iter().enumerate() {
             if Some(k) != first && run.square(point) <= nearest.square {
-                self.look(run, point, &mut nearest);
+                self.search(run, point, &mut nearest);
             }
             inside ^= self.crossed(run, point);
         }
@@ -103,7 +103,7 @@ impl TurnedProfile {
     }
 
     /// Looks for a nearer edge among those of a run.
-    fn look(&self, run: &EdgeRun, [r, z]: [f64; 2], nearest: &mut NearestEdge) {
+    fn search(&self, run: &EdgeRun, [r, z]: [f64; 2], nearest: &mut NearestEdge) {
         let mut a = self.at(run.ends[0]);
         for k in run.ends[0]..run.ends[1] {
             let b = self.at(k + 1);

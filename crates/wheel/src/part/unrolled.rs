@@ -21,11 +21,11 @@ pub(super) struct ChannelStrip {
     /// Parameter, azimuth, width in radians; parameters ascend.
     places: Vec<[f64; 3]>,
     /// Second derivatives of azimuth and width there.
-    bends: Vec<[f64; 2]>,
+    second_derivatives: Vec<[f64; 2]>,
 }
 
 /// Least distance of the places of a strip, as a parameter of the meridian: nearer ones would bend it by rounding.
-const PLACES_APART: f64 = 1e-5;
+const MIN_SPACING: f64 = 1e-5;
 
 /// Least width of a strip, radians.
 const NARROWEST: f64 = 0.05;
@@ -34,10 +34,10 @@ const NARROWEST: f64 = 0.05;
 const SETTLES: f64 = 0.1;
 
 impl ChannelStrip {
-    /// The strip through places, of which those are left out whose parameter ascends by less than [`PLACES_APART`].
+    /// The strip through places, of which those are left out whose parameter ascends by less than [`MIN_SPACING`].
     pub(super) fn through(mut places: Vec<[f64; 3]>) -> Self {
-        places.dedup_by(|next, before| next[0] < before[0] + PLACES_APART);
-        let mut bends = vec![[0.0; 2]; places.len()];
+        places.dedup_by(|next, before| next[0] < before[0] + MIN_SPACING);
+        let mut second_derivatives = vec![[0.0; 2]; places.len()];
         // Elimination of the tridiagonal system of the natural spline, then back substitution.
         let mut upper = vec![0.0; places.len()];
         for k in 1..places.len().saturating_sub(1) {
@@ -45,15 +45,15 @@ impl ChannelStrip {
             let (before, after) = (q[0] - p[0], r[0] - q[0]);
             let pivot = 2.0 * (before + after) - before * upper[k - 1];
             upper[k] = after / pivot;
-            bends[k] = [0, 1].map(|d| {
+            second_derivatives[k] = [0, 1].map(|d| {
                 let turn = 6.0 * ((r[d + 1] - q[d + 1]) / after - (q[d + 1] - p[d + 1]) / before);
-                (turn - before * bends[k - 1][d]) / pivot
+                (turn - before * second_derivatives[k - 1][d]) / pivot
             });
         }
         for k in (1..places.len().saturating_sub(1)).rev() {
-            bends[k] = [0, 1].map(|d| bends[k][d] - upper[k] * bends[k + 1][d]);
+            second_derivatives[k] = [0, 1].map(|d| second_derivatives[k][d] - upper[k] * second_derivatives[k + 1][d]);
         }
-        Self { places, bends }
+        Self { places, second_derivatives }
     }
 
     /// A strip that runs nearly like this one and bends little.
@@ -82,12 +82,12 @@ impl ChannelStrip {
         let t = (u - p[0]) / length;
         let inside = t.clamp(0.0, 1.0);
         let [azimuth, width] = [0, 1].map(|d| {
-            let (bend, next) = (self.bends[k][d], self.bends[k + 1][d]);
+            let (second, next) = (self.second_derivatives[k][d], self.second_derivatives[k + 1][d]);
             let chord = (q[d + 1] - p[d + 1]) / length;
-            let cubic = |t: f64| (1.0 - t) * (bend * t * (t - 2.0) - next * t * (t + 1.0)) * length * length / 6.0;
+            let cubic = |t: f64| (1.0 - t) * (second * t * (t - 2.0) - next * t * (t + 1.0)) * length * length / 6.0;
             let slope = match inside {
-                0.0 => chord - length * (2.0 * bend + next) / 6.0,
-                _ => chord + length * (bend + 2.0 * next) / 6.0,
+                0.0 => chord - length * (2.0 * second + next) / 6.0,
+                _ => chord + length * (second + 2.0 * next) / 6.0,
             };
             let beyond = (t - inside) * length;
             let way = if d == 0 { beyond } else { SETTLES * libm::tanh(beyond / SETTLES) };
@@ -158,7 +158,7 @@ impl<'a> Unrolled<'a> {
 
     /// A line from a point to the place at a share of the way from the end of one line to that of another. It runs as these lines do,
     /// whose points are at the shares `places` of their ways.
-    pub(super) fn beside(
+    pub(super) fn line_between(
         &self,
         from: &Point3<f64>,
         lines: [&[Point3<f64>]; 2],

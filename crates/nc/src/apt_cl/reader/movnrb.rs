@@ -198,7 +198,7 @@ impl Movnrb {
         let Some(pieces) = pieces.filter(|pieces| !pieces.is_empty()) else {
             return Err("both curves give no direction of the tool: the second point meets the tip".to_owned());
         };
-        let apart = |piece: &PoseCurve| {
+        let distance = |piece: &PoseCurve| {
             let levers = piece.levers().unwrap_or_default();
             let at =
                 (0..=CHORD_SAMPLES).map(|k| bezier::value(&levers, f64::from(k) / f64::from(CHORD_SAMPLES)).norm());
@@ -206,7 +206,7 @@ impl Movnrb {
         };
         let at_start = self.second[0] - self.tip[0];
         let start_off = (at_start.norm() / self.length - 1.0).abs();
-        if start_off > LENGTH_ERROR_SHARE || pieces.iter().map(apart).any(|off| off > DISTANCE_ERROR_SHARE) {
+        if start_off > LENGTH_ERROR_SHARE || pieces.iter().map(distance).any(|off| off > DISTANCE_ERROR_SHARE) {
             return Err(format!("both curves are not {} mm apart, which LENGTH says", self.length));
         }
         let long: f64 = pieces.iter().map(way).sum();

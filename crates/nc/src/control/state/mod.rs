@@ -9,8 +9,8 @@ mod switching;
 
 pub(crate) use program::ProgramState;
 
-use super::{Act, Control, LengthWord, MOST_FAULTS, MotionWord, NcBlock, Smoothing, WORD_ROUNDING_MM, figure};
-use crate::control::flow::{Flow, MOST_EXECUTED, Step};
+use super::{Act, Control, LengthWord, MAX_FAULTS, MotionWord, NcBlock, Smoothing, WORD_ROUNDING_MM, figure};
+use crate::control::flow::{Flow, MAX_EXECUTED, Step};
 use crate::control::modal::{ModalGroup, Setting};
 use crate::nc::{Direction, NcTool, ReadResult};
 use five_axis::{Angles, Machine};
@@ -125,8 +125,8 @@ impl<'a> ControlState<'a> {
         self.program.fault(reason);
     }
 
-    fn fault_apart(&mut self, reason: impl Into<String>) {
-        self.program.fault_apart(reason);
+    fn independent_fault(&mut self, reason: impl Into<String>) {
+        self.program.independent_fault(reason);
     }
 
     fn fault_once(&mut self, about: &'static str, reason: impl Into<String>) {
@@ -417,7 +417,7 @@ pub(crate) struct Line<'a> {
 /// adds whatever it does not understand to the list that it receives.
 ///
 /// # Errors
-/// The faults, in order, at most [`MOST_FAULTS`].
+/// The faults, in order, at most [`MAX_FAULTS`].
 pub(crate) fn read(
     text: &str,
     setup: Setup<'_>,
@@ -450,9 +450,9 @@ pub(crate) fn read_in_order(
             Some(Step::Call { lines: called, times, arguments }) if !state.program.is_full() => {
                 state.program.call = Some(at);
                 executed = executed.saturating_add(called.len().saturating_mul(*times as usize));
-                if executed > MOST_EXECUTED {
+                if executed > MAX_EXECUTED {
                     state.fault(format!(
-                        "more than {MOST_EXECUTED} lines are executed; divide the program by operations"
+                        "more than {MAX_EXECUTED} lines are executed; divide the program by operations"
                     ));
                     return Err(state.program.faults);
                 }

@@ -26,7 +26,7 @@ impl ControlState<'_> {
             match setting {
                 Setting::Reported => continue,
                 Setting::Said(word, _) if modal.right.contains(&word) => continue,
-                Setting::Said(word, line) => self.fault_apart(format!(
+                Setting::Said(word, line) => self.independent_fault(format!(
                     "a move with {word}, which line {line} sets: {}; write {due} before this block",
                     modal.what
                 )),
@@ -35,7 +35,7 @@ impl ControlState<'_> {
             self.program.modal[modal.group as usize] = Setting::Reported;
         }
         if !unsaid.is_empty() {
-            self.fault_apart(format!("no block before this move ensures {}", unsaid.join("; ")));
+            self.independent_fault(format!("no block before this move ensures {}", unsaid.join("; ")));
         }
     }
 
@@ -53,7 +53,7 @@ impl ControlState<'_> {
                     true => format!(", or state `work-offset \"{word}\"` in the post"),
                     false => String::new(),
                 };
-                self.fault_apart(format!(
+                self.independent_fault(format!(
                     "a move with {word}, which line {line} sets: {what}; write {due} before this block{stated}"
                 ));
                 None
@@ -74,7 +74,7 @@ impl ControlState<'_> {
                 Some(true) => format!("{clamp} has clamped it"),
                 None => "it may be clamped from another program".to_owned(),
             };
-            self.fault_apart(format!("axis {} moves, and {why}: write {unclamp} in a block before", axis.name));
+            self.independent_fault(format!("axis {} moves, and {why}: write {unclamp} in a block before", axis.name));
             self.clamped[k] = Some(false);
         }
     }

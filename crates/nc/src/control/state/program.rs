@@ -1,7 +1,7 @@
 //! What the readers of all dialects know of a program at a line of its text: settings, faults, and the moves so far. It knows no
 //! machine and no words.
 
-use super::{MOST_FAULTS, Smoothing};
+use super::{MAX_FAULTS, Smoothing};
 use crate::control::modal::{GROUPS, ModalGroup, Setting};
 use crate::nc::{Direction, ENDS_HERE, NcMove, NcRetract, NcSection, NcStation, NcTool, ReadError, ReadResult};
 use crate::tool_shape::NcToolShape;
@@ -32,7 +32,7 @@ pub(crate) struct ProgramState {
     /// Sections so far; their moves are those of the text as long as it has no fault.
     pub(crate) sections: Vec<NcSection>,
     moves: usize,
-    /// Faults so far, at most [`MOST_FAULTS`].
+    /// Faults so far, at most [`MAX_FAULTS`].
     pub(crate) faults: Vec<ReadError>,
     /// The block has a fault already: faults that follow from it are not reported.
     pub(crate) quiet: bool,
@@ -97,7 +97,7 @@ impl ProgramState {
     }
 
     /// Reports a fault that does not follow from another fault of this block.
-    pub(crate) fn fault_apart(&mut self, reason: impl Into<String>) {
+    pub(crate) fn independent_fault(&mut self, reason: impl Into<String>) {
         self.quiet = !self.understood;
         self.fault(reason);
     }
@@ -108,12 +108,12 @@ impl ProgramState {
             return;
         }
         self.reported.push(about);
-        self.fault_apart(reason);
+        self.independent_fault(reason);
     }
 
     /// Whether no more faults are reported.
     pub(crate) fn is_full(&self) -> bool {
-        self.faults.len() >= MOST_FAULTS
+        self.faults.len() >= MAX_FAULTS
     }
 
     /// Reports a text with more moves than can be checked.

@@ -43,7 +43,7 @@ impl ControlState<'_> {
         }
         if self.transformation != Transformation::On && !self.is_retracted() {
             let [.., first, second] = self.machine.names();
-            self.fault_apart(format!(
+            self.independent_fault(format!(
                 "the transformation is switched on at an unknown height: write {} before, then {first} and {second}, then X and Y",
                 self.retract_words()
             ));
@@ -66,9 +66,10 @@ impl ControlState<'_> {
             let on_again = self.transformation == Transformation::On;
             match &self.program.tool {
                 _ if on_again => {}
-                Some(_) => self
-                    .fault_apart(format!("{word} without the length of the tool: write `{length}` before this block")),
-                None => self.fault_apart(format!(
+                Some(_) => self.independent_fault(format!(
+                    "{word} without the length of the tool: write `{length}` before this block"
+                )),
+                None => self.independent_fault(format!(
                     "{word} before any tool change: the tool in the spindle and its length are unknown; write \
                      {} before this block",
                     self.control.change_words()
@@ -110,7 +111,7 @@ impl ControlState<'_> {
             let Control { machine_frame, behind, .. } = self.control;
             let RotaryAxis { name, word_sign, .. } = &machine.rotary[k];
             let at = figure(self.axes[3 + k].known().unwrap_or(0.0).to_degrees() * word_sign);
-            self.fault_apart(format!(
+            self.independent_fault(format!(
                 "the transformation is switched on with {name} at {at} deg: the control fixes the work frame to the table as \
                  the table stands here, so that X Y Z would count in a turned frame; write `{machine_frame} {name}0.{behind}` \
                  before, and turn the table after this block"

@@ -132,7 +132,7 @@ impl<'a> ClearAxes<'a> {
             solid,
             clamping: &program.stock.clamping,
             asked: [SIDE * share_of_size(solid), bound(Guarded::Shank), bound(Guarded::Holder)],
-            most_lean: program.machine.most_lean(),
+            most_lean: program.machine.max_tilt(),
             program,
             sectors,
         }

@@ -208,7 +208,7 @@ fn contact(part: &Part, side: FaceId, along: FloorBorder) -> Option<Contact> {
     for i in 0..=STATIONS {
         let u = from + (to - from) * i as f64 / STATIONS as f64;
         let Rolling { wall, floor, top } = along.ball(part, side, u)?;
-        let v = part.beside_centre(side, u, [wall, floor], top)?;
+        let v = part.v_of_centre(side, u, [wall, floor], top)?;
         let centre = face.surface.point(u, v) + face.normal(u, v) * wall;
         let (hub_u, _) = part.hub.closest(Vector2::new(libm::hypot(centre.x, centre.y), centre.z));
         let mut azimuth = libm::atan2(centre.y, centre.x);

@@ -56,7 +56,7 @@ impl<'a> Clearances<'a> {
         let [shank, holder] = [Guarded::Shank, Guarded::Holder].map(asked);
         let shank = solid.shank.iter().map(|s| (*s, shank));
         let body = shank.chain(solid.holder.iter().map(|s| (*s, holder))).collect();
-        Self { obstacles, body, most_tilt: program.machine.most_lean() - TILT_KEPT }
+        Self { obstacles, body, most_tilt: program.machine.max_tilt() - TILT_KEPT }
     }
 
     /// Shank and holder with the clearance of each section, mm.

@@ -250,9 +250,9 @@ mod tests {
             runs in prop::collection::vec(((0.2..1.2_f64, -3.1..3.1_f64), (0.2..1.2_f64, -2.5..2.5_f64)), 1..4), at in -5.0..5.0_f64
         ) {
             let most = 400.0_f64.to_radians();
-            let a = RotaryAxis { min: -1.5, max: 1.5, speed: 0.7, ..RotaryAxis::wide("A") };
-            let c = RotaryAxis { min: -most, max: most, ..RotaryAxis::wide("C") };
-            let machine = Machine { rotary: [a, c], ..Machine::wide(Chain::tilting_table()) };
+            let a = RotaryAxis { min: -1.5, max: 1.5, speed: 0.7, ..RotaryAxis::unlimited("A") };
+            let c = RotaryAxis { min: -most, max: most, ..RotaryAxis::unlimited("C") };
+            let machine = Machine { rotary: [a, c], ..Machine::unlimited(Chain::tilting_table()) };
             let runs: Vec<Vec<ClPoint>> = runs
                 .iter()
                 .map(|((lean, azimuth), (to, turn))| vec![place(*lean, *azimuth), place(0.5 * (lean + to), azimuth + 0.5 * turn), place(*to, azimuth + turn)])
@@ -281,11 +281,12 @@ mod tests {
     /// Y leaves its travel with every winding. From 340 deg on, the nearest winding of C leaves the travel of C at the first place too.
     #[test]
     fn the_axis_that_no_winding_helps_is_named() {
-        let mut linear = [LinearAxis::WIDE; 3];
+        let mut linear = [LinearAxis::UNLIMITED; 3];
         (linear[1].min, linear[1].max) = (-1.0, 1.0);
         let most = 350.0_f64.to_radians();
-        let c = RotaryAxis { min: -most, max: most, ..RotaryAxis::wide("C") };
-        let machine = Machine { linear, rotary: [RotaryAxis::wide("A"), c], ..Machine::wide(Chain::tilting_table()) };
+        let c = RotaryAxis { min: -most, max: most, ..RotaryAxis::unlimited("C") };
+        let machine =
+            Machine { linear, rotary: [RotaryAxis::unlimited("A"), c], ..Machine::unlimited(Chain::tilting_table()) };
         for k in 0..8 {
             let (sin, cos) = libm::sincos(TAU * f64::from(k) / 8.0);
             let axis = Vector3::new(0.5 * cos, 0.5 * sin, 1.0).normalize();
