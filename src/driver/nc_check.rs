@@ -61,15 +61,15 @@ fn run(check: &NcCheck, stages: &mut Stages, outcome: &mut Outcome) -> Result<()
     let file = check.certificate.as_deref().map(|path| read_certificate(path, &mut outcome.sink)).transpose()?;
     let mut report = String::new();
     // Without another word the post file is the one with which the text was written.
-    let of_certificate = file.as_ref().and_then(|(_, _, file)| post_of(&file.inputs));
+    let of_certificate = file.as_ref().and_then(|read| post_of(&read.file.inputs));
     let run = RunOptions { post: check.run.post.clone().or(of_certificate), ..check.run.clone() };
     let program = check.job.as_ref().map(|job| program(&run, job, stages, outcome)).transpose()?;
     let inputs = super::inputs(&outcome.sources);
     let disk = |path: &Path| path.canonicalize().ok();
     let nc = SourceFile { disk: disk(&check.nc), ..SourceFile::text(shown_path(&check.nc), text) };
     let nc = outcome.sources.add_file(nc);
-    if let Some((shown, bytes, file)) = &file {
-        let belong = Belonging { sources: &outcome.sources, nc, shown, bytes, file };
+    if let Some(ReadCertificate { shown, text, file }) = &file {
+        let belong = Belonging { sources: &outcome.sources, nc, shown, bytes: text, file };
         report.push_str(&belong.check(program.is_some().then_some(&inputs), &mut outcome.sink));
     }
     let map = check.source_map.as_deref().map(|path| read_source_map(path, &mut outcome.sink)).transpose()?;
@@ -83,7 +83,7 @@ fn run(check: &NcCheck, stages: &mut Stages, outcome: &mut Outcome) -> Result<()
         nc,
         inputs: &inputs,
         map: map.as_ref(),
-        certificate: file.as_ref().map(|(shown, _, file)| (shown.as_str(), file)),
+        certificate: file.as_ref().map(|read| (read.shown.as_str(), &read.file)),
     };
     let measured = program.map(|program| measure(check, &program, &text, stages, outcome)).transpose();
     if let Some(map) = &map {
@@ -496,15 +496,22 @@ fn compare_figures(shown: &str, file: &CertificateFile, measured: &Certificate, 
     compared
 }
 
-/// A certificate with its path and its bytes.
-fn read_certificate(path: &Path, sink: &mut Sink) -> Result<(String, String, CertificateFile), Aborted> {
+/// A certificate that was read.
+struct ReadCertificate {
+    /// Its path, as messages show it.
+    shown: String,
+    text: String,
+    file: CertificateFile,
+}
+
+fn read_certificate(path: &Path, sink: &mut Sink) -> Result<ReadCertificate, Aborted> {
     let shown = path.display().to_string();
     let due = "give the JSON file that `--certificate` wrote beside the NC text";
     let broken =
         |reason: &str| Diag::error(codes::CERTIFICATE_FORM, format!("{shown} is not a known certificate: {reason}"));
     let diag = match reading::read(path, MAX_CERTIFICATE_BYTES).map(|bytes| bytes.map(String::from_utf8)) {
         Ok(Some(Ok(text))) => match CertificateFile::read(&text) {
-            Ok(file) => return Ok((shown, text, file)),
+            Ok(file) => return Ok(ReadCertificate { shown, text, file }),
             Err(reason) => broken(&reason).help(due),
         },
         Ok(Some(Err(error))) => {

@@ -79,7 +79,7 @@ impl StatedAngles {
         };
         let rows = self.camber.iter().map(row).collect::<Option<Vec<_>>>().ok_or(CamberFault::NoCurve)?;
         CamberSurface::new(patch, &rows, Distribution::constant(0.0))
-            .map_err(|(k, _, beta)| CamberFault::Steep(k, beta))
+            .map_err(|steep| CamberFault::Steep(steep.row, steep.beta))
     }
 
     /// Its thickness.

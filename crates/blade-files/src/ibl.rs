@@ -8,7 +8,7 @@ use super::found::{Found, within};
 use super::frame::Frame;
 use super::lines::{Line, Text, ends};
 use super::loader::Loader;
-use super::loops::{self, ReadLoop};
+use super::loops::{self, PlacedSections, ReadLoop};
 use super::stated::RequiredFacts;
 use super::{Imported, ImportedBlade, ImportedRow, Options, limits};
 use base::source::{SourceId, Span};
@@ -51,7 +51,7 @@ pub(super) fn read(
     let sections = sections(text, &frame, found)?;
     loops::enough(sections.len(), "main", text.end())?;
     let joined = sections.into_iter().map(joined).collect::<Result<Vec<ReadLoop>, Diag>>()?;
-    let (sections, places) = loops::close(joined, found)?;
+    let PlacedSections { sections, places } = loops::close(joined, found)?;
     found.note(text.end(), "all sections are taken for those of one blade, from hub to shroud");
     let blade = ImportedBlade { name: "main".to_owned(), sections, places, ..ImportedBlade::default() };
     let row = ImportedRow { name: String::new(), count, blades: vec![blade] };

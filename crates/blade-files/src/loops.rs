@@ -26,8 +26,14 @@ pub(super) struct ReadLoop {
     pub(super) ends: Span,
 }
 
+/// Sections with the places at which they begin.
+pub(super) struct PlacedSections {
+    pub(super) sections: Vec<Section>,
+    pub(super) places: Vec<Span>,
+}
+
 /// Closes the loops of a file, which are all closed or all open in it, and notes which.
-pub(super) fn close(loops: Vec<ReadLoop>, found: &mut Found) -> Result<(Vec<Section>, Vec<Span>), Diag> {
+pub(super) fn close(loops: Vec<ReadLoop>, found: &mut Found) -> Result<PlacedSections, Diag> {
     let mut sections = Vec::with_capacity(loops.len());
     let places = loops.iter().map(|l| l.begins).collect();
     let mut first: Option<(bool, Span)> = None;
@@ -79,7 +85,7 @@ pub(super) fn close(loops: Vec<ReadLoop>, found: &mut Found) -> Result<(Vec<Sect
         let points = if least == most { format!("{least}") } else { format!("{least} to {most}") };
         found.note(at, format!("{} sections with {points} points each", sections.len()));
     }
-    Ok((sections, places))
+    Ok(PlacedSections { sections, places })
 }
 
 /// Refuses a blade with fewer sections than a surface needs.

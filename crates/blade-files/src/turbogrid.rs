@@ -8,7 +8,7 @@ use super::found::{Found, within};
 use super::frame::{Axis, Frame, Handedness, LengthUnit};
 use super::lines::{Line, Text, ends};
 use super::loader::Loader;
-use super::loops::{self, ReadLoop};
+use super::loops::{self, PlacedSections, ReadLoop};
 use super::stated::RequiredFacts;
 use super::{Imported, ImportedBlade, ImportedRow, Options, limits, meridian};
 use base::source::{SourceId, Span, Spanned};
@@ -229,7 +229,7 @@ fn blades(text: Text<'_>, frame: &Frame, found: &mut Found) -> Result<Vec<Import
             let last = blade.loops.last().map_or(text.end(), |l| l.ends);
             loops::enough(blade.loops.len(), &name, last)?;
             check_spans(&blade.loops)?;
-            let (sections, places) = loops::close(blade.loops, found)?;
+            let PlacedSections { sections, places } = loops::close(blade.loops, found)?;
             Ok(ImportedBlade { name, sections, places, tags: blade.tags, ..ImportedBlade::default() })
         })
         .collect()

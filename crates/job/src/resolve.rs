@@ -15,7 +15,7 @@ use crate::operation::{self, Workpiece, tools};
 use crate::part::{self, stock_file};
 use crate::property::quantity::Dimension;
 use crate::vocabulary::{self, TopicKind};
-use base::source::{SourceMap, Span};
+use base::source::{SourceMap, Span, Spanned};
 use base::units::Mm;
 use diagnostics::codes::{files as file_codes, job as codes};
 use diagnostics::{Aborted, Diag, Sink};
@@ -102,20 +102,20 @@ fn single<'f, T>(
     example: &str,
     pick: impl Fn(&'f Item) -> Option<T>,
     cx: &mut Context<'_>,
-) -> Option<(T, Span)> {
-    let mut found: Option<(T, Span)> = None;
+) -> Option<Spanned<T>> {
+    let mut found: Option<Spanned<T>> = None;
     for item in &file.items {
         let Some(value) = pick(item) else { continue };
         let head = head(item);
-        if let Some((_, first)) = &found {
+        if let Some(first) = &found {
             cx.sink.push(
                 Diag::error(codes::GIVEN_TWICE, format!("the job has a second {what}"))
                     .label(head, "given again")
-                    .label(*first, "first given here")
+                    .label(first.span, "first given here")
                     .help("keep one of them"),
             );
         } else {
-            found = Some((value, head));
+            found = Some(Spanned::new(value, head));
         }
     }
     if found.is_none() && !file.damaged {
@@ -133,7 +133,7 @@ fn single<'f, T>(
 
 fn edition(file: &File, cx: &mut Context<'_>) {
     let pick = |item: &'_ Item| if let ItemKind::Edition(name) = &item.kind { Some(name.clone()) } else { None };
-    let Some((name, _)) = single(file, "edition", "edition 2026", pick, cx) else { return };
+    let Some(Spanned { value: name, .. }) = single(file, "edition", "edition 2026", pick, cx) else { return };
     if name.text != EDITION {
         cx.sink.push(
             Diag::error(codes::EDITION, format!("edition {} is unknown", name.text))
@@ -196,7 +196,7 @@ fn machine(file: &File, cx: &mut Context<'_>) -> Option<MachineSpec> {
         ItemKind::Use { kind, what } if kind.text == "machine" => Some(what.clone()),
         _ => None,
     };
-    let (what, _) = single(file, "machine", "use machine \"5mc850-c\"", pick, cx)?;
+    let Spanned { value: what, .. } = single(file, "machine", "use machine \"5mc850-c\"", pick, cx)?;
     match cx.files.machine(&what.text) {
         Ok(found) => {
             let source = cx.sources.add_file(found);
@@ -255,7 +255,7 @@ fn part_item(file: &File, cx: &mut Context<'_>) -> Option<PartSpec> {
         ItemKind::Part { name, body } => Some((name.clone(), body.clone())),
         _ => None,
     };
-    let ((name, body), head) =
+    let Spanned { value: (name, body), span: head } =
         single(file, "part", "part NAME { vanes 8  vane main { ... } hub ... shroud ... }", pick, cx)?;
     part::resolve(&name, &body, head, cx)
 }
@@ -266,7 +266,7 @@ fn stock(file: &File, cx: &mut Context<'_>) -> Option<StockSpec> {
         ItemKind::Stock { kind, body } => Some((kind.clone(), body.clone())),
         _ => None,
     };
-    let ((kind, body), span): ((Name, Block), Span) = single(file, "stock", example, pick, cx)?;
+    let Spanned { value: (kind, body), span }: Spanned<(Name, Block)> = single(file, "stock", example, pick, cx)?;
     if kind.text != "turned" {
         let diag = Diag::error(codes::NOT_IN_LANGUAGE, format!("stock `{}` is not in the language", kind.text));
         cx.sink.push(suggest(diag, &kind.text, kind.span, "kind of stock", &["turned"]));
@@ -382,7 +382,7 @@ fn post(file: &File, cx: &mut Context<'_>) -> Option<PostFile> {
         ItemKind::Post { name, body } => Some((name.clone(), body.clone())),
         _ => None,
     };
-    let ((name, body), head) = single(file, "post", "post siemens-840d", pick, cx)?;
+    let Spanned { value: (name, body), span: head } = single(file, "post", "post siemens-840d", pick, cx)?;
     let found = match cx.files.post(&name.text) {
         Ok(found) => found,
         Err(missing) => {

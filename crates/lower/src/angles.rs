@@ -9,7 +9,7 @@ use base::units::{length, trim};
 use blade::angles::limits::{LEAST_LENGTH, OFF_ENDS};
 use blade::angles::{
     AngleBlade, CamberAngles, CamberRow, CamberSurface, Distribution, EdgeLine, FaultKind, MAX_CAMBER_ANGLE, MadeFault,
-    MeridianByLength, MeridionalPatch, SectionFault, SurfaceResidual, Thickness, made,
+    MeridianByLength, MeridionalPatch, SectionFault, SteepCamber, SurfaceResidual, Thickness, made,
 };
 use blade::loft::{LoftFault, LoftedBlade};
 use blade::outline::Side;
@@ -71,10 +71,10 @@ impl AngleBladeGiven<'_> {
         let lean = lean.as_ref().map_or(Some(Distribution::constant(0.0)), through)?;
         match CamberSurface::new(MeridionalPatch::new(ends, edges), &rows, lean) {
             Ok(surface) => Some(surface),
-            Err((k, way, beta)) => {
+            Err(SteepCamber { row, way, beta }) => {
                 sink.push(
                     Diag::error(codes::STEEP, format!("the camber line of {} runs round the axis", self.name()))
-                        .label(angles[k].span, format!("beta is {} at {} of the way", deg(beta), percent(way)))
+                        .label(angles[row].span, format!("beta is {} at {} of the way", deg(beta), percent(way)))
                         .note("the spline through the values may go beyond them")
                         .help("let theta change less over the way, or give more or smaller values of beta"),
                 );

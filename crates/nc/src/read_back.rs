@@ -99,7 +99,7 @@ pub fn read_back(post: &dyn Post, program: &Program, motion: &Motion, text: &str
         let (line, retract) = section.retract.ok_or_else(|| differs(0, "an operation without a retract".to_owned()))?;
         let turns = whole_turns(program, operation, section);
         stations(program, operation, section, turns, &retract)
-            .map_err(|(at_end, why)| differs(if at_end { line } else { section.start.line }, why))?;
+            .map_err(|fault| differs(if fault.in_last { line } else { section.start.line }, fault.reason))?;
         let declared = &program.operations[operation.operation];
         let tool = &program.tools[declared.tool];
         if let Some(why) = tool_shape::difference(&section.shape, tool) {
@@ -194,48 +194,56 @@ fn wound(angles: Angles, turns: Angles) -> Angles {
     [angles[0] + turns[0], angles[1] + turns[1]]
 }
 
-/// Compares the stations at retract height with the first and the last move. A fault says whether it is in the last
-/// move.
+/// A station at retract height that differs from its move.
+struct StationFault {
+    /// It is that of the last move, not of the first.
+    in_last: bool,
+    reason: String,
+}
+
+/// Compares the stations at retract height with the first and the last move.
 fn stations(
     program: &Program,
     operation: &MotionOperation,
     section: &NcSection,
     turns: Angles,
     retract: &NcRetract,
-) -> Result<(), (bool, String)> {
+) -> Result<(), StationFault> {
+    let at_start = |reason: String| StationFault { in_last: false, reason };
+    let at_end = |reason: String| StationFault { in_last: true, reason };
     let digits = &program.post.control.decimals;
     let length = program.tools[program.operations[operation.operation].tool].length();
     let (Some(first), Some(last)) = (operation.moves.first(), operation.moves.last()) else {
-        return Err((false, "an operation without moves".to_owned()));
+        return Err(at_start("an operation without moves".to_owned()));
     };
     let positions = |m: &JointMove| program.machine.positions(&m.joints, length);
     match &section.start.place {
         NcPlace::Pose(pose) => {
-            same_pose(program, first, pose).map_err(|why| (false, format!("at the start, {why}")))?
+            same_pose(program, first, pose).map_err(|why| at_start(format!("at the start, {why}")))?
         }
         NcPlace::Axes { xyz, rotary, turned } => {
             if let Some(tip) = turned.filter(|tip| (tip - first.joints.xyz).amax() > STANDS) {
                 let off = (tip - first.joints.xyz).amax();
                 let reason = format!("the axes are {off:.6} mm away from the first station while the tables turn");
-                return Err((false, reason));
+                return Err(at_start(reason));
             }
             let [x, y, z, ..] = positions(first);
             let off = (xyz - Vector3::new(x, y, z)).amax();
             if off > half_step(digits.length) {
-                return Err((false, format!("the axes are {off:.6} mm away from the first station")));
+                return Err(at_start(format!("the axes are {off:.6} mm away from the first station")));
             }
             let turned = most_turn(wound(*rotary, turns), first.joints.rotary).to_degrees();
             if turned > half_step(digits.angle) {
-                return Err((false, format!("a rotary axis is {turned:.7} deg away from the first station")));
+                return Err(at_start(format!("a rotary axis is {turned:.7} deg away from the first station")));
             }
         }
     }
     match retract {
-        NcRetract::Pose(pose) => same_pose(program, last, pose).map_err(|why| (true, format!("at the end, {why}")))?,
+        NcRetract::Pose(pose) => same_pose(program, last, pose).map_err(|why| at_end(format!("at the end, {why}")))?,
         NcRetract::Height(height) => {
             let off = (height - positions(last)[2]).abs();
             if off > half_step(digits.length) {
-                return Err((true, format!("the retract is off by {off:.6} mm")));
+                return Err(at_end(format!("the retract is off by {off:.6} mm")));
             }
         }
     }
@@ -244,7 +252,7 @@ fn stations(
     let across = (last.joints.xyz - over.joints.xyz).xy().amax();
     let turned = most_turn(last.joints.rotary, over.joints.rotary);
     if across > half_step(digits.length) || turned > 0.0 {
-        return Err((true, "the last station is not above the last target".to_owned()));
+        return Err(at_end("the last station is not above the last target".to_owned()));
     }
     Ok(())
 }

@@ -6,7 +6,7 @@ use super::named::{ModelSection, not_read, same};
 use crate::angles::{CamberFault, StatedAngle, StatedAngles, StatedAtSpan};
 use crate::found::{Found, within};
 use crate::lines::malformed;
-use base::source::Span;
+use base::source::{Span, Spanned};
 use base::units::trim;
 use blade::angles::limits::{MAX_SPANS, OFF_ENDS, RATIOS, THICKNESSES};
 use blade::angles::{CamberSurface, EdgeShape, FaultKind, MeridionalPatch, SectionFault, Thickness};
@@ -66,17 +66,17 @@ fn shape(block: &ModelSection<'_>, key: &str, edge: &str) -> Result<EdgeShape, D
 }
 
 /// Rows in the order of the span, without two on a layer.
-fn in_order<T>(mut rows: Vec<(StatedAtSpan<T>, Span)>) -> Result<Vec<(StatedAtSpan<T>, Span)>, Diag> {
-    rows.sort_by(|a, b| a.0.at.total_cmp(&b.0.at));
-    match rows.windows(2).find(|pair| pair[1].0.at - pair[0].0.at < 1e-4) {
-        Some(pair) => Err(malformed("two curves lie on one layer", pair[1].1, "this curve")),
+fn in_order<T>(mut rows: Vec<Spanned<StatedAtSpan<T>>>) -> Result<Vec<Spanned<StatedAtSpan<T>>>, Diag> {
+    rows.sort_by(|a, b| a.value.at.total_cmp(&b.value.at));
+    match rows.windows(2).find(|pair| pair[1].value.at - pair[0].value.at < 1e-4) {
+        Some(pair) => Err(malformed("two curves lie on one layer", pair[1].span, "this curve")),
         None => Ok(rows),
     }
 }
 
 /// Whether rows go from hub to shroud.
-fn whole_span<T>(rows: &[(StatedAtSpan<T>, Span)]) -> bool {
-    rows.len() > 1 && rows.first().is_some_and(|r| r.0.at == 0.0) && rows.last().is_some_and(|r| r.0.at == 1.0)
+fn whole_span<T>(rows: &[Spanned<StatedAtSpan<T>>]) -> bool {
+    rows.len() > 1 && rows.first().is_some_and(|r| r.value.at == 0.0) && rows.last().is_some_and(|r| r.value.at == 1.0)
 }
 
 /// Reads the curves of a blade.
@@ -100,7 +100,7 @@ impl CurveReader<'_> {
         Ok(places.into_iter().zip(given).map(|(x, [_, value])| [x, value]).collect())
     }
 
-    fn angles(&mut self, block: &ModelSection<'_>) -> Result<Vec<(StatedAtSpan<StatedAngle>, Span)>, Diag> {
+    fn angles(&mut self, block: &ModelSection<'_>) -> Result<Vec<Spanned<StatedAtSpan<StatedAngle>>>, Diag> {
         block.only(&["AngleLocation", "SpanwiseDistribution"], &["AngleCurve"])?;
         block.must_be("AngleLocation", "MeanLine")?;
         block.must_be("SpanwiseDistribution", "General")?;
@@ -108,7 +108,7 @@ impl CurveReader<'_> {
         for curve in block.all("AngleCurve") {
             within(rows.len() + 1, MAX_SPANS, "layers of a blade", curve.line.span)?;
             let at = self.meridional.layer(curve)?;
-            rows.push((StatedAtSpan { at, says: self.angle(curve, at)? }, curve.line.span));
+            rows.push(Spanned::new(StatedAtSpan { at, says: self.angle(curve, at)? }, curve.line.span));
         }
         let rows = in_order(rows)?;
         if whole_span(&rows) {
@@ -165,11 +165,11 @@ impl CurveReader<'_> {
                 let due = format!("from {} to {} mm are expected", THICKNESSES[0], THICKNESSES[1]);
                 return Err(malformed("a blade cannot have this thickness", curve.line.span, &due));
             }
-            rows.push((StatedAtSpan { at, says }, curve.line.span));
+            rows.push(Spanned::new(StatedAtSpan { at, says }, curve.line.span));
         }
         let rows = in_order(rows)?;
-        if let [(_, at)] = rows.as_slice() {
-            found.note(*at, "the thicknesses of this layer hold for all layers");
+        if let [only] = rows.as_slice() {
+            found.note(only.span, "the thicknesses of this layer hold for all layers");
         } else if !whole_span(&rows) {
             let message = "the thicknesses do not go from hub to shroud";
             return Err(not_read(
@@ -178,7 +178,7 @@ impl CurveReader<'_> {
                 "one layer, or curves on a layer at 0 and on one at 1 are expected",
             ));
         }
-        Ok(rows.into_iter().map(|(row, _)| row).collect())
+        Ok(rows.into_iter().map(|row| row.value).collect())
     }
 }
 
@@ -214,7 +214,7 @@ pub(super) fn main_blade(
             format!("curves begin and end up to {percent} % beside 0 % and 100 %, which are taken instead"),
         );
     }
-    let (camber, places): (Vec<_>, Vec<_>) = angles.into_iter().unzip();
+    let (camber, places): (Vec<_>, Vec<_>) = angles.into_iter().map(|row| (row.value, row.span)).unzip();
     stated.camber = camber;
     let surface = stated.camber(patch).map_err(|fault| no_camber(fault, &places, block.line.span))?;
     let thickness = stated.thicknesses();

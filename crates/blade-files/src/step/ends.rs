@@ -4,7 +4,7 @@ use super::blade::{ENDS, StepBlade};
 use super::face::StepFace;
 use super::meridian::{StepMeridian, flat};
 use super::revolved;
-use super::turned_faces;
+use super::turned_faces::{self, TurnedMeridian};
 use crate::found::Found;
 use base::source::Span;
 use base::units::trim;
@@ -187,7 +187,7 @@ fn shroud(main: &StepBlade, faces: &[StepFace], place: Span, found: &mut Found) 
                 .help("pick another face")
         });
     }
-    let (shroud, spread) = turned_faces::meridian(faces)?;
+    let TurnedMeridian { line: shroud, spread } = turned_faces::meridian(faces)?;
     revolved::check(faces, spread, "shroud", place, found)?;
     found.moved(turned_faces::distance(&shroud, faces));
     let [first, last] = [0.0, 1.0].map(|s| shroud.nearest(&flat(&main.sheets[0].jet(s, 1.0).point))[0]);

@@ -3,7 +3,7 @@
 use super::curve::StepCurve;
 use super::picks::ListedFace;
 use super::placement::StepGeometry;
-use super::surface::StepSurface;
+use super::surface::{StepSurface, SurfaceFoot};
 use super::table::Entity;
 use base::source::Span;
 use diagnostics::{Diag, printable};
@@ -59,7 +59,7 @@ impl StepFace {
         let points = self.borders.iter().flatten().flat_map(|edge| edge.points.iter().step_by(every));
         let border: Vec<Vector2<f64>> = points
             .map(|p| {
-                let (place, far) = self.surface.nearest(p, near);
+                let SurfaceFoot { place, far } = self.surface.nearest(p, near);
                 near = if far < EDGE_GAP_MM { Some(place) } else { None };
                 place.into()
             })

@@ -34,7 +34,7 @@ pub(super) fn axis<'a, 't>(
     found: &mut Found,
 ) -> Result<(StepGeometry<'a, 't>, Axis), Diag> {
     let spreads = spreads(&own, hub_in)?;
-    let fits = |spreads: &[(Axis, f64); 3]| spreads.iter().any(|(_, spread)| *spread <= REVOLVED);
+    let fits = |spreads: &[AxisSpread; 3]| spreads.iter().any(|of| of.spread <= REVOLVED);
     if own.frame == whole.frame || fits(&spreads) {
         return Ok((own, chosen(spreads, stated, span, found)?));
     }
@@ -48,18 +48,24 @@ pub(super) fn axis<'a, 't>(
     Ok((whole, chosen(in_whole, stated, span, found)?))
 }
 
-/// How far the borders of the hub lie off one meridian about each axis, mm.
-fn spreads<'a, 't>(geometry: &StepGeometry<'a, 't>, hub_in: &HubIn<'_, 'a, 't>) -> Result<[(Axis, f64); 3], Diag> {
-    let mut spreads = [(Axis::X, f64::INFINITY), (Axis::Y, f64::INFINITY), (Axis::Z, f64::INFINITY)];
-    for (axis, spread) in &mut spreads {
+/// How far the borders of the hub lie off one meridian about an axis, mm.
+#[derive(Clone, Copy)]
+struct AxisSpread {
+    axis: Axis,
+    spread: f64,
+}
+
+fn spreads<'a, 't>(geometry: &StepGeometry<'a, 't>, hub_in: &HubIn<'_, 'a, 't>) -> Result<[AxisSpread; 3], Diag> {
+    let mut spreads = [Axis::X, Axis::Y, Axis::Z].map(|axis| AxisSpread { axis, spread: f64::INFINITY });
+    for AxisSpread { axis, spread } in &mut spreads {
         let hub = hub_in(&geometry.moved(&to_z(*axis)))?;
-        *spread = turned_faces::meridian(&hub).map_or(f64::INFINITY, |(_, spread)| spread);
+        *spread = turned_faces::meridian(&hub).map_or(f64::INFINITY, |meridian| meridian.spread);
     }
     Ok(spreads)
 }
 
-fn chosen(spreads: [(Axis, f64); 3], stated: Option<Axis>, span: Span, found: &mut Found) -> Result<Axis, Diag> {
-    let fits: Vec<Axis> = spreads.iter().filter(|(_, s)| *s <= REVOLVED).map(|(axis, _)| *axis).collect();
+fn chosen(spreads: [AxisSpread; 3], stated: Option<Axis>, span: Span, found: &mut Found) -> Result<Axis, Diag> {
+    let fits: Vec<Axis> = spreads.iter().filter(|of| of.spread <= REVOLVED).map(|of| of.axis).collect();
     let described = || described(spreads);
     match (stated, fits.as_slice()) {
         (Some(axis), fits) if fits.contains(&axis) => {
@@ -85,10 +91,10 @@ fn chosen(spreads: [(Axis, f64); 3], stated: Option<Axis>, span: Span, found: &m
 }
 
 /// How far the borders of the hub lie off one meridian about each axis, in words.
-fn described(spreads: [(Axis, f64); 3]) -> String {
-    let (known, none): (Vec<_>, Vec<_>) = spreads.into_iter().partition(|(_, spread)| spread.is_finite());
-    let far: Vec<String> = known.iter().map(|(axis, spread)| format!("{} mm about {axis}", trim(*spread, 3))).collect();
-    let none: Vec<String> = none.iter().map(|(axis, _)| axis.to_string()).collect();
+fn described(spreads: [AxisSpread; 3]) -> String {
+    let (known, none): (Vec<_>, Vec<_>) = spreads.into_iter().partition(|of| of.spread.is_finite());
+    let far: Vec<String> = known.iter().map(|of| format!("{} mm about {}", trim(of.spread, 3), of.axis)).collect();
+    let none: Vec<String> = none.iter().map(|of| of.axis.to_string()).collect();
     let lie = (!far.is_empty()).then(|| format!("lie off one meridian by {}", far.join(", ")));
     let without = (!none.is_empty()).then(|| format!("have no meridian about {}", none.join(", ")));
     format!("its borders {}", [lie, without].into_iter().flatten().collect::<Vec<_>>().join(" and "))

@@ -69,15 +69,15 @@ impl StepSheet {
         for side in &sides {
             let mut places = Vec::with_capacity(side.points.len());
             for p in &side.points {
-                let (mut place, mut far) = face.surface.nearest(p, near);
+                let mut foot = face.surface.nearest(p, near);
                 // From a place at which a parameter has no speed no search comes away. Round a closed surface it may jump.
                 let closed = (0..2).any(|k| face.surface.period(k).is_some());
-                if far > EDGE_GAP_MM && near.is_some() && !closed {
-                    (place, far) = face.surface.nearest(p, None);
+                if foot.far > EDGE_GAP_MM && near.is_some() && !closed {
+                    foot = face.surface.nearest(p, None);
                 }
-                near = Some(place);
-                gap = gap.max(far);
-                places.push(Vector2::from(place));
+                near = Some(foot.place);
+                gap = gap.max(foot.far);
+                places.push(Vector2::from(foot.place));
             }
             let lengths = chords::lengths(&side.points);
             let whole = lengths[lengths.len() - 1].max(f64::MIN_POSITIVE);

@@ -31,6 +31,13 @@ pub(super) enum StepSurface {
     Spline([SplineKnots; 2], Vec<Vector4<f64>>, usize),
 }
 
+/// The point of a surface that is nearest to a point: its parameters, and the distance, mm.
+#[derive(Clone, Copy)]
+pub(super) struct SurfaceFoot {
+    pub(super) place: [f64; 2],
+    pub(super) far: f64,
+}
+
 /// A point of a surface with its derivatives by both parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct SurfaceJet {
@@ -206,9 +213,9 @@ impl StepSurface {
         best.1
     }
 
-    /// Parameters of the point of the surface that is nearest to a point, and the distance, mm. The search begins at `near`, or
+    /// The point of the surface that is nearest to a point. The search begins at `near`, or
     /// at the nearest of a table of places. Splines are searched within their domain and a little beyond.
-    pub(super) fn nearest(&self, p: &Point3<f64>, near: Option<[f64; 2]>) -> ([f64; 2], f64) {
+    pub(super) fn nearest(&self, p: &Point3<f64>, near: Option<[f64; 2]>) -> SurfaceFoot {
         /// Share of the domain by which a border may lie beyond it.
         const DOMAIN_MARGIN: f64 = 1e-3;
         let bounded = |k: usize, x: f64| match (self, self.domains()[k]) {
@@ -248,7 +255,7 @@ impl StepSurface {
                 break;
             }
         }
-        (place, far)
+        SurfaceFoot { place, far }
     }
 }
 
@@ -305,7 +312,7 @@ mod tests {
                     assert!(off < 1e-6 * (1.0 + difference.norm()), "{surface:?} {place:?} {off}");
                 }
                 let p = at(place).point;
-                let (found, far) = surface.nearest(&p, None);
+                let SurfaceFoot { place: found, far } = surface.nearest(&p, None);
                 assert!(far < 1e-8 && nalgebra::distance(&at(found).point, &p) < 1e-8, "{surface:?} {place:?} {far}");
             }
         }

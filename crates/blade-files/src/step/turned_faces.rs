@@ -10,9 +10,15 @@ use nalgebra::{Point3, Vector2};
 /// Largest distance of a surface of revolution from its meridian, mm.
 pub(super) const REVOLVED: f64 = 0.02;
 
-/// The meridian of faces of a surface of revolution about Z, and the largest distance of their borders from it, mm: zero for exact
-/// surfaces.
-pub(super) fn meridian(faces: &[StepFace]) -> Result<(StepMeridian, f64), Diag> {
+/// The meridian of faces of a surface of revolution.
+pub(super) struct TurnedMeridian {
+    pub(super) line: StepMeridian,
+    /// Largest distance of the borders of the faces from it, mm: zero for exact surfaces.
+    pub(super) spread: f64,
+}
+
+/// The meridian of faces of a surface of revolution about Z.
+pub(super) fn meridian(faces: &[StepFace]) -> Result<TurnedMeridian, Diag> {
     let mut lines: Vec<StepMeridian> = faces.iter().filter_map(of_face).collect();
     lines.sort_by(|a, b| b.length().total_cmp(&a.length()));
     let mut rest = lines.into_iter();
@@ -24,7 +30,7 @@ pub(super) fn meridian(faces: &[StepFace]) -> Result<(StepMeridian, f64), Diag> 
         rest.swap_remove(k);
     }
     let spread = faces.iter().map(|face| spread(&line, face)).fold(0.0, f64::max);
-    Ok((line, spread))
+    Ok(TurnedMeridian { line, spread })
 }
 
 /// Largest distance of all points of the borders of faces from a meridian, mm.

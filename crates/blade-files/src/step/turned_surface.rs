@@ -115,17 +115,17 @@ fn along(face: &StepFace, k: usize) -> Option<StepMeridian> {
     let mut near = None;
     let mut places: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
     for p in points(face) {
-        let (mut place, mut far) = surface.nearest(p, near);
+        let mut foot = surface.nearest(p, near);
         // A search that went astray begins anew, and one that came to a seam goes on behind it.
-        if far >= EDGE_GAP_MM && near.is_some() {
-            (place, far) = surface.nearest(p, None);
+        if foot.far >= EDGE_GAP_MM && near.is_some() {
+            foot = surface.nearest(p, None);
         }
-        let behind = surface.beyond_seam(place).map(|start| surface.nearest(p, Some(start)));
-        if let Some(found) = behind.filter(|(_, other)| *other < far) {
-            (place, far) = found;
+        let behind = surface.beyond_seam(foot.place).map(|start| surface.nearest(p, Some(start)));
+        if let Some(found) = behind.filter(|other| other.far < foot.far) {
+            foot = found;
         }
-        near = (far < EDGE_GAP_MM).then_some(place);
-        for (all, at) in places.iter_mut().zip(place) {
+        near = (foot.far < EDGE_GAP_MM).then_some(foot.place);
+        for (all, at) in places.iter_mut().zip(foot.place) {
             all.push(at);
         }
     }
@@ -138,7 +138,7 @@ fn along(face: &StepFace, k: usize) -> Option<StepMeridian> {
     };
     if let Some(p) = ring_round_axis(face).and_then(first_point) {
         let tips: Vec<f64> = surface.tips(k).into_iter().filter(|tip| at(*tip).x < EDGE_GAP_MM).collect();
-        ends = to_tip(ends, surface.nearest(p, None).0[k], &tips);
+        ends = to_tip(ends, surface.nearest(p, None).place[k], &tips);
     }
     StepMeridian::new(steps(ends).map(at).collect())
 }

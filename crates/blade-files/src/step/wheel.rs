@@ -13,7 +13,7 @@ use super::neighbours::EdgeFaces;
 use super::picks::{ListedFace, MAX_FACES, PickedFaces, missing};
 use super::placement::StepGeometry;
 use super::revolved;
-use super::turned_faces;
+use super::turned_faces::{self, TurnedMeridian};
 use crate::found::Found;
 use crate::stated::RequiredFacts;
 use crate::{BladeFace, BladeSurfaces, FaceRole, Handedness, Imported, ImportedBlade, ImportedRow, Options};
@@ -58,7 +58,7 @@ impl<'a, 't> StepWheel<'a, 't> {
         self.geometry = frame.moved(&revolved::to_z(axis));
         let geometry = self.geometry;
         let hub_faces = self.all(&geometry, FaceRole::Hub)?;
-        let (hub, spread) = turned_faces::meridian(&hub_faces)?;
+        let TurnedMeridian { line: hub, spread } = turned_faces::meridian(&hub_faces)?;
         revolved::check(&hub_faces, spread, "hub", self.end, found)?;
         let of_main = |face: BladeFace| self.all(&geometry, FaceRole::OfBlade(0, face));
         let main: Vec<StepFace> =
@@ -73,7 +73,7 @@ impl<'a, 't> StepWheel<'a, 't> {
         let ends = WheelEnds::new(hub, &blades, &shroud_faces, found)?;
         let lines = ends.points(!shroud_faces.is_empty(), found);
         let [hub, shroud] = lines.ok_or_else(|| Diag::error(codes::NOT_READ, "hub or shroud has no length"))?;
-        let (mut read, surfaces) = if ends.all_turned(&blades) {
+        let ReadBlades { blades: mut read, surfaces } = if ends.all_turned(&blades) {
             of_faces(&blades, ends.extend, found)?
         } else {
             of_loops(&blades, &hub, &ends, found)?
@@ -229,8 +229,14 @@ fn note_distance(distance: f64, span: Span, found: &mut Found) {
     found.note(None, format!("faces of the job lie within {distance} um of those of the file where compared"));
 }
 
+/// Blades with the kind of their surfaces.
+struct ReadBlades {
+    blades: Vec<ImportedBlade>,
+    surfaces: BladeSurfaces,
+}
+
 /// Blades whose faces are surfaces between edges that the lathe makes.
-fn of_faces(blades: &[StepBlade], extend: f64, found: &mut Found) -> Result<(Vec<ImportedBlade>, BladeSurfaces), Diag> {
+fn of_faces(blades: &[StepBlade], extend: f64, found: &mut Found) -> Result<ReadBlades, Diag> {
     let mut read = Vec::with_capacity(blades.len());
     let mut lofted = false;
     for (k, blade) in blades.iter().enumerate() {
@@ -246,16 +252,12 @@ fn of_faces(blades: &[StepBlade], extend: f64, found: &mut Found) -> Result<(Vec
         let FittedSections { rows, .. } = fitted;
         read.push(imported(k, blade, rows.into_iter().map(SectionForm::Faces).collect()));
     }
-    Ok((read, if lofted { BladeSurfaces::Lofted { extend } } else { BladeSurfaces::Ruled { extend } }))
+    let surfaces = if lofted { BladeSurfaces::Lofted { extend } } else { BladeSurfaces::Ruled { extend } };
+    Ok(ReadBlades { blades: read, surfaces })
 }
 
 /// Blades as closed sections, where edges are surfaces of their own.
-fn of_loops(
-    blades: &[StepBlade],
-    hub: &[[f64; 2]],
-    ends: &WheelEnds,
-    found: &mut Found,
-) -> Result<(Vec<ImportedBlade>, BladeSurfaces), Diag> {
+fn of_loops(blades: &[StepBlade], hub: &[[f64; 2]], ends: &WheelEnds, found: &mut Found) -> Result<ReadBlades, Diag> {
     let mut read = Vec::with_capacity(blades.len());
     for (k, blade) in blades.iter().enumerate() {
         let span = blade.faces[0].span;
@@ -271,7 +273,7 @@ fn of_loops(
         let edges = forms.map(Some);
         read.push(ImportedBlade { edges, pressure: Some(blade.pressure_side()), ..imported(k, blade, sections) });
     }
-    Ok((read, BladeSurfaces::Loops { extend: ends.extend, fit: looped::FIT }))
+    Ok(ReadBlades { blades: read, surfaces: BladeSurfaces::Loops { extend: ends.extend, fit: looped::FIT } })
 }
 
 /// A blade with sections from root to tip.

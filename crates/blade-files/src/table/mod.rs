@@ -11,7 +11,7 @@ use super::frame::Frame;
 use super::header_unit;
 use super::lines::{Line, Text, ends};
 use super::loader::Loader;
-use super::loops::{self, ReadLoop};
+use super::loops::{self, PlacedSections, ReadLoop};
 use super::stated::{RequiredFacts, not_stated};
 use super::{Imported, ImportedBlade, ImportedRow, Options, limits, meridian};
 use base::source::{SourceId, Span, Spanned};
@@ -323,7 +323,7 @@ fn blade(
     let at = curves.last().map(|c| c.ends).unwrap_or_default();
     let kinds = |kind: fn(&ReadCurve) -> bool| curves.iter().filter(|c| kind(c)).count();
     let (with_face, with_thickness) = (kinds(|c| c.key.face.is_some()), kinds(|c| !c.thickness.is_empty()));
-    let (sections, places) = if with_thickness > 0 {
+    let PlacedSections { sections, places } = if with_thickness > 0 {
         mean_lines(curves, options, at)?
     } else if with_face > 0 {
         faces(curves)?
@@ -345,11 +345,8 @@ fn blade(
     Ok(ImportedBlade { name, sections, places, ..ImportedBlade::default() })
 }
 
-/// Sections with their places.
-type Placed = (Vec<Section>, Vec<Span>);
-
 /// Sections as mean lines.
-fn mean_lines(curves: Vec<ReadCurve>, options: &Options, at: Span) -> Result<Placed, Diag> {
+fn mean_lines(curves: Vec<ReadCurve>, options: &Options, at: Span) -> Result<PlacedSections, Diag> {
     let Some(direction) = options.thickness else {
         return Err(not_stated("direction of its thicknesses", "--thickness", "normal or tangential", at));
     };
@@ -359,7 +356,7 @@ fn mean_lines(curves: Vec<ReadCurve>, options: &Options, at: Span) -> Result<Pla
         Section { span: curve.span_fraction, form: SectionForm::MeanLine { points, thickness: direction } }
     };
     let places = curves.iter().map(|c| c.begins).collect();
-    Ok((curves.into_iter().map(section).collect(), places))
+    Ok(PlacedSections { sections: curves.into_iter().map(section).collect(), places })
 }
 
 /// A section whose faces are read one after the other.
@@ -372,7 +369,7 @@ struct ReadFaces {
 }
 
 /// Sections as pairs of faces.
-fn faces(curves: Vec<ReadCurve>) -> Result<Placed, Diag> {
+fn faces(curves: Vec<ReadCurve>) -> Result<PlacedSections, Diag> {
     let mut sections: Vec<ReadFaces> = Vec::new();
     for curve in curves {
         let Some(face) = curve.key.face else {
@@ -398,5 +395,5 @@ fn faces(curves: Vec<ReadCurve>) -> Result<Placed, Diag> {
             .help("give points of both faces, each from the leading to the trailing edge")),
     };
     let sections = sections.into_iter().map(section).collect::<Result<_, _>>()?;
-    Ok((sections, places))
+    Ok(PlacedSections { sections, places })
 }

@@ -61,6 +61,17 @@ impl Theta {
     }
 }
 
+/// Where a camber line is too steep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SteepCamber {
+    /// Index of the line in the list.
+    pub row: usize,
+    /// Share of the way from the leading to the trailing edge.
+    pub way: f64,
+    /// Its beta there, rad.
+    pub beta: f64,
+}
+
 /// A camber surface: stated lines, and between them the spline of theta over the span.
 #[derive(Clone, Debug)]
 pub struct CamberSurface {
@@ -74,16 +85,16 @@ impl CamberSurface {
     /// The surface through camber lines, whose spans ascend from 0 to 1, or one for all spans. `lean` turns each section, rad.
     ///
     /// # Errors
-    /// The row, the share of the way and the beta at which a camber line is steeper than [`MAX_CAMBER_ANGLE`].
-    pub fn new(patch: MeridionalPatch, given: &[CamberRow], lean: Distribution) -> Result<Self, (usize, f64, f64)> {
+    /// Where a camber line is steeper than [`MAX_CAMBER_ANGLE`].
+    pub fn new(patch: MeridionalPatch, given: &[CamberRow], lean: Distribution) -> Result<Self, SteepCamber> {
         let theta = |(k, row): (usize, &CamberRow)| match &row.angles {
             CamberAngles::Theta(theta) => match steep(&patch, row.span, theta) {
-                Some((x, beta)) => Err((k, x, beta)),
+                Some(steep) => Err(SteepCamber { row: k, ..steep }),
                 None => Ok(Theta::Stated(theta.clone())),
             },
             CamberAngles::Beta { beta, end, theta } => integrated(&patch, row.span, beta)
                 .map(|table| Theta::Integrated(from(&table, *end, *theta)))
-                .map_err(|(x, beta)| (k, x, beta)),
+                .map_err(|steep| SteepCamber { row: k, ..steep }),
         };
         let rows = given.iter().enumerate().map(theta).collect::<Result<_, _>>()?;
         Ok(Self { spans: given.iter().map(|row| row.span).collect(), rows, patch, lean })
@@ -107,8 +118,8 @@ impl CamberSurface {
     }
 }
 
-/// A share of the way at which a line of stated theta is too steep, and its beta there.
-fn steep(patch: &MeridionalPatch, span: f64, theta: &Distribution) -> Option<(f64, f64)> {
+/// Where a line of stated theta is too steep.
+fn steep(patch: &MeridionalPatch, span: f64, theta: &Distribution) -> Option<SteepCamber> {
     /// Places that are looked at.
     const CAMBER_PLACES: u32 = 256;
     let beta = |x: f64| {
@@ -116,11 +127,11 @@ fn steep(patch: &MeridionalPatch, span: f64, theta: &Distribution) -> Option<(f6
         libm::atan2(r * theta.on_tangent(x)[1], libm::hypot(dr, dz))
     };
     let places = (0..=CAMBER_PLACES).map(|k| f64::from(k) / f64::from(CAMBER_PLACES));
-    places.map(|x| (x, beta(x))).find(|(_, beta)| beta.abs() > MAX_CAMBER_ANGLE)
+    places.map(|way| SteepCamber { row: 0, way, beta: beta(way) }).find(|at| at.beta.abs() > MAX_CAMBER_ANGLE)
 }
 
 /// The table of the integral of tan(beta) / r along the meridian, from the leading edge.
-fn integrated(patch: &MeridionalPatch, span: f64, beta: &Distribution) -> Result<HermiteTable<1>, (f64, f64)> {
+fn integrated(patch: &MeridionalPatch, span: f64, beta: &Distribution) -> Result<HermiteTable<1>, SteepCamber> {
     let slope = |x: f64| {
         let ([r, _], [dr, dz]) = patch.at(x, span);
         libm::tan(beta.at(x)) * libm::hypot(dr, dz) / r
@@ -129,7 +140,7 @@ fn integrated(patch: &MeridionalPatch, span: f64, beta: &Distribution) -> Result
     loop {
         let x = |k: usize| k as f64 / cells as f64;
         if let Some(k) = (0..=cells).find(|k| beta.at(x(*k)).abs() > MAX_CAMBER_ANGLE) {
-            return Err((x(k), beta.at(x(k))));
+            return Err(SteepCamber { row: 0, way: x(k), beta: beta.at(x(k)) });
         }
         let mut nodes = vec![([0.0], [slope(0.0)])];
         let (mut sum, mut worst) = (0.0, 0.0_f64);
@@ -339,7 +350,7 @@ mod tests {
         let over = Distribution::through(&[[0.0, 1.5], [0.4, 1.552], [0.6, 1.552], [1.0, 1.5]]).unwrap();
         let [low, mut high] = rows;
         high.angles = CamberAngles::Beta { beta: over, end: 0, theta: 0.0 };
-        let (row, way, beta) = CamberSurface::new(patch(), &[low, high], lean()).err().unwrap();
+        let SteepCamber { row, way, beta } = CamberSurface::new(patch(), &[low, high], lean()).err().unwrap();
         assert!(row == 1 && way > 0.4 && way < 0.6 && beta > MAX_CAMBER_ANGLE);
     }
 }

@@ -18,7 +18,7 @@ mod made;
 mod meridional;
 
 pub use blade::{AngleBlade, EdgeShape, FaultKind, SectionFault, Thickness};
-pub use camber::{CamberAngles, CamberRow, CamberSurface, MAX_CAMBER_ANGLE};
+pub use camber::{CamberAngles, CamberRow, CamberSurface, MAX_CAMBER_ANGLE, SteepCamber};
 pub use distribution::Distribution;
 pub use made::{MadeFault, SurfaceResidual, made};
 pub use meridional::{EdgeLine, MeridianByLength, MeridionalPatch};

@@ -97,7 +97,7 @@ impl OperationReader<'_> {
         } else {
             self.named_tool(kind, word, p)
         };
-        found.map(|tool| tool.0)
+        found.map(|tool| tool.value)
     }
 
     /// Refuses tools that do not get smaller, and a spacing that several tools cannot share.

@@ -19,7 +19,7 @@ use crate::vocabulary::operations::{
     REST, SCALLOP, SECTORS, SPACING, SPEED, TOOL,
 };
 use crate::vocabulary::{self, TopicKind};
-use base::source::Span;
+use base::source::{Span, Spanned};
 use base::units::{Mm, MmPerMin, Rpm, length, trim};
 use diagnostics::Diag;
 use diagnostics::codes::job as codes;
@@ -176,7 +176,7 @@ impl OperationReader<'_> {
         let owner = format!("operation {}", self.name);
         let mut p = Properties::new(owner, head(item), body, &known, &mut cx.scope, cx.sink);
         let tool = self.tool(kind, &mut p);
-        let spec = tool.and_then(|(at, _)| self.tools.get(at)).and_then(|t| t.spec.as_ref());
+        let spec = tool.as_ref().and_then(|tool| self.tools.get(tool.value)).and_then(|t| t.spec.as_ref());
         let speed = self.speed(spec, &mut p);
         let feed = self.feed(spec, speed, &mut p);
         let link_feed = self.link_feed(&mut p);
@@ -187,7 +187,7 @@ impl OperationReader<'_> {
         Some(OperationSpec {
             name: self.name.clone(),
             kind: kind?,
-            tool: tool?.0,
+            tool: tool?.value,
             speed: speed?,
             feed: feed?,
             link_feed: link_feed?,
@@ -207,7 +207,7 @@ impl OperationReader<'_> {
         }
     }
 
-    fn tool(&mut self, kind: &Name, p: &mut Properties<'_, '_>) -> Option<(usize, Span)> {
+    fn tool(&mut self, kind: &Name, p: &mut Properties<'_, '_>) -> Option<Spanned<usize>> {
         let words = p.words_of(&TOOL)?;
         let [word] = words.as_slice() else {
             p.wrong_form(words.first()?.span, TOOL.name, "one tool", &TOOL.written());
@@ -217,7 +217,7 @@ impl OperationReader<'_> {
     }
 
     /// The declared tool with this name, if its kind suits the operation.
-    pub(super) fn named_tool(&self, kind: &Name, word: &Name, p: &mut Properties<'_, '_>) -> Option<(usize, Span)> {
+    pub(super) fn named_tool(&self, kind: &Name, word: &Name, p: &mut Properties<'_, '_>) -> Option<Spanned<usize>> {
         let needed: &[&str] = match kind.text.as_str() {
             // Offsets of rulings assume a cylinder that ends in a ball.
             "flank" if p.is_word("method", "two-point") || p.is_word("method", "one-point") => &["ball"],
@@ -241,7 +241,7 @@ impl OperationReader<'_> {
         user: &str,
         needed: &[&str],
         p: &mut Properties<'_, '_>,
-    ) -> Option<(usize, Span)> {
+    ) -> Option<Spanned<usize>> {
         let Some(at) = self.tools.iter().position(|t| t.name.text == word.text) else {
             if !p.scope.damaged {
                 let known = self.tools.iter().map(|t| t.name.text.as_str());
@@ -261,7 +261,7 @@ impl OperationReader<'_> {
             );
             return None;
         }
-        Some((at, word.span))
+        Some(Spanned::new(at, word.span))
     }
 
     /// Spindle speed, given directly or as the cutting speed at the tool's diameter.

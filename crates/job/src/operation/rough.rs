@@ -107,7 +107,7 @@ impl OperationReader<'_> {
     fn tools_of(&self, kind: &Name, p: &mut Properties<'_, '_>) -> Option<Vec<Option<usize>>> {
         if p.has(TOOLS.name) {
             let words = p.words_of(&TOOLS)?;
-            return Some(words.iter().map(|word| self.named_tool(kind, word, p).map(|found| found.0)).collect());
+            return Some(words.iter().map(|word| self.named_tool(kind, word, p).map(|found| found.value)).collect());
         }
         let specs = self.tools.iter().map(|declared| declared.spec.as_ref());
         if specs.clone().any(|spec| spec.is_none()) {

@@ -3,7 +3,7 @@
 //! Times run from 0 to 1. Tangents with their second derivatives bound the function of the body from below over this
 //! time, since the function of a turning body is not convex.
 
-use super::shape::SolidShape;
+use super::shape::{Extent, SolidShape};
 use super::sweep::{RayLine, SEARCH_GAP_MM, StepSweep};
 use nalgebra::Vector3;
 
@@ -63,7 +63,7 @@ pub(super) fn square_to(axis: &Vector3<f64>) -> Vector3<f64> {
 
 impl Moving {
     pub(super) fn new(sweep: StepSweep, shape: SolidShape, drift: f64) -> Self {
-        let (from, to, radius) = shape.extent();
+        let Extent { from, to, radius } = shape.extent();
         let reach = shape.reach();
         let poses = [0.0, 0.5, 1.0].map(|t| sweep.pose(t));
         let [(_, start), (tip, axis), (_, end)] = poses;

@@ -6,6 +6,13 @@
 
 use crate::collide::{Cutter, Section, ToolSolid};
 
+/// The cylinder around a body: heights over the tip, and radius.
+pub(super) struct Extent {
+    pub(super) from: f64,
+    pub(super) to: f64,
+    pub(super) radius: f64,
+}
+
 /// A body about the tool axis; heights are over the tip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum SolidShape {
@@ -91,20 +98,20 @@ impl SolidShape {
         })
     }
 
-    /// Lowest and highest height, and largest radius.
-    pub(super) fn extent(&self) -> (f64, f64, f64) {
+    /// Heights and radius of the cylinder around it.
+    pub(super) fn extent(&self) -> Extent {
         match *self {
-            Self::Flat { radius, top } | Self::Ball { radius, top } => (0.0, top, radius),
-            Self::Other { ref cutter, top } => (0.0, top, cutter.widest_below(top)),
+            Self::Flat { radius, top } | Self::Ball { radius, top } => Extent { from: 0.0, to: top, radius },
+            Self::Other { ref cutter, top } => Extent { from: 0.0, to: top, radius: cutter.widest_below(top) },
             Self::Frustum { from, to, radius, side } => {
-                (from, to, radius.max(radius - (to - from) * side[1] / side[0]))
+                Extent { from, to, radius: radius.max(radius - (to - from) * side[1] / side[0]) }
             }
         }
     }
 
     /// Upper bound of the distance of a point of the body from the tip.
     pub(super) fn reach(&self) -> f64 {
-        let (from, to, radius) = self.extent();
+        let Extent { from, to, radius } = self.extent();
         from.abs().max(to.abs()) + radius
     }
 }

@@ -120,7 +120,7 @@ fn run_batch(
         .collect();
     let runs = run::split(steps, cutter.reach());
     let area = field.cell * field.cell;
-    let slices = Slices::new(cutter.extent().1, field.cell);
+    let slices = Slices::new(cutter.extent().to, field.cell);
     let frames = [0, 1, 2].map(|axis| Frame::of(field, axis));
     let prepared = frames.each_ref().map(|frame| run::prepare(steps, &ordinals, &runs, cutter, body, frame));
     let said: Vec<Said> = tile_work(field, &frames, &prepared)
