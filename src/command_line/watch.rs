@@ -1,6 +1,6 @@
 //! `--watch`: the files of a run, and their changes.
 //!
-//! Editors replace files in many ways, and some disks tell nothing of changes; so times and sizes are looked at, some times a
+//! Editors replace files in many ways, and some disks do not report changes; so times and sizes are compared, some times a
 //! second.
 
 use impellerc::driver::{FileStamps, Outcome, RunState};
@@ -21,7 +21,7 @@ pub(super) struct Watch {
     began: SystemTime,
 }
 
-/// Ends the look at the files, also when the work panics: otherwise its thread would be waited for.
+/// Ends the watch of the files, also when the work panics: otherwise its thread would be waited for.
 struct Ended<'a>(&'a AtomicBool);
 
 impl Drop for Ended<'_> {

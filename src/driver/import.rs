@@ -27,7 +27,7 @@ pub struct Import {
     pub row: Option<String>,
     /// Replace files that exist.
     pub force: bool,
-    /// Faces ruled from the first to the last section are meant, however far the sections between them lie beside.
+    /// Faces ruled from the first to the last section are meant, however far the sections between them lie off the faces.
     pub ruled: bool,
     /// Largest distance of the part from the files, mm; `None` for the usual one.
     pub within: Option<f64>,

@@ -69,7 +69,7 @@ fn run(options: &NcDiff, stages: &mut Stages, outcome: &mut Outcome) -> Result<(
     Ok(())
 }
 
-/// Reads a text with the machine that it is for. What the job says of itself beside errors is not the subject here.
+/// Reads a text with the machine that it is for. Warnings and remarks about the job itself are left out.
 fn text(
     options: &NcDiff,
     k: usize,

@@ -17,7 +17,7 @@ pub(super) struct Unfinished {
     streaming: Option<String>,
 }
 
-/// A further run begins: what an earlier one wrote is not told of it.
+/// A further run begins: files of an earlier run are no longer reported.
 pub fn begin() {
     hold().done.clear();
 }

@@ -59,7 +59,7 @@ pub(super) enum CamberFault {
 }
 
 impl StatedAngles {
-    /// The meridional surface between hub and shroud, and how far both edges are beside hub and shroud, mm.
+    /// The meridional surface between hub and shroud, and how far the ends of both edges lie from hub and shroud, mm.
     pub(super) fn patch(&self, ends: [&MeridianByLength; 2]) -> Option<(MeridionalPatch, [[f64; 2]; 2])> {
         let edge = |points: &Vec<[f64; 2]>| Some(EdgeLine::curved(meridian(points)?, ends));
         let [(leading, off), (trailing, off_trailing)] = [edge(&self.edges[0])?, edge(&self.edges[1])?];

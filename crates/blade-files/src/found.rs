@@ -1,4 +1,4 @@
-//! What a reader gathers beside the blades, and counts against the limits.
+//! What a reader gathers in addition to the blades, and counts against the limits.
 
 use super::{Note, limits};
 use base::source::Span;
@@ -9,7 +9,7 @@ use diagnostics::codes::import as codes;
 #[derive(Debug, Default)]
 pub(super) struct Found {
     pub(super) notes: Vec<Note>,
-    /// Faults beside the one that stops the reader.
+    /// Faults other than the one that stops the reader.
     pub(super) faults: Vec<Diag>,
     /// Largest distance between the files and what is read of them, mm.
     pub(super) moved: f64,

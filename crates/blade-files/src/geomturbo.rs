@@ -1,6 +1,6 @@
 //! NUMECA `.geomTurbo`: blocks `NI_BEGIN name` to `NI_END name` with hub, shroud and faces of blades.
 //!
-//! The axis of rotation is the third coordinate. Faces are told by the words `suction` and `pressure`, whatever their order;
+//! The axis of rotation is the third coordinate. The words `suction` and `pressure` say which face is which, in any order;
 //! `# section` is a comment or stands before each section. Blocks and words that are not known are passed over.
 
 use super::closed_faces;

@@ -103,7 +103,7 @@ fn sections(text: Text<'_>, frame: &Frame, found: &mut Found) -> Result<Vec<Sect
     Ok(sections)
 }
 
-/// Whether points have their number before x, y, z, by the first of them; a note tells it where the head says otherwise.
+/// Whether each point has its number before x, y, z. The first point decides; a note says so where the head says otherwise.
 fn has_number(line: Line<'_>, index: bool, found: &mut Found) -> bool {
     let with_number = match line.count_of_words() {
         3 => false,

@@ -1,4 +1,4 @@
-//! What a part of ruled faces leaves out, and how far it lies beside the part: sections between the first and the last one, edges, hub
+//! What a part of ruled faces leaves out, and how far it lies from the part: sections between the first and the last one, edges, hub
 //! and shroud.
 
 use super::{Imported, ImportedRow};
@@ -25,7 +25,7 @@ pub(super) enum LeftOutThing {
     Shroud,
 }
 
-/// Points that are left out, and how far they lie beside the part.
+/// Points that are left out, and how far they lie from the part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct LeftOut {
     pub(super) thing: LeftOutThing,
@@ -70,7 +70,7 @@ fn of_blade(blade: usize, divided: &[DividedSection]) -> Option<Vec<LeftOut>> {
     Some(sections.into_iter().chain(edges).collect())
 }
 
-/// Hub and shroud of the files beside those of the part, which are the ends of the pressure face of the main blade.
+/// Distances of hub and shroud of the files from those of the part, which are the ends of the pressure face of the main blade.
 fn turned(imported: &Imported, divided: &[Vec<DividedSection>]) -> Vec<LeftOut> {
     let Some(main) = divided.first() else { return Vec::new() };
     let ends = [
@@ -109,7 +109,7 @@ fn farthest(points: &[Point2<f64>], line: &[Point2<f64>]) -> f64 {
     points.iter().filter_map(off).fold(0.0, f64::max)
 }
 
-/// What is told of a thing that is left out.
+/// Message about a thing that is left out.
 pub(super) fn sentences(left: &LeftOut, blade: &str, sections: usize) -> String {
     let distance = trim(left.distance, 4);
     match left.thing {
@@ -139,7 +139,7 @@ pub(super) fn sentences(left: &LeftOut, blade: &str, sections: usize) -> String 
 /// Refuses a part that leaves out what does not lie on it.
 ///
 /// # Errors
-/// Points lie farther beside the part than `limit`, mm.
+/// Points lie farther from the part than `limit`, mm.
 pub(super) fn check(left: &[LeftOut], row: &ImportedRow, limit: f64) -> Result<(), Diag> {
     let worst = left.iter().max_by(|a, b| a.distance.total_cmp(&b.distance));
     let Some(LeftOut { thing, blade, section, distance }) = worst.filter(|left| left.distance > limit) else {

@@ -69,7 +69,7 @@ pub struct Imported {
     pub rows: Vec<ImportedRow>,
     /// What the reader found or took for granted.
     pub notes: Vec<Note>,
-    /// What the file holds, line by line, where no blades can be told from it.
+    /// What the file holds, line by line, where it does not say which blades there are.
     pub listing: Vec<String>,
     /// What surfaces the part has through the sections.
     pub surfaces: BladeSurfaces,

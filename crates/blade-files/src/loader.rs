@@ -65,7 +65,7 @@ impl<'a> Loader<'a> {
         Ok(self.sources.add_file(file))
     }
 
-    /// Loads a file beside another one.
+    /// Loads a file from the folder of another one.
     pub(super) fn in_same_folder(&mut self, other: SourceId, name: &str, named_at: Span) -> Result<SourceId, Diag> {
         let own = self.name(other).replace('\\', "/");
         let name = name.replace('\\', "/");

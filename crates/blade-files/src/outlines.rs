@@ -9,7 +9,7 @@ use blade::outline::{DividedSection, Inlet, Known, OutlineFault, Side, outline, 
 use diagnostics::codes::import as codes;
 use diagnostics::{Diag, printable};
 
-/// Most facts of a section that are told.
+/// Most facts of a section that are reported.
 const MAX_SHOWN: usize = 5;
 
 /// Divides all sections of the blades of a row. All blades have the pressure face on one side: that of sections which are

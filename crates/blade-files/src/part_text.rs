@@ -305,7 +305,7 @@ fn radius<'a>(points: impl Iterator<Item = &'a Point3<f64>>) -> f64 {
     points.map(|p| libm::hypot(p.x, p.y)).fold(0.0, f64::max)
 }
 
-/// What is told of sections that seem to hold the fillet.
+/// Message about sections that seem to hold the fillet.
 fn in_sections(foot: &FilletedFoot) -> String {
     let [lowest, above] = foot.thickness.map(|mm| trim(mm, 3));
     format!(

@@ -19,7 +19,7 @@ pub(super) const TIPS: &str = "tips";
 
 type Line = [[f64; 2]];
 
-/// The largest distance by which the first sections of the blades stay away from the hub, or the last ones from the shroud, mm;
+/// The largest distance between the first sections of the blades and the hub, or the last ones from the shroud, mm;
 /// zero where they reach them.
 pub(super) fn largest(source: &PartSource<'_>) -> f64 {
     largest_at(source, 0).max(largest_at(source, 1))
@@ -30,7 +30,7 @@ pub(super) fn extension(short: f64) -> String {
     trim(short * (1.0 + FURTHER.0) + FURTHER.1, 2)
 }
 
-/// What is told of a blade that ends short of hub or shroud.
+/// Messages about a blade that ends short of hub or shroud.
 pub(super) fn sentences(source: &PartSource<'_>, blade: usize) -> Vec<String> {
     let [hub, shroud] = short(source, blade);
     let name = blade_name(blade);
@@ -82,7 +82,7 @@ fn largest_at(source: &PartSource<'_>, end: usize) -> f64 {
     (0..source.divided.len()).map(|blade| short(source, blade)[end]).fold(0.0, f64::max)
 }
 
-/// How far the first section of a blade stays away from the hub, and the last one from the shroud, mm.
+/// Distance of the first section of a blade from the hub, and of the last one from the shroud, mm.
 fn short(source: &PartSource<'_>, blade: usize) -> [f64; 2] {
     let Some((hub, shroud)) = source.imported.hub.as_deref().zip(source.imported.shroud.as_deref()) else {
         return [0.0; 2];

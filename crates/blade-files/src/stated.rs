@@ -67,7 +67,7 @@ pub(super) fn not_stated(name: &str, option: &str, values: &str, at: Span) -> Di
         .help(format!("state `{option}`: {values}"))
 }
 
-/// What the caller must state is asked for together.
+/// Facts that the file or the caller must state. Those that nothing states are reported together.
 #[derive(Debug)]
 pub(super) struct RequiredFacts<'a> {
     options: &'a Options,

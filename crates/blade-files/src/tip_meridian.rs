@@ -54,7 +54,7 @@ impl TipMeridian {
     }
 }
 
-/// Mean way to the tips at a length: of those beside it, otherwise of the nearest one.
+/// Mean distance to the tips within `reach` of a length, otherwise that of the nearest tip.
 fn moved(gaps: &[(f64, Vector2<f64>)], length: f64, reach: f64) -> Option<Vector2<f64>> {
     let near: Vec<Vector2<f64>> =
         gaps.iter().filter(|(l, _)| (l - length).abs() <= reach).map(|(_, way)| *way).collect();

@@ -1,4 +1,4 @@
-//! Facts about the points of a section that a designer should look at.
+//! Facts about the points of a section that a designer should check.
 
 use super::ring::Ring;
 use super::{Outline, Section, SectionForm, stream};
@@ -10,7 +10,7 @@ const GAP_RATIO: f64 = 5.0;
 /// A point this many times farther from the curve through its neighbours than the others of its face is doubtful.
 const DOUBTFUL_RATIO: f64 = 12.0;
 
-/// Least distance from that curve that is told, as a share of the length of the face: some 10 um. Blades made of arcs have
+/// Least distance from that curve that is reported, as a share of the length of the face: some 10 um. Blades made of arcs have
 /// steps of the curvature on their faces, with which smaller distances are found.
 const MIN_REPORTED_SHARE: f64 = 2e-4;
 
@@ -24,7 +24,7 @@ pub enum SectionFact {
     Repeated(usize),
     /// The chord behind a point is much longer than its neighbours: its length, mm.
     Gap(usize, f64),
-    /// A point lies beside the curve through its neighbours: its distance, mm.
+    /// A point lies off the curve through its neighbours: its distance, mm.
     OffCurve(usize, f64),
     /// The section crosses itself between the chords behind two points.
     Crossing(usize, usize),
@@ -109,7 +109,7 @@ fn off_neighbours(face: &[Point3<f64>], all: &[Point3<f64>], found: &mut Vec<Sec
     let length: f64 = face.windows(2).map(|w| nalgebra::distance(&w[0], &w[1])).sum();
     let off: Vec<f64> = face.windows(5).map(off_curve).collect();
     for (k, value) in off.iter().enumerate() {
-        // The neighbours of a point that lies beside are off by a part of its distance.
+        // The neighbours of a point off the curve are off by a part of its distance.
         let near = off.iter().enumerate().skip(k.saturating_sub(7)).take(15).filter(|(i, _)| i.abs_diff(k) > 2);
         let mut others: Vec<f64> = near.map(|(_, v)| *v).collect();
         others.sort_by(f64::total_cmp);

@@ -6,7 +6,7 @@
 use super::outline::DividedSection;
 use nalgebra::{Point3, Vector3};
 
-/// Growth of the thickness towards the hub, mm for each mm of height, above which a foot is looked at: both faces lean by 8.5 deg.
+/// Growth of the thickness towards the hub, mm for each mm of height, from which a foot may be a fillet: both faces are inclined by 8.5 deg.
 const FOOT_GROWTH: f64 = 0.3;
 
 /// A foot grows this many times faster than the middle of the blade.

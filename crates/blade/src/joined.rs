@@ -47,7 +47,7 @@ impl JoinedSections {
             rows.push(row);
         }
         smooth_ends(&mut rows, chain, closed);
-        // The share of a stretch between anchors is its mean share in the sections.
+        // The share of an interval between anchors is its mean share in the sections.
         let last = rows[0].anchors.len() - 1;
         let mean = |j: usize| rows.iter().map(|row| row.share(j)).sum::<f64>() / rows.len() as f64;
         let shares: Vec<f64> = (0..=last).map(mean).collect();

@@ -44,7 +44,7 @@ pub enum Inlet<'a> {
     Unknown,
 }
 
-/// What is known beside the points.
+/// What is known in addition to the points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Known<'a> {
     /// What tells the leading edge.

@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Rotation3, Unit, Vector3};
 use std::f64::consts::{PI, TAU};
 
-/// Largest step between two angles that are looked at, radians. A point 500 mm from the axis rises by at most 0.025 mm
+/// Largest step between two angles that are sampled, radians. A point 500 mm from the axis rises by at most 0.025 mm
 /// between them; the result includes this amount.
 const MAX_ANGLE_STEP: f64 = 0.02;
 
@@ -20,7 +20,7 @@ pub(super) type Ring = (Point3<f64>, f64);
 /// Upper bound of the component along `up` of any point of the rings, under any angles; mm.
 ///
 /// For fixed other angles the component of a point is a sinusoid of the angle. Its amplitude is at most the distance of
-/// the point from the axis. Between two angles that are looked at, it therefore exceeds the larger one by at most
+/// the point from the axis. Between two samples it therefore exceeds the larger one by at most
 /// (1 - cos(step/2)) times this distance.
 pub(super) fn farthest(swings: &[Swing], up: &Vector3<f64>, rings: &[Ring]) -> f64 {
     let Some((outer, inner)) = swings.split_last() else {

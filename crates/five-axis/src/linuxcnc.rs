@@ -555,7 +555,7 @@ mod tests {
         let places = [at(0.0, 0.0), at(10.0, 10.0), at(20.0, 10.0), at(30.0, 20.0)];
         let found = ran(&lines(&places, feed), HEIGHT);
         let corner = feed * feed / (8.0 * 150.0);
-        // The nearest pose lies beside the corner: there the length counts less than at right angles.
+        // The nearest pose lies next to the corner: there the length counts less than at right angles.
         let most = corner * turn * HEIGHT;
         let off = found[0].deviation[0];
         assert!(off > 0.3 * most && off < 1.1 * most, "{off} {most}");

@@ -162,7 +162,7 @@ impl PoseCurve {
         Self { tip: bezier::part(&self.tip, ends), turn }
     }
 
-    /// Bounds of the second derivative of tip (mm) and tool axis (radians) by the parameter, without the bend of a chord.
+    /// Bounds of the second derivative of tip (mm) and tool axis (radians) by the parameter, without that of the chord itself.
     fn second_derivatives(&self) -> [f64; 2] {
         let tip = bezier::most_derivative(&self.tip, 2);
         let axis = match &self.turn {
@@ -193,7 +193,7 @@ impl PoseCurve {
                 CurveDirection::Axis(axis) => chain.near(&axis, at)?,
             };
             let [second, turning] = part.second_derivatives();
-            // On a chord the rotary axes turn evenly, which bends the axis as well.
+            // On a chord the rotary axes turn evenly: this gives the axis a second derivative too.
             let turn = if part.levers().is_some() { chain.turn(at, rotary) } else { 0.0 };
             let away = second + height * (turning + chain.turning().second * turn * turn);
             if away <= 8.0 * MAX_CHORD_ERROR_MM {

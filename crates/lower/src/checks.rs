@@ -18,7 +18,7 @@ use wheel::part::{Blade, BladeId, FaceId, Part, RulingEnd, Surface};
 /// Cosine of normals along a ruling at which the face has turned by a right angle.
 const TURNED: f64 = 1e-9;
 
-/// Stations along a curve that the checks look at.
+/// Samples of the checks along a curve.
 const CURVE_STATIONS: usize = 64;
 
 /// Number of intervals along a ruling.

@@ -124,7 +124,7 @@ mod tests {
             at_start(machine, &section(machine, through), &axis).unwrap()
         };
         let near = |a: Angles, b: Angles| (a[0] - b[0]).hypot(a[1] - b[1]) < 1e-9;
-        // Near zero there is no room for a turn of 300 deg upward; a turn lower there is.
+        // Near zero the travel does not allow a turn of 300 deg upward; a turn lower there is.
         let wide = machine([-1.7, 1.7], [-6.0, 1.0]);
         assert!(near(start(&wide, &turning(0.8, 0.5, 5.5)), [0.8, 0.5 - TAU]));
         assert!(near(start(&wide, &turning(0.8, 0.5, 0.9)), [0.8, 0.5]));

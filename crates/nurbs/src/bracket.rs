@@ -19,7 +19,7 @@ impl Bracket {
     }
 
     /// The bracket after a number of bisections: each asks for the condition in the middle and keeps the half in which it changes. The
-    /// ends of the first bracket are not asked for.
+    /// condition is not evaluated at the ends of the first bracket.
     #[must_use]
     pub fn halved(mut self, times: usize, mut condition: impl FnMut(f64) -> bool) -> Self {
         for _ in 0..times {
@@ -44,7 +44,7 @@ impl Bracket {
 }
 
 /// The last whole number on the way from `holds` to `fails` at which a condition holds, by bisection, for a condition that changes once.
-/// It counts as holding at `holds` and as failing at `fails`, and is not asked for there.
+/// It counts as holding at `holds` and as failing at `fails`, and is not evaluated there.
 pub fn last_whole(mut holds: usize, mut fails: usize, mut condition: impl FnMut(usize) -> bool) -> usize {
     while holds.abs_diff(fails) > 1 {
         let middle = holds.midpoint(fails);
@@ -67,7 +67,7 @@ pub fn around_minimum([mut low, mut high]: [f64; 2], steps: usize, mut f: impl F
 /// Share of an interval that a golden section keeps.
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
-/// Greatest value of a function with one maximum within an interval, by a number of golden sections; the ends are not asked for.
+/// Greatest value of a function with one maximum within an interval, by a number of golden sections; the ends are not evaluated.
 pub fn greatest(mut f: impl FnMut(f64) -> f64, [mut low, mut high]: [f64; 2], sections: usize) -> f64 {
     let mut left = high - GOLDEN * (high - low);
     let mut right = low + GOLDEN * (high - low);

@@ -1,7 +1,7 @@
 //! Least-squares B-splines through points at given parameters, with as few spans as a tolerance allows.
 //!
 //! First and second derivatives of the spline are continuous, and it begins and ends at the first and the last point. A span that is out of tolerance is halved; when all are within it, the knots are placed
-//! anew where the curve bends most, and fewer of them are tried (Piegl and Tiller, The NURBS Book, 9.4.1; de Boor, A Practical
+//! anew where the curvature is largest, and fewer of them are tried (Piegl and Tiller, The NURBS Book, 9.4.1; de Boor, A Practical
 //! Guide to Splines, XII).
 
 use super::basis;
@@ -66,7 +66,7 @@ pub fn even_knots<const N: usize>(
     degree: usize,
     spans: usize,
 ) -> Option<Vec<f64>> {
-    /// Spans of the spline whose derivatives tell the density, for each span that is asked for.
+    /// Spans of the spline whose derivatives tell the density, for each span that is required.
     const DENSITY_SPANS: usize = 4;
     let (first, last) = (*parameters.first()?, *parameters.last()?);
     let fine = DENSITY_SPANS * spans;

@@ -37,7 +37,7 @@ enum Form {
     FileName,
     UsePost,
     Faces,
-    /// `let` in a block; the reader of the block tells it.
+    /// `let` in a block; the reader of the block reports it.
     Let,
 }
 
@@ -318,7 +318,7 @@ impl FormFinder {
                 let Ok(value) = number.parse::<f64>() else { return };
                 let written = format!("{} {due}", (value * factor * 1e6).round() / 1e6);
                 let range = at(from, to);
-                // What is read there has no room for all digits: a value of the right kind keeps other faults away.
+                // What is read there is too short for all digits: a value of the right kind keeps other faults away.
                 let short = if due == "rpm" { "9999rpm" } else { "1mm/min" };
                 let read = padded(&written, &range).or_else(|| padded(short, &range)).unwrap_or_else(|| blank(&range));
                 self.push(Form::PerSecond, range, read, format!("write `{written}`"), Some(&written));

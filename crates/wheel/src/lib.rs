@@ -1,4 +1,4 @@
-//! The impeller and what is asked of it: the part with its row, passages and solid, the stock, operations, contracts,
+//! The impeller and what is required of it: the part with its row, passages and solid, the stock, operations, contracts,
 //! material, methods, and the post file.
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]

@@ -1,6 +1,6 @@
 //! Content of a post file: the dialect of a control, its number formats, and the frames of a program as templates.
 //!
-//! A *frame* is what a program holds beside its moves: head, start and end of an operation, end of the program. A shop
+//! A *frame* holds the lines of a program that are no moves: head, start and end of an operation, end of the program. A shop
 //! edits frames in a file of its own; the reader of the dialect judges what they make, like any other text.
 
 use crate::control::Control;
@@ -41,7 +41,7 @@ pub struct PostFile {
     pub transformation: [Template; 2],
     /// The frames, in the order of [`Frame::ALL`].
     pub frames: [Vec<Template>; 5],
-    /// Place of the frame `end` in the file, for what it lacks.
+    /// Place of the frame `end` in the file, for what is missing in it.
     pub end_span: Span,
 }
 

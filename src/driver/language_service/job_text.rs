@@ -40,7 +40,7 @@ impl JobText<'_> {
     /// The answer to a question about a place or a range; `None` for a method that the service does not have.
     ///
     /// # Errors
-    /// What is asked for cannot be done; the reason is for people.
+    /// The request cannot be done; the reason is for people.
     pub(super) fn answer(&self, method: &str, params: &Value) -> Result<Option<Value>, String> {
         let at = self.positions.byte(position(&params["position"]));
         Ok(Some(match method {

@@ -24,7 +24,7 @@ pub(super) type Send = dyn Fn(Message) -> bool + std::marker::Send + Sync;
 pub(super) struct Wishes {
     /// It shows progress that the service begins.
     pub(super) progress: bool,
-    /// It asks again for lenses when it is told so.
+    /// It requests lenses again on notice.
     pub(super) lenses: bool,
     /// A saved job is planned and verified.
     pub(super) verify: bool,
@@ -73,7 +73,7 @@ struct Wanted {
 pub(super) struct Judgement {
     /// Version of the text that the editor has; `None` when the file was closed.
     pub(super) version: Option<i64>,
-    /// The text that the editor had when it asked for the last time, where no thread has taken it yet.
+    /// The text of the last request of the editor, where no thread has taken it yet.
     wanted: Option<Wanted>,
     running: bool,
     /// The verification that runs.

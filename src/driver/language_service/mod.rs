@@ -62,7 +62,7 @@ struct Document {
     /// True when the text changed since the front end read it.
     changed: bool,
     judgement: Arc<Mutex<Judgement>>,
-    /// What is known of NC text, when it was asked for.
+    /// What is known of NC text, after the first request.
     nc: RefCell<Option<Rc<FilesOfText>>>,
 }
 

@@ -15,7 +15,7 @@ pub(super) struct StepBladeEdge {
     /// Its faces in order from the pressure to the suction face, s in this sense; none where the file has none.
     pub(super) sheets: Vec<StepSheet>,
     /// Round, or cut off between two corners. An edge without faces counts as cut off. `None` where the pressure and the suction face
-    /// meet in a line: then the edge is a part of both, and the curvature of closed sections tells it.
+    /// meet in a line: then the edge is a part of both, and the curvature of closed sections shows where it ends.
     pub(super) form: Option<EdgeForm>,
 }
 
@@ -78,7 +78,7 @@ impl StepBladeEdge {
     }
 }
 
-/// Whether an edge is straight between corners with both faces. Half way up tells it.
+/// Whether an edge is straight between corners with both faces. Decided at half of the height.
 fn is_cut_off(sheets: &[StepSheet], faces: &[StepSheet; 2], end: usize) -> bool {
     /// Step of a direction, as a share of a face.
     const DIRECTION_STEP: f64 = 1e-3;

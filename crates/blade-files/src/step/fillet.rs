@@ -75,7 +75,7 @@ fn radius(p: &Point3<f64>, normal: Vector3<f64>, height: f64, hub: &StepMeridian
     let at = |r: f64| hub.nearest(&flat(&(p + normal * r)));
     let r = secant([0.0, height], f64::INFINITY, TOUCHES, |r| at(r)[1] - r);
     let [length, distance] = at(r);
-    // Where the ball is beside the end of the hub, its radius is not known.
+    // Where the ball is beyond the end of the hub, its radius is not known.
     let touches = (distance - r).abs() < 1e-6 && length > 0.0 && length < hub.length();
     (r.is_finite() && touches).then_some(r)
 }

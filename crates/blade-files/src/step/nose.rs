@@ -19,7 +19,7 @@ const MIN_STEP: f64 = 1e-5;
 /// Growth of the steps along a face, as a share of the way: a step is longer than the one before by a quarter at most.
 const STEP_GROWTH: f64 = 0.25;
 
-/// Heights at which a face is looked at.
+/// Heights at which a face is sampled.
 const HEIGHTS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
 /// Shares of the length of a face (0 pressure, 1 suction) from 0 to 1, which hold for all heights: short steps where the face is curved,

@@ -21,7 +21,7 @@ const SURFACES: &str = "PLANE, CYLINDRICAL_SURFACE, CONICAL_SURFACE, SPHERICAL_S
 /// Deepest chain of curves that name a curve.
 const MAX_CURVE_CHAIN: usize = 8;
 
-/// How the knots of a spline are told.
+/// How the file gives the knots of a spline.
 #[derive(Clone, Copy)]
 enum KnotRule {
     Listed,

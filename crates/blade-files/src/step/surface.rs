@@ -123,7 +123,7 @@ impl StepSurface {
     pub(super) fn period(&self, k: usize) -> Option<f64> {
         let [lo, hi] = self.domains()[k]?;
         let closed = match self {
-            // The middle between both ends of the other parameter tells it.
+            // Decided at the middle of the other parameter.
             Self::Spline(knots, ..) => {
                 let other = knots[1 - k].domain();
                 let other = 0.5 * (other[0] + other[1]);

@@ -1,4 +1,4 @@
-//! Entities of a Part 21 file: their places by number, and their arguments when they are asked for.
+//! Entities of a Part 21 file: their places by number, and their arguments, read on demand.
 
 use super::lexer::{Lexer, Token, decoded};
 use crate::lines::malformed;

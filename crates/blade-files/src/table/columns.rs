@@ -79,7 +79,7 @@ pub(super) enum Coordinates {
 pub(super) struct Columns {
     all: Vec<Column>,
     pub(super) coordinates: Coordinates,
-    /// Axis of rotation that the columns name: the coordinate beside radius and angle.
+    /// Axis of rotation that the columns name: the coordinate that is neither radius nor angle.
     pub(super) axis: Option<Axis>,
     at: Span,
 }

@@ -120,7 +120,7 @@ impl CamberSurface {
 
 /// Where a line of stated theta is too steep.
 fn steep(patch: &MeridionalPatch, span: f64, theta: &Distribution) -> Option<SteepCamber> {
-    /// Places that are looked at.
+    /// Number of intervals of the samples.
     const CAMBER_PLACES: u32 = 256;
     let beta = |x: f64| {
         let ([r, _], [dr, dz]) = patch.at(x, span);

@@ -126,7 +126,7 @@ impl EdgeLine {
         self.places
     }
 
-    /// How far the curve is beside its chord at a share of its length.
+    /// Vector from the chord to the curve at a share of its length.
     fn off_chord(&self, share: f64) -> [f64; 2] {
         let Some(curve) = &self.curve else { return [0.0; 2] };
         let [first, last, here] = [0.0, curve.length(), curve.length() * share].map(|length| curve.at(length).0);

@@ -19,7 +19,7 @@ pub(crate) struct Properties<'a, 'c> {
     head: Span,
     entries: Vec<(&'a Name, Vec<&'a Value>)>,
     damaged: bool,
-    /// What stands in the place of words of other systems, as it was told, with the first of these words.
+    /// Corrections of words of other systems that were reported, each with the first of these words.
     reported: Vec<(&'static str, Span)>,
     /// Names for expressions.
     pub(crate) scope: &'c mut LetScope,

@@ -1,4 +1,4 @@
-//! Words that fit a place. A word that no job knows is put there, and the front end is asked what it would have known: so
+//! Words that fit a place. A word that no job knows is put there, and the front end says what it would have known: so
 //! the words are those of the tables that the compiler uses.
 
 use super::{JOB, understand, word_round};

@@ -1,5 +1,5 @@
 //! The form of library files: their keys, and what stands behind each, compared with the table of `schema` before the
-//! values are read. So that faults are told in the words of the file format, all at once, and each cause once.
+//! values are read. So faults are reported in the words of the file format, all at once, and each cause once.
 
 use super::example::{example, line};
 use super::schema::LibraryFile;
@@ -16,7 +16,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-/// Most faults of form that are told of one file. A file with more is of another kind.
+/// Most faults of form that are reported of one file. A file with more is of another kind.
 const MAX_FAULTS: usize = 8;
 
 /// Reads a library file that is already in the source map, with the reader of its kind. `used` is its place in the job. All faults

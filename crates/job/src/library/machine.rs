@@ -299,7 +299,7 @@ impl LibraryReader<'_> {
         })
     }
 
-    /// What the file says beside its rotary axes.
+    /// All of the file but its kind and its rotary axes.
     fn spec(
         &mut self,
         name: &str,

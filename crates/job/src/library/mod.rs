@@ -1,4 +1,4 @@
-//! Files of the library: machines, tools and posts, their keys, and what an editor is told of them.
+//! Files of the library: machines, tools and posts, their keys, and what an editor shows of them.
 
 mod check;
 mod example;

@@ -111,7 +111,7 @@ impl OperationReader<'_> {
         }
         let specs = self.tools.iter().map(|declared| declared.spec.as_ref());
         if specs.clone().any(|spec| spec.is_none()) {
-            // The fault of a tool is told where it is declared.
+            // The fault of a tool is reported where it is declared.
             return None;
         }
         let mut tools: Vec<(usize, &ToolSpec)> = specs.flatten().enumerate().collect();

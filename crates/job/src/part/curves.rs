@@ -105,7 +105,7 @@ fn unit_is_right(
     Some(())
 }
 
-/// Points in mm, unless they are too many; without a scale its fault is told already.
+/// Points in mm, unless they are too many; without a scale the fault is reported already.
 fn scaled(points: Vec<[f64; 3]>, scale: Option<f64>, span: Span, cx: &mut Context<'_>) -> Option<Vec<[f64; 3]>> {
     if points.len() <= MAX_POINTS {
         let scale = scale?;

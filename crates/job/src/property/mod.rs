@@ -18,7 +18,7 @@ pub enum Range {
     Within(f64),
 }
 
-/// Lengths below this one are told in micrometres, mm.
+/// Lengths below this one are written in micrometres, mm.
 const SMALL: f64 = 0.01;
 
 impl Range {
@@ -125,7 +125,7 @@ fn least_length(least: f64) -> String {
     if least < SMALL { format!("{} um", trim(least * 1000.0, 3)) } else { format!("{least} mm") }
 }
 
-/// A property whose value is told in words.
+/// A property whose value is a word.
 pub(crate) const fn property(
     name: &'static str,
     value: &'static str,

@@ -96,7 +96,7 @@ pub(super) fn properties(kind: TopicKind, name: &str) -> Vec<&'static str> {
 /// The text on a word: of each topic and property with this name, or of a unit. `None` for other words.
 pub fn explain(word: &str) -> Option<String> {
     let mut pages: Vec<String> = topics().filter(|t| t.name == word).map(page).collect();
-    // A property that several topics share is told once for all of them.
+    // A property that several topics share is described once for all of them.
     let mut known: Vec<(&Property, Vec<&str>)> = Vec::new();
     for topic in topics() {
         let Some(property) = topic.property(word) else { continue };

@@ -45,7 +45,7 @@ pub(super) fn flow(text: &str) -> Flow {
                 begun.fault.get_or_insert(format!("line {}: {reason}", at + 1));
                 continue;
             }
-            // The reader tells it.
+            // The reader reports it.
             (Err(_), None) => continue,
         };
         let Some(word) = behind_number(&code).unwrap_or(&code).strip_prefix('O') else { continue };

@@ -18,7 +18,7 @@ pub struct Partials {
 
 type Orders = [[[Interval; 3]; 4]; 4];
 
-/// The orders with a sum of at most three, each as told.
+/// The orders with a sum of at most three, each as the function says.
 fn orders(partial: impl Fn(usize, usize) -> [Interval; 3]) -> Orders {
     from_fn(|i| from_fn(|j| if i + j < 4 { partial(i, j) } else { [Interval::ALL; 3] }))
 }

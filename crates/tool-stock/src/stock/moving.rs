@@ -150,10 +150,10 @@ impl Moving {
         [a.max(self.low[2]), b.min(self.high[2])]
     }
 
-    /// True when no point of an interval of a line lies deeper inside the sweep than `least`, by looks that end as soon as
+    /// True when no point of an interval of a line lies deeper inside the sweep than `least`, by queries that end as soon as
     /// they show that.
     fn shallow(&self, line: &RayLine, [a, b]: [f64; 2], least: f64, guess: &mut f64) -> bool {
-        // A look may be this much too low.
+        // A query may be this much too low.
         let limit = SEARCH_GAP_MM - least;
         let query = |x: f64, guess: f64| self.sweep.least(&self.shape, line, x, [0.0, 1.0], guess, limit);
         let mut low = (a, query(a, *guess));

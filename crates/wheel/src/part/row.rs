@@ -114,7 +114,7 @@ impl Part {
         Self::of(row)
     }
 
-    /// A part whose tables are made when they are asked for.
+    /// A part whose tables are made on first use.
     fn of(row: BladeRow) -> Self {
         Self { row, charts: OnceLock::new(), walls: OnceLock::new() }
     }

@@ -74,8 +74,8 @@ pub struct Clamping {
 }
 
 impl Clamping {
-    /// True when shank and holder of a tool with this tip and unit axis stay over the clamping or beside it. Each of their
-    /// sections counts as beside with a cylinder around it, so that a tilted one may be refused although it is beside.
+    /// True when shank and holder of a tool with this tip and unit axis are over the clamping or outside of its radius. Each of their
+    /// sections is replaced by a cylinder around it, so that a tilted one may be refused although it is clear.
     pub fn clears_body(&self, solid: &ToolSolid, tip: &Point3<f64>, axis: &Vector3<f64>) -> bool {
         let level = libm::hypot(axis.x, axis.y);
         let rings = |x: &Section| [(x.from, x.radius_from), (x.to, x.radius_to)];

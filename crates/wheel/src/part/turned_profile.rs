@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use std::ops::Deref;
 
-/// Edges of a run: the search for the nearest edge looks at the boxes about runs first.
+/// Edges of a run: the search for the nearest edge compares the boxes about runs first.
 const RUN_EDGES: usize = 12;
 
 /// A closed profile of (r, z) points, mm; straight between the points.

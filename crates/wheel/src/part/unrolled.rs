@@ -24,7 +24,7 @@ pub(super) struct ChannelStrip {
     second_derivatives: Vec<[f64; 2]>,
 }
 
-/// Least distance of the places of a strip, as a parameter of the meridian: nearer ones would bend it by rounding.
+/// Least distance of the places of a strip, as a parameter of the meridian: at nearer ones rounding would distort it.
 const MIN_SPACING: f64 = 1e-5;
 
 /// Least width of a strip, radians.

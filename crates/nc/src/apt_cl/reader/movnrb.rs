@@ -175,7 +175,7 @@ impl Movnrb {
     /// The curves piece by piece, from where the tool stands, where this is known.
     ///
     /// # Errors
-    /// What the statements lack, or a start elsewhere.
+    /// A statement is missing, or the curve starts elsewhere.
     pub(super) fn next(&mut self, from: Option<NcPose>) -> Result<Vec<PoseCurve>, String> {
         let Some(head) = self.head else { return Err("MOVNRB/NEXT before MOVNRB/ON".to_owned()) };
         for (what, found, due) in [
@@ -230,7 +230,7 @@ impl Movnrb {
     /// Follows the curve to a pose; chords may leave it by the tolerance, mm.
     ///
     /// # Errors
-    /// A pose beside the curve, or behind the last one, or a chord too far from the curve.
+    /// A pose off the curve, or behind the last one, or a chord too far from the curve.
     pub(super) fn goto(&mut self, to: &NcPose, tolerance: f64) -> Result<(), String> {
         match &mut self.follow {
             Some(follow) => follow.goto(to, tolerance),
