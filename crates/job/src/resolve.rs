@@ -8,12 +8,13 @@ use crate::doubts::{self, Stated};
 use crate::files::{Fault, Files, MissingFile};
 use crate::library::tool_file::{self, ToolLibrary};
 use crate::library::{machine, post_file};
-use crate::model::{
-    ClampingSpec, DEFAULT_CHORD, DEFAULT_CHORD_ROUGH, Job, MachineSpec, PartSpec, PartialJob, StockSpec,
-};
+use crate::model::{ClampingSpec, Job, MachineSpec, PartSpec, PartialJob, StockSpec};
 use crate::operation::{self, Workpiece, tools};
 use crate::part::{self, stock_file};
+use crate::property::Form;
 use crate::property::quantity::Dimension;
+use crate::vocabulary::items::{BACK, BORE, CHORD, CHORD_ROUGH};
+use crate::vocabulary::part::{BELOW, CLAMPING_DIAMETER};
 use crate::vocabulary::{self, TopicKind};
 use base::source::{SourceMap, Span, Spanned};
 use base::units::Mm;
@@ -51,7 +52,7 @@ pub fn understand(file: &File, files: &mut dyn Files, sources: &mut SourceMap, s
         material: stock.as_ref().and_then(|s| s.material),
     };
     let operations = operation::resolve(file, &tools, machine.as_ref(), &workpiece, &mut cx);
-    let (chord, chord_rough) = tolerances(file, &mut cx);
+    let [chord, chord_rough] = tolerances(file, &mut cx);
     let (contracts, allowed) = contracts::resolve(file, &operations, &mut cx);
     let post = post(file, &mut cx);
     if !cx.sink.has_errors() && !file.damaged {
@@ -280,12 +281,11 @@ fn stock(file: &File, cx: &mut Context<'_>) -> Option<StockSpec> {
     let over = p.labelled("over", &["shroud"], "over shroud 0 mm");
     let over =
         over.first().and_then(|(_, e)| p.value_of(e, "over shroud", Dimension::LENGTH, Range::NotNegative(100.0)));
-    let bore = p.required("bore", Dimension::LENGTH, Range::NotNegative(10_000.0), "bore 10 mm");
-    let back = p.required("back", Dimension::LENGTH, Range::Within(10_000.0), "back -40 mm");
+    let [bore, back] = [BORE, BACK].map(|property| p.read_or_default(&property));
     let from = stock_file::path(&mut p);
     let material = name_of(&mut p, "material", &Material::ALL, Material::name);
     let clamping = p.take("clamping");
-    let (over, bore, back) = (Mm(over?), Mm(bore?.0), Mm(back?.0));
+    let (over, bore, back) = (Mm(over?), Mm(bore?), Mm(back?));
     let clamping = match clamping {
         None => ClampingSpec { below: back, diameter: None, span: None },
         Some((word, values)) => clamping_of(word, &values, back, cx)?,
@@ -310,22 +310,15 @@ fn clamping_of(word: &Name, values: &[&Value], back: Mm, cx: &mut Context<'_>) -
     };
     let known = vocabulary::properties(TopicKind::Block, "clamping");
     let mut p = Properties::new("the clamping".to_owned(), word.span, block, &known, &mut cx.scope, cx.sink);
-    let below = match p.has("below") {
-        true => p.number("below", Dimension::LENGTH, Range::Within(10_000.0), "below -42 mm").map(|b| Mm(b.0))?,
-        false => back,
-    };
-    let diameter = match p.has("diameter") {
-        true => Some(
-            p.number("diameter", Dimension::LENGTH, Range::Between(0.1, 10_000.0), "diameter 60 mm")
-                .map(|d| Mm(d.0))?,
-        ),
-        false => None,
-    };
+    let below = p.read(&BELOW)?.map_or(back, |below| Mm(below.0));
+    let diameter = p.read(&CLAMPING_DIAMETER)?.map(|diameter| Mm(diameter.0));
     Some(ClampingSpec { below, diameter, span: Some(word.span) })
 }
 
-fn tolerances(file: &File, cx: &mut Context<'_>) -> (Mm, Mm) {
-    let (mut chord, mut rough) = (DEFAULT_CHORD, DEFAULT_CHORD_ROUGH);
+/// Tolerances of finishing and of roughing.
+fn tolerances(file: &File, cx: &mut Context<'_>) -> [Mm; 2] {
+    let rows = [CHORD, CHORD_ROUGH];
+    let mut found = rows.map(|row| row.default().unwrap_or_default());
     let mut seen: Vec<(&str, Span)> = Vec::new();
     for item in &file.items {
         let ItemKind::Tolerance(values) = &item.kind else { continue };
@@ -340,14 +333,10 @@ fn tolerances(file: &File, cx: &mut Context<'_>) -> (Mm, Mm) {
                 );
                 continue;
             };
-            let target = match label.text.as_str() {
-                "chord" => &mut chord,
-                "rough" => &mut rough,
-                other => {
-                    let diag = Diag::error(codes::UNKNOWN_PROPERTY, format!("no tolerance is called `{other}`"));
-                    cx.sink.push(suggest(diag, other, label.span, "tolerance", &["chord", "rough"]));
-                    continue;
-                }
+            let Some(row) = rows.iter().position(|row| row.name == label.text) else {
+                let diag = Diag::error(codes::UNKNOWN_PROPERTY, format!("no tolerance is called `{}`", label.text));
+                cx.sink.push(suggest(diag, &label.text, label.span, "tolerance", &rows.map(|row| row.name)));
+                continue;
             };
             if let Some((_, first)) = seen.iter().find(|(n, _)| *n == label.text) {
                 cx.sink.push(
@@ -359,13 +348,13 @@ fn tolerances(file: &File, cx: &mut Context<'_>) -> (Mm, Mm) {
             }
             seen.push((&label.text, label.span));
             let what = format!("the tolerance `{}`", label.text);
-            // Below 10 nm rounding errors of the interpolation matter; above 1 mm the value is not a tolerance.
-            if let Some(value) = cx.scope.expect(expr, Dimension::LENGTH, &what, cx.sink) {
-                if (1e-5..=1.0).contains(&value) {
-                    *target = Mm(value);
+            let Form::Quantity(due, range) = rows[row].form else { continue };
+            if let Some(value) = cx.scope.expect(expr, due, &what, cx.sink) {
+                if range.holds(value) {
+                    found[row] = value;
                 } else {
                     cx.sink.push(
-                        Diag::error(codes::OUT_OF_RANGE, format!("{what} must be from 0.00001 to 1 mm"))
+                        Diag::error(codes::OUT_OF_RANGE, format!("{what} must be {}", range.text(due)))
                             .label(expr.span, "out of range")
                             .help("1 um is usual in finishing, 10 um in roughing"),
                     );
@@ -373,7 +362,7 @@ fn tolerances(file: &File, cx: &mut Context<'_>) -> (Mm, Mm) {
             }
         }
     }
-    (chord, rough)
+    found.map(Mm)
 }
 
 /// The post file that the job names, with the properties of the job over it.

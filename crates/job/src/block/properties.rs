@@ -297,6 +297,11 @@ impl<'a, 'c> Properties<'a, 'c> {
         }
     }
 
+    /// The number of a property of the table, or its default; `None` where it is faulty, or missing without a default.
+    pub(crate) fn read_or_default(&mut self, property: &Property) -> Option<f64> {
+        self.read(property)?.map_or_else(|| property.default(), |(number, _)| Some(number))
+    }
+
     /// The words of a property of the table; `None` where it is faulty or not given.
     pub(crate) fn words_of(&mut self, property: &Property) -> Option<Vec<&'a Name>> {
         if self.given(property) { self.words(property.name, &property.written()) } else { None }

@@ -95,7 +95,7 @@ fn made(form: Form) -> String {
     let quantity = |due: Dimension| format!("\"3 {}\"", due.usual_unit());
     let list = |one: &str, count: usize| format!("[{}]", vec![one; count].join(", "));
     match form {
-        Form::Text(_) | Form::Words(_) => "\"...\"".to_owned(),
+        Form::Text(_) | Form::Words(_) | Form::Bounded(_) => "\"...\"".to_owned(),
         Form::Texts => "[\"...\"]".to_owned(),
         Form::TextsOf(count) => list("\"...\"", count),
         Form::Quantity(due, _) => quantity(due),

@@ -419,7 +419,7 @@ fn kind_of(value: &DeValue<'_>) -> &'static str {
 /// What a key takes, in words.
 fn due(form: Form) -> String {
     match form {
-        Form::Text(_) | Form::Words(_) => "a text in quotes".to_owned(),
+        Form::Text(_) | Form::Words(_) | Form::Bounded(_) => "a text in quotes".to_owned(),
         Form::Texts => "a list of texts".to_owned(),
         Form::TextsOf(count) => format!("a list of {count} texts"),
         Form::Quantity(due, _) => format!("{} in quotes", due.name()),

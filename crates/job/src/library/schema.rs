@@ -317,7 +317,7 @@ fn several(item: &Value, count: usize) -> Value {
 
 fn form(form: Form) -> Value {
     match form {
-        Form::Text(_) | Form::Words(_) => json!({ "type": "string" }),
+        Form::Text(_) | Form::Words(_) | Form::Bounded(_) => json!({ "type": "string" }),
         Form::Texts => json!({ "type": "array", "items": { "type": "string" } }),
         Form::TextsOf(count) => several(&json!({ "type": "string" }), count),
         Form::Quantity(dimension, _) => quantity(dimension),

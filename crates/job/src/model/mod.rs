@@ -491,8 +491,3 @@ pub struct AllowedSpec {
     /// Its item.
     pub span: Span,
 }
-
-/// Chord tolerance in finishing where the job gives none.
-pub const DEFAULT_CHORD: Mm = Mm(0.001);
-/// Chord tolerance in roughing where the job gives none.
-pub const DEFAULT_CHORD_ROUGH: Mm = Mm(0.01);

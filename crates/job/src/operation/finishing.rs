@@ -1,10 +1,9 @@
 //! Properties of finishing operations: faces, axes, sense and order.
 
 use crate::block::eval::suggest;
-use crate::block::properties::{Properties, Range, named};
+use crate::block::properties::{Properties, named};
 use crate::model::{CutterKind, OperationKind, ToolSpec};
-use crate::property::Property;
-use crate::property::quantity::Dimension;
+use crate::property::{Property, Without, limits};
 use crate::vocabulary::operations::{
     BLADES, CONFLICT, FACES, FLANK_METHOD, LEVEL_DEPTH, METHOD, MILLING, ORDER, SIDE, STRIPS,
 };
@@ -13,13 +12,6 @@ use diagnostics::Diag;
 use diagnostics::codes::job as codes;
 use wheel::method::{AxisMethod, Conflict, ErrorSide, FaceOrder, Flank, FlankMethod, Lines, Milling};
 use wheel::part::{BladeId, FaceId};
-
-/// Most strips of a face by minimax: the error falls with the cube of their height, and each strip takes about a
-/// second.
-const MAX_OPTIMISED_STRIPS: u32 = 20;
-
-/// Least height of a level of finishing, mm.
-const MIN_LEVEL_MM: f64 = 0.01;
 
 /// How tool axes of point milling are chosen: the tool turns about the middle of its ball, or keeps one tilt angle for
 /// each line.
@@ -94,10 +86,8 @@ pub(super) fn levels(lines: Lines, faces: usize, p: &mut Properties<'_, '_>) -> 
         return None;
     }
     if face_order(faces, p)? == FaceOrder::Levels {
-        let range = Range::Between(MIN_LEVEL_MM, 1000.0);
-        return p
-            .required(LEVEL_DEPTH.name, Dimension::LENGTH, range, &LEVEL_DEPTH.written())
-            .map(|depth| Some(Mm(depth.0)));
+        let depth = p.read(&LEVEL_DEPTH.without(Without::Required))?;
+        return depth.map(|(depth, _)| Some(Mm(depth)));
     }
     if p.has(LEVEL_DEPTH.name) {
         let span = p.expression_of(&LEVEL_DEPTH)?.span;
@@ -198,7 +188,7 @@ pub(super) fn flank(names: &[String], p: &mut Properties<'_, '_>) -> Option<Oper
         p.take(STRIPS.name);
         None
     } else if p.has(STRIPS.name) {
-        Some(p.count(STRIPS.name, 1, if optimised { MAX_OPTIMISED_STRIPS } else { 100 }, &STRIPS.written())?.0)
+        Some(p.count(STRIPS.name, 1, limits::MAX_STRIPS[usize::from(!optimised)], &STRIPS.written())?.0)
     } else {
         (!optimised).then_some(1)
     };

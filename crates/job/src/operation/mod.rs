@@ -36,10 +36,6 @@ use wheel::part::SurfaceKind;
 /// Kinds of tools that can rough.
 pub(super) const ROUGHS: [&str; 4] = ["flat", "ball", "bull", "tapered-ball"];
 
-/// Thicknesses of rest machining, mm. The ends of the stock are known to a micrometre and paths to their tolerances;
-/// stock above the upper limit does not count as a rest.
-const REST_THICKNESS: Range = Range::Between(0.02, 10.0);
-
 /// What operations take from part and stock.
 pub(super) struct Workpiece {
     /// Number of vanes, where the part is readable.
@@ -406,7 +402,8 @@ impl OperationReader<'_> {
         }
         let values = p.labelled(REST.name, &["over"], &REST.written());
         let (label, expr) = values.first()?;
-        let thickness = p.value_of(expr, "rest over", Dimension::LENGTH, REST_THICKNESS)?;
+        let thickness =
+            p.value_of(expr, "rest over", Dimension::LENGTH, Range::Between(limits::REST[0], limits::REST[1]))?;
         if self.on_whole_blank {
             p.sink.push(
                 Diag::error(
@@ -582,8 +579,5 @@ fn vane_allowance(of: LabelledValue<'_>, p: &mut Properties<'_, '_>) -> Option<V
 
 /// Lengths of both leads, or their defaults.
 pub(super) fn leads(p: &mut Properties<'_, '_>) -> [Option<Mm>; 2] {
-    [LEAD_IN, LEAD_OUT].map(|lead| {
-        let length = p.read(&lead)?.map(|given| given.0);
-        length.or_else(|| lead.default()).map(Mm)
-    })
+    [LEAD_IN, LEAD_OUT].map(|lead| p.read_or_default(&lead).map(Mm))
 }

@@ -3,15 +3,13 @@
 use super::{OperationReader, allowances};
 use crate::block::properties::{Properties, Range};
 use crate::model::{CutterKind, OperationKind, ToolSpec};
+use crate::property::limits;
 use crate::property::quantity::Dimension;
 use crate::vocabulary::operations::STROKE_STEP;
 use base::units::{Mm, length, trim};
 use diagnostics::Diag;
 use diagnostics::codes::job as codes;
 use wheel::operation::RoughingStrategy;
-
-/// Least distance of neighbouring strokes, as a share of the diameter: closer ones are a cut with the side of the tool.
-const MIN_STROKE_STEP: f64 = 0.01;
 
 /// Default of the distance of neighbouring strokes, as a share of the diameter, where the tool permits it.
 const USUAL_STEP: f64 = 0.25;
@@ -29,7 +27,7 @@ impl OperationReader<'_> {
     fn plunge_step(&self, tool: Option<&ToolSpec>, p: &mut Properties<'_, '_>) -> Option<Mm> {
         let tool = tool?;
         let (diameter, most) = (tool.diameter.get(), tool.largest_plunge_step()?);
-        let least = MIN_STROKE_STEP * diameter;
+        let [least, widest] = limits::STROKE_STEP.map(|share| share * diameter);
         if most < least {
             p.sink.push(
                 Diag::error(codes::PLUNGE, format!("{} cannot plunge: its teeth do not cut at its centre", tool.name))
@@ -43,7 +41,7 @@ impl OperationReader<'_> {
             return Some(Mm(most.min(USUAL_STEP * diameter)));
         }
         let expr = p.expression_of(&STROKE_STEP)?;
-        let step = p.value_of(expr, STROKE_STEP.name, Dimension::LENGTH, Range::Between(least, 0.5 * diameter))?;
+        let step = p.value_of(expr, STROKE_STEP.name, Dimension::LENGTH, Range::Between(least, widest))?;
         // Room for rounding where the job states the limit itself.
         if step <= most * (1.0 + 1e-9) {
             return Some(Mm(step));

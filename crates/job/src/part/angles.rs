@@ -9,6 +9,7 @@ use crate::model::{
     AnglesAtSpan, AnglesSpec, CamberSpec, DistributionSpec, EdgePlace, Facing, MeridianPlace, SpanSpec,
 };
 use crate::property::quantity::Dimension;
+use crate::vocabulary::part::FIT_OF_SPANS;
 use crate::vocabulary::{self, TopicKind};
 use base::source::Span;
 use base::units::{Mm, trim};
@@ -21,9 +22,6 @@ use syntax::ast::{Block, Expr, ExprKind, Name, Path, Value};
 pub(super) const REPEATED: [&str; 1] = ["span"];
 
 const EDGES: [&str; 2] = ["leading-edge", "trailing-edge"];
-
-/// Largest distance of the surfaces to the stated sections by default, mm.
-const FIT: f64 = 0.002;
 
 base::named! {
     /// Direction from which beta is measured.
@@ -64,11 +62,7 @@ impl<'a> AnglesGiven<'a> {
     /// Takes the entries of a blade. `main` is the name of the main blade in a splitter.
     pub(super) fn take(p: &mut Properties<'a, '_>, head: Span, main: Option<&'a Name>) -> Option<Self> {
         let spans = p.take_all("span");
-        let fit = if p.has("fit") {
-            p.number("fit", Dimension::LENGTH, Range::Between(0.0001, 1.0), "fit 2 um").map(|fit| fit.0)
-        } else {
-            Some(FIT)
-        };
+        let fit = p.read_or_default(&FIT_OF_SPANS);
         let pressure = name_of(p, "pressure", &Facing::ALL, Facing::name);
         let beta_from = name_of(p, "beta-from", &BetaFrom::ALL, BetaFrom::name);
         let [leading, trailing] = EDGES.map(|edge| edge_shape(p, edge));

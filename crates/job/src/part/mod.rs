@@ -15,6 +15,8 @@ use crate::model::{
 };
 use crate::property::limits;
 use crate::property::quantity::Dimension;
+use crate::vocabulary::items::EXTEND;
+use crate::vocabulary::part::FIT_OF_SECTIONS;
 use crate::vocabulary::{self, TopicKind};
 use angles::AnglesGiven;
 use base::source::Span;
@@ -32,10 +34,6 @@ use wheel::part::{BladeId, FaceId, Fillet, RulingEnd};
 /// Largest number of vanes that is read; whether they fit is determined from their thickness.
 const MAX_VANES: u32 = 10_000;
 
-/// Largest distance by which faces are extended to hub and shroud by default, mm: more is a gap that somebody means, such as the
-/// gap between the tips and the casing.
-const EXTEND: f64 = 0.1;
-
 /// Most sections of a lofted face between root and tip. Designers give some 5 to 20.
 const MAX_SECTIONS: usize = 30;
 
@@ -47,11 +45,7 @@ pub(super) fn resolve(name: &Name, body: &Block, head: Span, cx: &mut Context<'_
     let owner = format!("part {}", name.text);
     let mut p = Properties::repeated(owner, head, body, &known, &["splitter"], &mut cx.scope, cx.sink);
     let vanes = vane_count(&mut p);
-    let extend = if p.has("extend") {
-        p.number("extend", Dimension::LENGTH, Range::NotNegative(100.0), "extend 0.4 mm").map(|extend| extend.0)
-    } else {
-        Some(EXTEND)
-    };
+    let extend = p.read_or_default(&EXTEND);
     let imported = if p.has("imported") { Some(imported(&mut p)?) } else { None };
     let vane = p.take("vane");
     if vane.is_none() {
@@ -296,14 +290,8 @@ struct SectionsGiven<'a> {
 
 impl<'a> SectionsGiven<'a> {
     fn take(p: &mut Properties<'a, '_>) -> Option<Self> {
-        /// Largest distance of a point to the fitted curve by default, mm.
-        const FIT: f64 = 0.005;
         let (word, values) = p.take("sections")?;
-        let fit = if p.has("fit") {
-            p.number("fit", Dimension::LENGTH, Range::Between(0.0001, 1.0), "fit 5 um").map(|fit| fit.0)
-        } else {
-            Some(FIT)
-        };
+        let fit = p.read_or_default(&FIT_OF_SECTIONS);
         let edges = ["leading-edge", "trailing-edge"].map(|edge| name_of(p, edge, &EdgeForm::STATED, EdgeForm::name));
         let pressure = name_of(p, "pressure", &Facing::ALL, Facing::name)?;
         let [leading, trailing] = edges;

@@ -60,6 +60,8 @@ pub enum ToolSize {
 pub enum Form {
     /// In words: form, range, words in backticks. Its reader knows the rest.
     Words(&'static str),
+    /// The same with bounds that its reader takes from `limits`.
+    Bounded(fn() -> String),
     /// A number with a unit of this dimension; in files a text.
     Quantity(Dimension, Range),
     /// A length from the least one, mm, to a size of the tool.
@@ -186,6 +188,7 @@ impl Property {
     pub fn value(&self) -> String {
         match self.form {
             Form::Words(words) | Form::Text(words) => words.to_owned(),
+            Form::Bounded(words) => words(),
             Form::Quantity(due, range) => {
                 let name = due.name();
                 let [least, most] = range.bounds();

@@ -4,6 +4,38 @@ use super::Without::{Is, Means, Required};
 use super::{Dimension, Form, Property, Topic, TopicKind, Without, property, topic_of};
 use crate::property::{Range, limits, typed};
 
+/// Largest extension of faces by default: more is a gap that somebody means, such as the gap between the tips and the casing.
+pub(crate) const EXTEND: Property = typed(
+    "extend",
+    Form::Quantity(Dimension::LENGTH, Range::NotNegative(100.0)),
+    Is("0.1 mm"),
+    "Largest extension of faces that end before hub or shroud.",
+)
+.like("0.4 mm");
+
+/// Diameter of the bore.
+pub(crate) const BORE: Property = typed(
+    "bore",
+    Form::Quantity(Dimension::LENGTH, Range::NotNegative(limits::LARGEST_SIZE)),
+    Required,
+    "Diameter of the bore.",
+)
+.like("10 mm")
+.also(&["hole"]);
+
+/// Height of the back face.
+pub(crate) const BACK: Property =
+    typed("back", limits::HEIGHT, Required, "Height of the back face.").like("-40 mm").also(&["bottom"]);
+
+/// Tolerance of finishing.
+pub(crate) const CHORD: Property =
+    typed("chord", limits::TOLERANCE, Is("1 um"), "Tolerance of finishing; paths keep it between two blocks.")
+        .also(&["finish-tolerance", "tol"]);
+
+/// Tolerance of roughing.
+pub(crate) const CHORD_ROUGH: Property =
+    typed("rough", limits::TOLERANCE, Is("10 um"), "Tolerance of roughing.").also(&["roughing-tolerance"]);
+
 /// What holds of the post where the job does not say it.
 const OF_FILE: Without = Means("as the post file says");
 
@@ -73,12 +105,7 @@ pub(super) const TOPICS: &[Topic] = &[
             property("splitter", "name and block", Means("no splitters"), "A further blade in each channel; repeated."),
             property("hub", "`revolve` with a curve", Required, "Surface between the blades."),
             property("shroud", "`revolve` with a curve", Required, "Surface of the tips."),
-            property(
-                "extend",
-                "length from 0 to 100 mm",
-                Is("0.1 mm"),
-                "Largest extension of faces that end before hub or shroud.",
-            ),
+            EXTEND,
             property(
                 "imported",
                 "quoted names of files, then `within` with a length from 0",
@@ -94,8 +121,8 @@ pub(super) const TOPICS: &[Topic] = &[
         "stock turned { over shroud 0 mm  bore 10 mm  back -40 mm  material titanium }",
         &[&[
             property("over", "`shroud` with a length from 0 to 100 mm", Required, "Stock over the shroud."),
-            property("bore", "length from 0 mm to 10 m", Required, "Diameter of the bore.").also(&["hole"]),
-            property("back", "height", Required, "Height of the back face.").also(&["bottom"]),
+            BORE,
+            BACK,
             property("from", "quoted name of an STL file", Means("the whole blank"), "What is left of the blank."),
             property("clamping", "block", Means("nothing goes below the back face"), "Space of chuck and table."),
             property(
@@ -125,17 +152,7 @@ pub(super) const TOPICS: &[Topic] = &[
         "tolerance",
         "How far the control may leave the path when it smooths: in finishing and in roughing.",
         "tolerance chord 1 um, rough 10 um",
-        &[&[
-            property(
-                "chord",
-                "length from 10 nm to 1 mm",
-                Is("1 um"),
-                "Tolerance of finishing; paths keep it between two blocks.",
-            )
-            .also(&["finish-tolerance", "tol"]),
-            property("rough", "length from 10 nm to 1 mm", Is("10 um"), "Tolerance of roughing.")
-                .also(&["roughing-tolerance"]),
-        ]],
+        &[&[CHORD, CHORD_ROUGH]],
     ),
     topic_of(
         TopicKind::Item,

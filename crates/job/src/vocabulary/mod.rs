@@ -4,7 +4,7 @@
 pub(crate) mod items;
 pub(crate) mod operations;
 pub(crate) mod other_names;
-mod part;
+pub(crate) mod part;
 mod tools;
 
 use crate::property::property;

@@ -70,9 +70,9 @@ pub(crate) const FEED: Property = property(
 .also(&["fz", "vf", "f", "feedrate", "feed-rate"]);
 
 /// Rest machining.
-pub(crate) const REST: Property = property(
+pub(crate) const REST: Property = typed(
     "rest",
-    "`off`, or `over` with a length from 0.02 to 10 mm",
+    Form::Bounded(|| format!("`off`, or `over` with a length from {} to {} mm", limits::REST[0], limits::REST[1])),
     Is("off"),
     "Cuts only where earlier operations left more stock than this.",
 )
@@ -120,9 +120,12 @@ pub(crate) const BLADES: Property = property(
 .also(&["blade"]);
 
 /// Number of strips of a face.
-pub(crate) const STRIPS: Property = property(
+pub(crate) const STRIPS: Property = typed(
     "strips",
-    "`auto`, or a number from 1 to 20 (to 100 with the other methods)",
+    Form::Bounded(|| {
+        let [optimised, other] = limits::MAX_STRIPS;
+        format!("`auto`, or a number from 1 to {optimised} (to {other} with the other methods)")
+    }),
     Means("`auto` with `minimax`, 1 otherwise"),
     "Passes from tip to root of a face.",
 )
@@ -150,18 +153,18 @@ pub(crate) const STEPOVER: Property = property(
 .also(&["step", "step-over", "ae"]);
 
 /// Distance of the strokes of plunging.
-pub(crate) const STROKE_STEP: Property = property(
+pub(crate) const STROKE_STEP: Property = typed(
     "stepover",
-    "length from 0.01 to 0.5 of the diameter",
+    Form::Bounded(|| format!("length from {} to {} of the diameter", limits::STROKE_STEP[0], limits::STROKE_STEP[1])),
     Means("a quarter of the diameter, where the tool permits it"),
     "Distance of neighbouring strokes.",
 )
 .like("1 mm");
 
 /// Height of the levels of point milling.
-pub(crate) const LEVEL_DEPTH: Property = property(
+pub(crate) const LEVEL_DEPTH: Property = typed(
     "depth",
-    "length from 0.01 mm",
+    Form::Quantity(Dimension::LENGTH, Range::Between(limits::LEVEL_HEIGHT[0], limits::LEVEL_HEIGHT[1])),
     Means("an error with `order levels`; otherwise not allowed"),
     "Height of a level with `order levels`.",
 )

@@ -2,6 +2,24 @@
 
 use super::Without::{Is, Means, Required};
 use super::{Property, Topic, TopicKind, property, topic_of};
+use crate::property::{limits, typed};
+
+/// Largest distance of the surfaces to what the spans state.
+pub(crate) const FIT_OF_SPANS: Property =
+    typed("fit", limits::FIT, Is("2 um"), "Largest distance of the surfaces to what the spans state.").like("2 um");
+
+/// Largest distance of the surfaces to the points of sections.
+pub(crate) const FIT_OF_SECTIONS: Property =
+    typed("fit", limits::FIT, Is("5 um"), "Largest distance of the surfaces to the points.").like("5 um");
+
+/// Height that no tool goes below.
+pub(crate) const BELOW: Property =
+    typed("below", limits::HEIGHT, Means("the back face of the stock"), "No tool goes below this height.")
+        .like("-42 mm");
+
+/// Diameter of the clamping.
+pub(crate) const CLAMPING_DIAMETER: Property =
+    typed("diameter", limits::CLAMPING, Means("unlimited"), "Diameter of the clamping.").like("60 mm");
 
 const FILLET: &[Property] = &[property(
     "fillet",
@@ -37,12 +55,7 @@ const SPANS: &[Property] = &[
     ),
     property("leading-edge", "`round`, `cut-off`, or `elliptic` with a ratio", Required, "Form of the leading edge."),
     property("trailing-edge", "`round`, `cut-off`, or `elliptic` with a ratio", Required, "Form of the trailing edge."),
-    property(
-        "fit",
-        "length from 0.1 um to 1 mm",
-        Is("2 um"),
-        "Largest distance of the surfaces to what the spans state.",
-    ),
+    FIT_OF_SPANS,
 ];
 
 const FACINGS: &str = "`clockwise` or `counter-clockwise`";
@@ -96,12 +109,7 @@ pub(super) const TOPICS: &[Topic] = &[
                     Required,
                     "Table with the points of the closed sections.",
                 ),
-                property(
-                    "fit",
-                    "length from 0.1 um to 1 mm",
-                    Is("2 um"),
-                    "Largest distance of the surfaces to the points.",
-                ),
+                FIT_OF_SECTIONS,
                 property(
                     "leading-edge",
                     "`round`, `cut-off`, or `elliptic` with a ratio",
@@ -208,10 +216,7 @@ pub(super) const TOPICS: &[Topic] = &[
         "clamping",
         "The space of chuck and table, in the stock.",
         "clamping { below -42 mm  diameter 60 mm }",
-        &[&[
-            property("below", "height", Means("the back face of the stock"), "No tool goes below this height."),
-            property("diameter", "length from 0.1 mm to 10 m", Means("unlimited"), "Diameter of the clamping."),
-        ]],
+        &[&[BELOW, CLAMPING_DIAMETER]],
     ),
 ];
 
