@@ -18,7 +18,8 @@ use self::movnrb::Movnrb;
 use super::statements::{self, Statement};
 use crate::control::modal::{ModalGroup, Setting};
 use crate::control::{
-    FARTHEST, FASTEST, ProgramState, Smoothing, SmoothingTolerance, WIDEST_TOLERANCE_MM, number, shown, within,
+    FARTHEST, FASTEST, ProgramState, Smoothing, SmoothingTolerance, WIDEST_TOLERANCE_MM, in_range, number, shown,
+    within,
 };
 use crate::nc::{Direction, NcMove, NcPlace, NcPose, NcRetract, NcStation, NcTool, ReadResult};
 use crate::tool_shape::{NcCutter, NcToolShape};
@@ -247,11 +248,8 @@ impl<'a> State<'a> {
         }
         let mut numbers = Vec::new();
         for value in values {
-            let value = number(value).map_err(|reason| format!("CUTTER: {reason}"))?;
-            if value.abs() > FARTHEST {
-                return Err(format!("CUTTER: {value} is out of range"));
-            }
-            numbers.push(value);
+            let read = number(value).and_then(in_range);
+            numbers.push(read.map_err(|reason| format!("CUTTER: {reason}"))?);
         }
         self.needs_units();
         let cutter = match numbers[..] {

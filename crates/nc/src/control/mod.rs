@@ -320,6 +320,11 @@ pub(super) fn once<T>(slot: &mut Option<T>, address: &str, value: T) -> Result<(
     if slot.replace(value).is_some() { Err(format!("`{address}` occurs twice in one block")) } else { Ok(()) }
 }
 
+/// A coordinate in its range.
+pub(super) fn in_range(value: f64) -> Result<f64, String> {
+    if value.abs() > FARTHEST { Err(format!("{value} is out of range")) } else { Ok(value) }
+}
+
 /// A value whose amount is within a limit.
 pub(super) fn within(address: &str, value: f64, limit: f64) -> Result<f64, String> {
     if value.abs() > limit {

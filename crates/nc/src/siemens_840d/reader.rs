@@ -9,8 +9,8 @@ use super::words::{WordValue, count, is_count, split, upper};
 use crate::control::modal::{Modal, ModalGroup, Needed};
 use crate::control::spline::SplineWords;
 use crate::control::{
-    self, Act, Control, FARTHEST, LengthWord, Line, MotionWord, NcBlock, Setup, Smoothing, SmoothingTolerance,
-    WIDEST_TOLERANCE_MM, WIDEST_TURN_DEG, WorkOffsets, number, once, shown,
+    self, Act, Control, LengthWord, Line, MotionWord, NcBlock, Setup, Smoothing, SmoothingTolerance,
+    WIDEST_TOLERANCE_MM, WIDEST_TURN_DEG, WorkOffsets, in_range, number, once, shown,
 };
 use crate::nc::{NcTool, ReadResult};
 use five_axis::Machine;
@@ -287,10 +287,7 @@ impl BlockReader<'_> {
         let mut numbers = Vec::new();
         for text in coefficients.split(',') {
             let value = number(text.trim_matches([' ', '\t']))?;
-            if value.abs() > FARTHEST {
-                return Err(format!("`PO[{axis}]`: {value} is out of range"));
-            }
-            numbers.push(value);
+            numbers.push(in_range(value).map_err(|reason| format!("`PO[{axis}]`: {reason}"))?);
         }
         if numbers.len() > MAX_POLYNOMIAL_NUMBERS {
             return Err(format!(
@@ -375,9 +372,9 @@ impl BlockReader<'_> {
             "X" => block.coordinate(0, value()?),
             "Y" => block.coordinate(1, value()?),
             "Z" => block.coordinate(2, value()?),
-            "XH" => once(&mut block.second[0], "XH", within(value()?)?),
-            "YH" => once(&mut block.second[1], "YH", within(value()?)?),
-            "ZH" => once(&mut block.second[2], "ZH", within(value()?)?),
+            "XH" => once(&mut block.second[0], "XH", in_range(value()?)?),
+            "YH" => once(&mut block.second[1], "YH", in_range(value()?)?),
+            "ZH" => once(&mut block.second[2], "ZH", in_range(value()?)?),
             "A3" => block.component(&SINUMERIK, 0, value()?),
             "B3" => block.component(&SINUMERIK, 1, value()?),
             "C3" => block.component(&SINUMERIK, 2, value()?),
@@ -509,11 +506,6 @@ fn plain(name: &str, machine: &Machine) -> Result<(), String> {
         ));
     }
     Ok(())
-}
-
-/// A coordinate in its range.
-fn within(value: f64) -> Result<f64, String> {
-    if value.abs() > FARTHEST { Err(format!("{value} is out of range")) } else { Ok(value) }
 }
 
 /// Tolerance of CYCLE832(tolerance, mode, orientation tolerance). When CYCLE832 is off, the control uses its own
