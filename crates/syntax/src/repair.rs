@@ -3,6 +3,7 @@
 //! Each is reported once, with what to write instead. The parser then reads the text as it is meant, so that no other error
 //! follows. The repaired text is as long as the given one: places in it are places of the given text.
 
+use self::LinePiece::{Number, Sign, Text, Word};
 use super::scan::ITEMS;
 use base::source::{SourceId, Span};
 use diagnostics::codes::syntax as codes;
@@ -97,7 +98,7 @@ enum LinePiece<'a> {
 
 /// The text as the parser reads it; the forms are reported.
 pub(super) fn repaired(text: &str, source: SourceId, sink: &mut Sink) -> Option<String> {
-    let repairs = FormFinder::default().find(text);
+    let repairs = FormFinder { text, ..FormFinder::default() }.find();
     if repairs.is_empty() {
         return None;
     }
@@ -129,12 +130,18 @@ pub(super) fn repaired(text: &str, source: SourceId, sink: &mut Sink) -> Option<
 
 /// What is left open at the end of a line.
 #[derive(Default)]
-struct FormFinder {
+struct FormFinder<'t> {
+    text: &'t str,
     found: Vec<Repair>,
     /// Depth of braces and brackets.
     depth: usize,
     in_comment: bool,
+    /// The line.
+    line: Range<usize>,
 }
+
+/// A piece with its range in the text.
+type Token<'t> = (LinePiece<'t>, Range<usize>);
 
 /// Blanks of a length.
 fn blank(range: &Range<usize>) -> String {
@@ -146,11 +153,12 @@ fn padded(text: &str, range: &Range<usize>) -> Option<String> {
     (text.len() <= range.len()).then(|| format!("{text:<width$}", width = range.len()))
 }
 
-impl FormFinder {
-    fn find(mut self, text: &str) -> Vec<Repair> {
+impl<'t> FormFinder<'t> {
+    fn find(mut self) -> Vec<Repair> {
         let mut start = 0;
-        for line in text.split_inclusive('\n') {
-            self.line(line.trim_end_matches(['\n', '\r']), start);
+        for line in self.text.split_inclusive('\n') {
+            self.line = start..start + line.trim_end_matches(['\n', '\r']).len();
+            self.read_line();
             start += line.len();
         }
         self.found.sort_by_key(|r| r.range.start);
@@ -164,60 +172,73 @@ impl FormFinder {
         self.found
     }
 
+    /// The rest of the line from a place.
+    fn rest(&self, from: usize) -> &'t str {
+        &self.text[from..self.line.end]
+    }
+
     fn push(&mut self, form: Form, range: Range<usize>, read: String, help: impl Into<String>, fix: Option<&str>) {
         self.found.push(Repair { form, range, read, help: help.into(), fix: fix.map(str::to_owned) });
     }
 
-    fn line(&mut self, line: &str, start: usize) {
-        let whole = start..start + line.len();
+    /// A place that is read as blanks.
+    fn skip(&mut self, form: Form, range: Range<usize>, help: &str, fix: Option<&str>) {
+        self.push(form, range.clone(), blank(&range), help, fix);
+    }
+
+    /// A place that is read as what is to be written there, or as blanks where that does not fit.
+    fn put(&mut self, form: Form, range: Range<usize>, due: &str, help: String) {
+        let read = padded(due, &range).unwrap_or_else(|| blank(&range));
+        self.push(form, range, read, help, Some(due));
+    }
+
+    fn read_line(&mut self) {
+        let whole = self.line.clone();
+        let comment_end = |from: usize, text: &str| text.find("*/").map(|at| from + at + 2);
         if self.in_comment {
-            let end = line.find("*/").map(|at| start + at + 2);
+            let end = comment_end(whole.start, self.rest(whole.start));
             self.in_comment = end.is_none();
-            let range = start..end.unwrap_or(whole.end);
-            self.push(Form::Comment, range.clone(), blank(&range), "write `//` before the comment on each line", None);
-            return;
+            let range = whole.start..end.unwrap_or(whole.end);
+            return self.skip(Form::Comment, range, "write `//` before the comment on each line", None);
         }
-        let (tokens, foreign) = tokens(line);
-        let first = tokens.first().map(|t| (t.0, t.1.start));
+        let (tokens, foreign) = tokens(self.text, whole.clone());
         // A line that begins an item ends blocks that were not closed.
-        if matches!(first, Some((LinePiece::Word(word), 0)) if ITEMS.contains(&word)) {
+        if matches!(tokens.first(), Some((Word(word), at)) if at.start == whole.start && ITEMS.contains(word)) {
             self.depth = 0;
         }
-        let in_brackets = matches!(first, Some((LinePiece::Sign('('), _))) && line.trim_end().ends_with(')');
+        let in_brackets =
+            matches!(tokens.first(), Some((Sign('('), _))) && self.rest(whole.start).trim_end().ends_with(')');
         if self.depth == 0 && in_brackets {
-            self.push(Form::Comment, whole.clone(), blank(&whole), "write `//` before the comment", None);
-            return;
+            return self.skip(Form::Comment, whole, "write `//` before the comment", None);
         }
         if let Some(at) = foreign {
-            let range = start + at..whole.end;
-            let block = line[at..].starts_with("/*");
-            let closed = line[at..].find("*/").map(|end| range.start + end + 2);
+            let block = self.rest(at).starts_with("/*");
+            let closed = comment_end(at, self.rest(at));
             self.in_comment = block && closed.is_none();
-            let range = range.start..if block { closed.unwrap_or(range.end) } else { range.end };
-            self.push(Form::Comment, range.clone(), blank(&range), "write `//` before the comment", None);
+            let range = at..if block { closed.unwrap_or(whole.end) } else { whole.end };
+            self.skip(Form::Comment, range, "write `//` before the comment", None);
         }
-        self.signs(line, start, &tokens);
-        self.heads(start, &tokens);
+        self.signs(&tokens);
+        self.heads(&tokens);
         for at in 0..tokens.len() {
-            self.nc_words(start, &tokens[at..]);
-            self.units(line, start, &tokens[at..]);
-            self.values(line, start, &tokens[at..]);
-            self.lists(line, start, &tokens[at..]);
+            self.nc_words(&tokens[at..]);
+            self.units(&tokens[at..]);
+            self.values(&tokens[at..]);
+            self.lists(&tokens[at..]);
             match tokens[at].0 {
-                LinePiece::Sign('{' | '[') => self.depth += 1,
-                LinePiece::Sign('}' | ']') => self.depth = self.depth.saturating_sub(1),
-                LinePiece::Sign(_) if self.depth > 0 || at > 0 => self.between(start, &tokens, at),
+                Sign('{' | '[') => self.depth += 1,
+                Sign('}' | ']') => self.depth = self.depth.saturating_sub(1),
+                Sign(_) if self.depth > 0 || at > 0 => self.between(&tokens, at),
                 _ => {}
             }
         }
     }
 
     /// Signs that the language does not have.
-    fn signs(&mut self, line: &str, start: usize, tokens: &[(LinePiece<'_>, Range<usize>)]) {
-        for (token, at) in tokens {
-            let LinePiece::Sign(sign) = *token else { continue };
-            let range = start + at.start..start + at.end;
-            let rest = &line[at.end..];
+    fn signs(&mut self, tokens: &[Token<'t>]) {
+        for (token, range) in tokens {
+            let Sign(sign) = *token else { continue };
+            let (range, rest) = (range.clone(), self.rest(range.end));
             match sign {
                 'µ' | 'μ' if rest.starts_with('m') => {
                     let range = range.start..range.end + 1;
@@ -231,12 +252,9 @@ impl FormFinder {
                     let read = if opens { format!("{blanks}\"") } else { format!("\"{blanks}") };
                     self.push(Form::Quotes, range, read, "write straight quotes: `\"`", None);
                 }
-                ';' => self.push(Form::Semicolon, range.clone(), blank(&range), "remove `;`", Some("")),
-                '≤' | '≥' => {
-                    let due = if sign == '≤' { "<=" } else { ">=" };
-                    let read = padded(due, &range).unwrap_or_else(|| blank(&range));
-                    self.push(Form::Relation, range, read, format!("write `{due}`"), Some(due));
-                }
+                ';' => self.skip(Form::Semicolon, range, "remove `;`", Some("")),
+                '≤' => self.put(Form::Relation, range, "<=", "write `<=`".to_owned()),
+                '≥' => self.put(Form::Relation, range, ">=", "write `>=`".to_owned()),
                 '°' => {
                     let space = range.start..range.end + rest.len() - rest.trim_start_matches(' ').len();
                     // Two blanks or the end of the line, so that a word behind stays a word.
@@ -251,45 +269,33 @@ impl FormFinder {
     }
 
     /// Items that are written in the manner of another language.
-    fn heads(&mut self, start: usize, tokens: &[(LinePiece<'_>, Range<usize>)]) {
-        let at = |range: &Range<usize>| start + range.start..start + range.end;
+    fn heads(&mut self, tokens: &[Token<'t>]) {
         if self.depth > 0 {
             return;
         }
         match tokens {
-            [(LinePiece::Word("use"), from), (LinePiece::Word("post"), _), (LinePiece::Text(text), to), ..] => {
-                let range = start + from.start..start + to.end;
-                let due = format!("post {}", text.trim_matches('"'));
+            [(Word("use"), from), (Word("post"), _), (Text(text), to), ..] => {
+                let (range, due) = (from.start..to.end, format!("post {}", text.trim_matches('"')));
                 if let Some(read) = padded(&due, &range) {
                     self.push(Form::UsePost, range, read, format!("write `{due}`"), Some(&due));
                 }
             }
-            [(LinePiece::Word("post" | "edition"), _), (LinePiece::Text(text), range), ..] => {
+            [(Word("post" | "edition"), _), (Text(text), range), ..] => {
                 let name = text.trim_matches('"');
-                let help = format!("write `{name}`");
-                self.push(Form::Quoted, at(range), format!(" {name} "), help, Some(name));
+                self.push(Form::Quoted, range.clone(), format!(" {name} "), format!("write `{name}`"), Some(name));
             }
-            [
-                (LinePiece::Word("operation"), _),
-                (LinePiece::Word(name), from),
-                (LinePiece::Sign('='), _),
-                (LinePiece::Word(kind), to),
-                ..,
-            ] => {
-                let range = start + from.start..start + to.end;
-                let due = format!("{kind} {name}");
+            [(Word("operation"), _), (Word(name), from), (Sign('='), _), (Word(kind), to), ..] => {
+                let (range, due) = (from.start..to.end, format!("{kind} {name}"));
                 if let Some(read) = padded(&due, &range) {
                     self.push(Form::NamedOperation, range, read, format!("write `operation {due}`"), Some(&due));
                 }
             }
-            [(LinePiece::Word("require"), _), rest @ ..] => {
-                let Some(comma) = rest.iter().position(|t| t.0 == LinePiece::Sign(',')) else { return };
-                let relation = |t: &(LinePiece<'_>, Range<usize>)| matches!(t.0, LinePiece::Sign('<' | '>'));
-                if rest[comma..].iter().any(relation) {
-                    let end = rest.last().map_or(0, |t| t.1.end);
-                    let range = start + rest[comma].1.start..start + end;
+            [(Word("require"), _), rest @ ..] => {
+                let Some(comma) = rest.iter().position(|t| t.0 == Sign(',')) else { return };
+                if rest[comma..].iter().any(|t| matches!(t.0, Sign('<' | '>'))) {
+                    let range = rest[comma].1.start..rest[rest.len() - 1].1.end;
                     let help = "write the next contract on a line of its own, as `require NAME <= VALUE`";
-                    self.push(Form::SeveralContracts, range.clone(), blank(&range), help, None);
+                    self.skip(Form::SeveralContracts, range, help, None);
                 }
             }
             _ => {}
@@ -297,14 +303,13 @@ impl FormFinder {
     }
 
     /// Units with other names or of other systems, and names of files without quotes; `tokens` begins at the place.
-    fn units(&mut self, line: &str, start: usize, tokens: &[(LinePiece<'_>, Range<usize>)]) {
-        let at = |from: &Range<usize>, to: &Range<usize>| start + from.start..start + to.end;
+    fn units(&mut self, tokens: &[Token<'t>]) {
         match tokens {
             [
-                (LinePiece::Number(number), from),
-                (LinePiece::Word(length @ ("mm" | "m" | "in")) | LinePiece::Number(length @ "1"), _),
-                (LinePiece::Sign('/'), _),
-                (LinePiece::Word(time @ ("s" | "sec" | "min")), to),
+                (Number(number), from),
+                (Word(length @ ("mm" | "m" | "in")) | Number(length @ "1"), _),
+                (Sign('/'), _),
+                (Word(time @ ("s" | "sec" | "min")), to),
                 ..,
             ] => {
                 let (factor, due) = match (*length, *time) {
@@ -317,24 +322,23 @@ impl FormFinder {
                 };
                 let Ok(value) = number.parse::<f64>() else { return };
                 let written = format!("{} {due}", (value * factor * 1e6).round() / 1e6);
-                let range = at(from, to);
+                let range = from.start..to.end;
                 // What is read there is too short for all digits: a value of the right kind keeps other faults away.
                 let short = if due == "rpm" { "9999rpm" } else { "1mm/min" };
                 let read = padded(&written, &range).or_else(|| padded(short, &range)).unwrap_or_else(|| blank(&range));
                 self.push(Form::PerSecond, range, read, format!("write `{written}`"), Some(&written));
             }
-            [(LinePiece::Number(_), _), (LinePiece::Word(word), unit), ..] => {
-                if let Some((_, due)) = OTHER_UNITS.iter().find(|(other, _)| other == word) {
-                    let range = start + unit.start..start + unit.end;
-                    let read = padded(due, &range).unwrap_or_else(|| blank(&range));
-                    self.push(Form::Unit, range, read, format!("write `{due}`"), Some(due));
+            [(Number(_), _), (Word(word), unit), ..] => {
+                if let Some((due, _)) =
+                    OTHER_UNITS.iter().find(|(_, others)| others.split(' ').any(|other| other == *word))
+                {
+                    self.put(Form::Unit, unit.clone(), due, format!("write `{due}`"));
                 }
             }
-            [(LinePiece::Word("from"), _), (LinePiece::Word(word), name), ..] if is_file(word) => {
-                let free = |at: usize| line.as_bytes().get(at).is_none_or(|b| *b == b' ');
-                if name.start > 0 && free(name.start - 1) && free(name.end) && name.end < line.len() {
-                    let range = start + name.start - 1..start + name.end + 1;
-                    let fix = format!(" \"{word}\" ");
+            [(Word("from"), _), (Word(word), name), ..] if is_file(word) => {
+                let free = |at: usize| self.text.as_bytes().get(at).is_none_or(|b| *b == b' ');
+                if name.start > self.line.start && free(name.start - 1) && name.end < self.line.end && free(name.end) {
+                    let (range, fix) = (name.start - 1..name.end + 1, format!(" \"{word}\" "));
                     self.push(Form::FileName, range, format!("\"{word}\""), format!("write `\"{word}\"`"), Some(&fix));
                 }
             }
@@ -343,84 +347,56 @@ impl FormFinder {
     }
 
     /// Words of NC text with a decimal point or a unit behind, such as `F0.05 mm/tooth`; `tokens` begins at the place.
-    fn nc_words(&mut self, start: usize, tokens: &[(LinePiece<'_>, Range<usize>)]) {
-        let [(LinePiece::Word(word), at), rest @ ..] = tokens else { return };
+    fn nc_words(&mut self, tokens: &[Token<'t>]) {
+        let [(Word(word), at), rest @ ..] = tokens else { return };
         let (letter, number) = word.split_at(1);
         let plain = number.split('.').all(|part| !part.is_empty() && part.bytes().all(|b| b.is_ascii_digit()));
-        let unit = matches!(rest, [(LinePiece::Word(unit), _), ..] if is_unit(unit));
-        if self.depth == 0
-            || !plain
-            || !letter.bytes().all(|b| b.is_ascii_uppercase())
-            || !(unit || number.contains('.'))
-        {
-            return;
+        let unit = matches!(rest, [(Word(unit), _), ..] if is_unit(unit));
+        let capital = letter.bytes().all(|b| b.is_ascii_uppercase());
+        if self.depth > 0 && plain && capital && (unit || number.contains('.')) {
+            let help = if unit { format!("write `{number}`") } else { format!("write `{number}` and its unit") };
+            self.push(Form::NcWord, at.clone(), format!(" {number}"), help, Some(number));
         }
-        let help = if unit { format!("write `{number}`") } else { format!("write `{number}` and its unit") };
-        self.push(Form::NcWord, start + at.start..start + at.end, format!(" {number}"), help, Some(number));
     }
 
     /// Numbers and units that are written in the manner of another language; `tokens` begins at the place.
-    fn values(&mut self, line: &str, start: usize, tokens: &[(LinePiece<'_>, Range<usize>)]) {
+    fn values(&mut self, tokens: &[Token<'t>]) {
         let adjacent = |a: &Range<usize>, b: &Range<usize>| a.end == b.start;
-        let at = |from: &Range<usize>, to: &Range<usize>| start + from.start..start + to.end;
         match tokens {
-            [
-                (LinePiece::Number(whole), a),
-                (LinePiece::Sign(','), comma),
-                (LinePiece::Number(part), b),
-                (LinePiece::Word(unit), _),
-                ..,
-            ] if adjacent(a, comma) && adjacent(comma, b) && is_unit(unit) => {
-                let (range, fast) = (at(a, b), matches!(*unit, "rpm" | "mm" | "m") && part.len() == 3);
-                if fast && *unit == "rpm" {
+            [(Number(whole), a), (Sign(','), comma), (Number(part), b), (Word(unit), _), ..]
+                if adjacent(a, comma) && adjacent(comma, b) && is_unit(unit) =>
+            {
+                let range = a.start..b.end;
+                if part.len() == 3 && *unit == "rpm" {
                     let due = format!("{whole}{part}");
-                    let read = padded(&due, &range).unwrap_or_else(|| blank(&range));
-                    self.push(Form::DigitGroups, range, read, format!("write `{due} {unit}`"), Some(&due));
+                    self.put(Form::DigitGroups, range, &due, format!("write `{due} {unit}`"));
                 } else {
                     let due = format!("{whole}.{part}");
                     self.push(Form::DecimalComma, range, due.clone(), format!("write `{due} {unit}`"), Some(&due));
                 }
             }
-            [(LinePiece::Number(thousands), a), (LinePiece::Number(rest), b), (LinePiece::Word(unit), _), ..]
+            [(Number(thousands), a), (Number(rest), b), (Word(unit), _), ..]
                 if rest.len() == 3 && !rest.contains('.') && is_unit(unit) =>
             {
                 let due = format!("{thousands}{rest}");
-                let range = at(a, b);
-                let read = padded(&due, &range).unwrap_or_else(|| blank(&range));
-                self.push(Form::DigitGroups, range, read, format!("write `{due} {unit}`"), Some(&due));
+                self.put(Form::DigitGroups, a.start..b.end, &due, format!("write `{due} {unit}`"));
             }
-            [(LinePiece::Number(_), a), (LinePiece::Text(_) | LinePiece::Sign('"'), b), ..] if adjacent(a, b) => {
-                let space = |length| start + b.start..start + b.start + length;
-                if line[b.start + 1..].starts_with(' ') {
-                    self.push(Form::Inch, space(2), "in".to_owned(), "write `in`", Some("in "));
-                } else {
-                    self.push(Form::Inch, space(1), " ".to_owned(), "write `in`", Some(" in"));
-                }
+            [(Number(_), a), (Text(_) | Sign('"'), b), ..] if adjacent(a, b) => {
+                let (length, read, fix) =
+                    if self.rest(b.start + 1).starts_with(' ') { (2, "in", "in ") } else { (1, " ", " in") };
+                self.push(Form::Inch, b.start..b.start + length, read.to_owned(), "write `in`", Some(fix));
             }
-            [
-                (LinePiece::Number(_), before),
-                (LinePiece::Number("1"), a),
-                (LinePiece::Sign('/'), _),
-                (LinePiece::Word("min"), b),
-                ..,
-            ] if !adjacent(before, a) => {
-                let range = at(a, b);
-                let read = padded("rpm", &range).unwrap_or_else(|| blank(&range));
-                self.push(Form::Turns, range, read, "write `rpm`", Some("rpm"));
+            [(Number(_), before), (Number("1"), a), (Sign('/'), _), (Word("min"), b), ..] if !adjacent(before, a) => {
+                self.put(Form::Turns, a.start..b.end, "rpm", "write `rpm`".to_owned());
             }
-            [
-                (LinePiece::Number(_), _),
-                (LinePiece::Word("mm"), a),
-                (LinePiece::Sign('/'), _),
-                (LinePiece::Word("rev"), b),
-                ..,
-            ] => {
-                let blanks = line[b.end..].len() - line[b.end..].trim_start_matches(' ').len();
-                let space = start + a.start..start + b.end + blanks;
+            [(Number(_), _), (Word("mm"), a), (Sign('/'), _), (Word("rev"), b), ..] => {
+                let rest = self.rest(b.end);
+                let blanks = rest.len() - rest.trim_start_matches(' ').len();
+                let space = a.start..b.end + blanks;
                 // One blank must stay before the next word.
                 let (range, read) = match padded("mm/tooth", &space) {
-                    Some(read) if blanks > 2 || b.end + blanks == line.len() => (space, read),
-                    _ => (at(a, b), "m/min ".to_owned()),
+                    Some(read) if blanks > 2 || space.end == self.line.end => (space, read),
+                    _ => (a.start..b.end, "m/min ".to_owned()),
                 };
                 let help = "divide the feed per turn by the number of flutes, and write `mm/tooth`";
                 self.push(Form::PerTurn, range, read, help, None);
@@ -430,108 +406,77 @@ impl FormFinder {
     }
 
     /// Lists that are written in the manner of another language; `tokens` begins at the place.
-    fn lists(&mut self, line: &str, start: usize, tokens: &[(LinePiece<'_>, Range<usize>)]) {
-        let at = |from: &Range<usize>, to: &Range<usize>| start + from.start..start + to.end;
+    fn lists(&mut self, tokens: &[Token<'t>]) {
         match tokens {
             [
-                (LinePiece::Word("sectors"), a),
-                (LinePiece::Number(from), b),
-                (LinePiece::Sign('-'), _),
-                (LinePiece::Number(to), c),
+                (Word("sectors"), a),
+                (Number(from), _),
+                (Sign('-') | Word("to" | "through" | "bis"), _),
+                (Number(to), c),
                 ..,
-            ] => {
-                self.sectors(at(a, c), at(b, c), from, to);
-            }
-            [
-                (LinePiece::Word("sectors"), a),
-                (LinePiece::Number(from), b),
-                (LinePiece::Word("to" | "through" | "bis"), _),
-                (LinePiece::Number(to), c),
-                ..,
-            ] => {
-                self.sectors(at(a, c), at(b, c), from, to);
-            }
-            [
-                (LinePiece::Word("faces"), a),
-                (LinePiece::Word(word @ ("hub" | "shroud" | "vane")), c),
-                (LinePiece::Word(_), _),
-                ..,
-            ] if self.depth > 0 => {
-                let range = at(a, c);
+            ] => self.sectors(a.start..c.end, from, to),
+            [(Word("faces"), a), (Word(word @ ("hub" | "shroud" | "vane")), c), (Word(_), _), ..] if self.depth > 0 => {
                 let help = match *word {
                     "hub" => "leave `faces` out: `channel` finishes the hub, `fillet` its border with the vanes",
                     "shroud" => "leave `faces` out: the lathe makes the shroud, and no operation cuts it",
                     _ => "write `faces pressure, suction`",
                 };
-                self.push(Form::Faces, range.clone(), blank(&range), help, None);
+                self.skip(Form::Faces, a.start..c.end, help, None);
             }
-            [(LinePiece::Word("let"), a), (LinePiece::Word(_), _), (LinePiece::Sign('='), c), ..] if self.depth > 0 => {
-                let range = at(a, c);
-                let read = format!("{} ", &line[a.start..c.start]);
-                self.push(Form::Let, range, read, "", None);
+            [(Word("let"), a), (Word(_), _), (Sign('='), c), ..] if self.depth > 0 => {
+                let read = format!("{} ", &self.text[a.start..c.start]);
+                self.push(Form::Let, a.start..c.end, read, "", None);
             }
-            [(LinePiece::Word("sectors"), a), (LinePiece::Word("all"), c), ..] => {
-                let range = at(a, c);
-                self.push(Form::Sectors, range.clone(), blank(&range), "leave `sectors` out for all sectors", Some(""));
+            [(Word("sectors"), a), (Word("all"), c), ..] => {
+                self.skip(Form::Sectors, a.start..c.end, "leave `sectors` out for all sectors", Some(""));
             }
-            [(LinePiece::Word("sectors"), a), (LinePiece::Number(both), c), ..] if both.contains("..") => {
+            [(Word("sectors"), a), (Number(both), c), ..] if both.contains("..") => {
                 let (from, to) = both.split_once("..").unwrap_or_default();
-                self.sectors(at(a, c), at(c, c), from, to);
+                self.sectors(a.start..c.end, from, to);
             }
-            [(LinePiece::Word("pressure"), a), (LinePiece::Word("suction"), b), ..]
-            | [(LinePiece::Word("suction"), a), (LinePiece::Word("pressure"), b), ..]
-            | [(LinePiece::Word("inlet"), a), (LinePiece::Word("outlet"), b), ..]
-            | [(LinePiece::Word("outlet"), a), (LinePiece::Word("inlet"), b), ..]
-                if !line.trim_start().starts_with("vane") =>
+            [(Word("pressure"), a), (Word("suction"), b), ..]
+            | [(Word("suction"), a), (Word("pressure"), b), ..]
+            | [(Word("inlet"), a), (Word("outlet"), b), ..]
+            | [(Word("outlet"), a), (Word("inlet"), b), ..]
+                if a.end < b.start && !self.rest(self.line.start).trim_start().starts_with("vane") =>
             {
-                let range = start + a.end..start + b.start;
-                if !range.is_empty() {
-                    self.push(
-                        Form::NoComma,
-                        range.clone(),
-                        format!(",{}", " ".repeat(range.len() - 1)),
-                        "write a comma between the two words",
-                        Some(", "),
-                    );
-                }
+                let read = format!(",{}", " ".repeat(b.start - a.end - 1));
+                self.push(Form::NoComma, a.end..b.start, read, "write a comma between the two words", Some(", "));
             }
             _ => {}
         }
     }
 
-    fn sectors(&mut self, range: Range<usize>, list: Range<usize>, from: &str, to: &str) {
+    /// A range of sectors.
+    fn sectors(&mut self, range: Range<usize>, from: &str, to: &str) {
         let ends = from.parse::<u32>().ok().zip(to.parse::<u32>().ok()).filter(|(a, b)| a < b && b - a < 40);
-        let numbers = ends.map(|(a, b)| (a..=b).map(|n| n.to_string()).collect::<Vec<_>>().join(", "));
-        let Some(numbers) = numbers else { return };
+        let Some((from, to)) = ends else { return };
+        let numbers = (from..=to).map(|n| n.to_string()).collect::<Vec<_>>().join(", ");
         let help = format!("write `sectors {numbers}`; or leave `sectors` out for all sectors");
-        self.found.push(Repair { form: Form::Sectors, range: range.clone(), read: blank(&range), help, fix: None });
-        // The list alone is what the fix replaces.
-        if let Some(last) = self.found.last_mut() {
-            last.fix = (list.start == range.start).then_some(numbers);
-        }
+        self.skip(Form::Sectors, range, &help, None);
     }
 
     /// Signs between a name and its value, and between entries.
-    fn between(&mut self, start: usize, tokens: &[(LinePiece<'_>, Range<usize>)], at: usize) {
-        let (sign, range) = (tokens[at].0, start + tokens[at].1.start..start + tokens[at].1.end);
-        let before = at.checked_sub(1).map(|k| tokens[k].0);
-        let after = tokens.get(at + 1).map(|t| (t.0, start + t.1.start));
-        let word_before = matches!(before, Some(LinePiece::Word(_)));
-        match (sign, after) {
-            (LinePiece::Sign(':'), Some(_)) if word_before => {
-                self.push(Form::Colon, range.clone(), blank(&range), "remove `:`", Some(""));
+    fn between(&mut self, tokens: &[Token<'t>], at: usize) {
+        let (sign, range) = tokens[at].clone();
+        let Some((after, next)) = tokens.get(at + 1) else { return };
+        let word_before = at > 0 && matches!(tokens[at - 1].0, Word(_));
+        match (sign, *after) {
+            (Sign(':'), _) if word_before => self.skip(Form::Colon, range, "remove `:`", Some("")),
+            (Sign('='), Sign(relation @ ('<' | '>'))) if next.start == range.end => {
+                let due = format!("{relation}=");
+                self.push(
+                    Form::Relation,
+                    range.start..next.start + 1,
+                    due.clone(),
+                    format!("write `{due}`"),
+                    Some(&due),
+                );
             }
-            (LinePiece::Sign('='), Some((LinePiece::Sign('<' | '>'), next))) if next == range.end => {
-                let due = if matches!(after, Some((LinePiece::Sign('<'), _))) { "<=" } else { ">=" };
-                let range = range.start..next + 1;
-                self.push(Form::Relation, range, due.to_owned(), format!("write `{due}`"), Some(due));
-            }
-            (LinePiece::Sign('='), Some(_)) if word_before && self.depth > 0 => {
-                self.push(Form::Equals, range.clone(), blank(&range), "remove `=`", Some(""));
-            }
-            (LinePiece::Sign(','), Some((LinePiece::Word(word), _))) if self.depth > 0 && !LABELS.contains(&word) => {
-                if matches!(tokens.get(at + 2), Some((LinePiece::Number(_), _))) {
-                    self.push(Form::Comma, range.clone(), blank(&range), "remove the comma", Some(" "));
+            (Sign('='), _) if word_before && self.depth > 0 => self.skip(Form::Equals, range, "remove `=`", Some("")),
+            (Sign(','), Word(word)) if self.depth > 0 && !LABELS.contains(&word) => {
+                if matches!(tokens.get(at + 2), Some((Number(_), _))) {
+                    self.skip(Form::Comma, range, "remove the comma", Some(" "));
                 }
             }
             _ => {}
@@ -542,30 +487,15 @@ impl FormFinder {
 /// Words that stand before a value inside of one entry.
 const LABELS: [&str; 6] = ["vane", "hub", "shroud", "chord", "rough", "within"];
 
-/// Other names of units, and the unit of the language.
-const OTHER_UNITS: &[(&str, &str)] = &[
-    ("mu", "um"),
-    ("micron", "um"),
-    ("microns", "um"),
-    ("micrometer", "um"),
-    ("micrometers", "um"),
-    ("micrometre", "um"),
-    ("micrometres", "um"),
-    ("millimeter", "mm"),
-    ("millimeters", "mm"),
-    ("millimetre", "mm"),
-    ("millimetres", "mm"),
-    ("degree", "deg"),
-    ("degrees", "deg"),
-    ("radians", "rad"),
-    ("hour", "h"),
-    ("hours", "h"),
-    ("minute", "min"),
-    ("minutes", "min"),
-    ("sec", "s"),
-    ("secs", "s"),
-    ("second", "s"),
-    ("seconds", "s"),
+/// Units of the language, and their other names.
+const OTHER_UNITS: [(&str, &str); 7] = [
+    ("um", "mu micron microns micrometer micrometers micrometre micrometres"),
+    ("mm", "millimeter millimeters millimetre millimetres"),
+    ("deg", "degree degrees"),
+    ("rad", "radians"),
+    ("h", "hour hours"),
+    ("min", "minute minutes"),
+    ("s", "sec secs second seconds"),
 ];
 
 /// Whether a word is the name of a file that jobs read.
@@ -606,39 +536,37 @@ fn begins_comment(before: &str, rest: &str) -> bool {
 }
 
 /// The pieces of a line before its comment, and the place of a comment in the manner of another language.
-fn tokens(line: &str) -> (Vec<(LinePiece<'_>, Range<usize>)>, Option<usize>) {
+fn tokens(text: &str, line: Range<usize>) -> (Vec<Token<'_>>, Option<usize>) {
     let mut found = Vec::new();
-    let mut at = 0;
-    while let Some(c) = line[at..].chars().next() {
-        let rest = &line[at..];
+    let mut at = line.start;
+    while let Some(c) = text[at..line.end].chars().next() {
+        let rest = &text[at..line.end];
         if rest.starts_with("//") {
             break;
         }
-        if c == '#' || rest.starts_with("/*") || begins_comment(&line[..at], rest) {
+        if c == '#' || rest.starts_with("/*") || begins_comment(&text[line.start..at], rest) {
             return (found, Some(at));
         }
-        let length = |of: &dyn Fn(char) -> bool| rest.find(|c: char| !of(c)).unwrap_or(rest.len());
-        let (token, end) = match c {
+        let piece = |of: &dyn Fn(char) -> bool| &rest[..rest.find(|c: char| !of(c)).unwrap_or(rest.len())];
+        let token = match c {
             ' ' | '\t' => {
                 at += 1;
                 continue;
             }
-            '"' => match rest[1..].find('"') {
-                Some(close) => (LinePiece::Text(&rest[..close + 2]), close + 2),
-                None => (LinePiece::Sign('"'), 1),
-            },
+            '"' => rest[1..].find('"').map_or(Sign('"'), |close| Text(&rest[..close + 2])),
             c if c.is_ascii_alphabetic() || c == '_' => {
-                let end = length(&|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.'));
-                (LinePiece::Word(&rest[..end]), end)
+                Word(piece(&|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-' | '.')))
             }
-            c if c.is_ascii_digit() => {
-                let end = length(&|c| c.is_ascii_digit() || c == '.');
-                (LinePiece::Number(&rest[..end]), end)
-            }
-            c => (LinePiece::Sign(c), c.len_utf8()),
+            c if c.is_ascii_digit() => Number(piece(&|c| c.is_ascii_digit() || c == '.')),
+            c => Sign(c),
         };
-        found.push((token, at..at + end));
-        at += end;
+        let end = at
+            + match token {
+                Word(text) | Number(text) | Text(text) => text.len(),
+                Sign(sign) => sign.len_utf8(),
+            };
+        found.push((token, at..end));
+        at = end;
     }
     (found, None)
 }

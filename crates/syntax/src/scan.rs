@@ -164,52 +164,42 @@ impl Scanner<'_> {
             return i + close + 2;
         }
         let end = line_end(bytes, i + 1);
-        self.sink.push(
+        self.refuse(
             Diag::error(codes::TEXT_NOT_CLOSED, "a quoted text is not closed on its line")
                 .label(self.span(i..end), "the text begins here")
                 .help("add the closing quote"),
         );
-        self.damaged = true;
-        self.unreadable = true;
         end
     }
 
+    /// Reports a fault with which the item cannot be parsed.
+    fn refuse(&mut self, diag: Diag) {
+        self.sink.push(diag);
+        (self.damaged, self.unreadable) = (true, true);
+    }
+
     fn close(&mut self, byte: u8, i: usize) {
-        // After a wrong bracket, the following brackets of the item have no meaning.
-        if self.unreadable {
-            if let Some(outer) = self.open.iter().rposition(|(b, _)| closer(*b) == char::from(byte)) {
-                self.open.truncate(outer);
-            }
-            return;
+        let close = char::from(byte);
+        // A bracket that closes an outer one closes the inner ones as well.
+        let outer = self.open.iter().rposition(|(b, _)| closer(*b) == close);
+        match self.open.last().map(|(b, at)| (closer(*b), *at)) {
+            // After a wrong bracket, the following brackets of the item have no meaning.
+            _ if self.unreadable => {}
+            Some((right, at)) if right != close => self.refuse(
+                Diag::error(codes::BRACKET_MISMATCH, format!("`{close}` does not match; `{right}` is expected"))
+                    .label(self.span(i..i + 1), format!("`{right}` is expected before this"))
+                    .label(self.span(at..at + 1), "opened here")
+                    .help(format!("close the inner bracket with `{right}` first, or remove one of the two")),
+            ),
+            Some(_) => {}
+            None => self.refuse(
+                Diag::error(codes::BRACKET_MISMATCH, format!("`{close}` has no opening bracket"))
+                    .label(self.span(i..i + 1), "no bracket is open here")
+                    .help("remove the bracket, or add its opening bracket"),
+            ),
         }
-        let (close, expected) = (char::from(byte), self.open.last().map(|(b, at)| (closer(*b), *at)));
-        match expected {
-            Some((right, _)) if right == close => {
-                self.open.pop();
-            }
-            Some((right, at)) => {
-                self.sink.push(
-                    Diag::error(codes::BRACKET_MISMATCH, format!("`{close}` does not match; `{right}` is expected"))
-                        .label(self.span(i..i + 1), format!("`{right}` is expected before this"))
-                        .label(self.span(at..at + 1), "opened here")
-                        .help(format!("close the inner bracket with `{right}` first, or remove one of the two")),
-                );
-                self.damaged = true;
-                self.unreadable = true;
-                // A bracket that closes an outer one closes the inner ones as well.
-                if let Some(outer) = self.open.iter().rposition(|(b, _)| closer(*b) == close) {
-                    self.open.truncate(outer);
-                }
-            }
-            None => {
-                self.sink.push(
-                    Diag::error(codes::BRACKET_MISMATCH, format!("`{close}` has no opening bracket"))
-                        .label(self.span(i..i + 1), "no bracket is open here")
-                        .help("remove the bracket, or add its opening bracket"),
-                );
-                self.damaged = true;
-                self.unreadable = true;
-            }
+        if let Some(outer) = outer {
+            self.open.truncate(outer);
         }
     }
 
