@@ -116,7 +116,7 @@ fn a_text_with_faults_leaves_the_rest_of_the_job() {
     assert!(found.sink.diags().len() >= 3, "{:?}", found.sink.diags());
     let (part, all) = (&found.job, &whole.job);
     assert!(!part.whole && part.machine.is_some() && part.stock.is_some() && part.post.is_some());
-    let vanes = |job: &PartialJob| job.part.as_ref().map(|p| p.vanes.0);
+    let vanes = |job: &PartialJob| job.part.as_ref().map(|p| p.vanes.value);
     assert_eq!(vanes(part), vanes(all));
     let names = |job: &PartialJob| job.operations.iter().map(|o| o.name.clone()).collect::<Vec<_>>();
     assert!(names(part).contains(&"channel".to_owned()), "{:?}", names(part));

@@ -79,7 +79,7 @@ fn the_main_job_reads_as_it_is_written() {
     let read = read(JOB);
     assert_eq!(read.codes(), []);
     let job = read.job.unwrap();
-    assert_eq!(job.part.vanes.0, 8);
+    assert_eq!(job.part.vanes.value, 8);
     assert_eq!(job.part.main().fillet, Some(impellerc::base::units::Mm(3.0).into()));
     assert_eq!(job.part.main().faces().unwrap()[0].tip.points[0], [15.0578, -38.5221, 0.0]);
     assert_eq!(job.part.main().faces().unwrap()[1].root.points[6], [-3.9268, -58.9631, -32.5]);

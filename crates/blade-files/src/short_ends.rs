@@ -46,14 +46,14 @@ pub(super) fn sentences(source: &PartSource<'_>, blade: usize) -> Vec<String> {
     if shroud > WITHOUT_A_WORD {
         lines.push(format!(
             "{name}: if the file gives the casing as the shroud, this is the gap at the tips: {}.",
-            way_out(source, hub)
+            remedy(source, hub)
         ));
     }
     lines
 }
 
 /// What to do where the shroud is the casing. `hub` is the gap at the hub, mm.
-fn way_out(source: &PartSource<'_>, hub: f64) -> String {
+fn remedy(source: &PartSource<'_>, hub: f64) -> String {
     let Some(tips) = casing(source) else {
         return match source.imported.surfaces {
             BladeSurfaces::BySections => "give the shroud through the tips".to_owned(),

@@ -106,7 +106,7 @@ fn statement(kind: ContractKind, bound: Bound) -> String {
 
 fn part(out: &mut String, job: &Job) {
     let p = &job.part;
-    let _ = writeln!(out, "part {} {{\n  vanes {}\n  extend {}", p.name, p.vanes.0, mm(p.extend));
+    let _ = writeln!(out, "part {} {{\n  vanes {}\n  extend {}", p.name, p.vanes.value, mm(p.extend));
     if let Some(from) = &p.imported {
         let _ = writeln!(out, "  imported \"{}\", within {}", from.files, mm(from.within));
     }
@@ -206,7 +206,7 @@ fn machine(out: &mut String, job: &Job) {
     for RotarySpec { name, clamp, .. } in &m.rotary {
         clamp.as_ref().map(|[on, off]| writeln!(out, "  {name} clamped by {on}, unclamped by {off}"));
     }
-    let [x, y, z] = m.part_origin.0;
+    let [x, y, z] = m.part_origin.value;
     let _ = writeln!(out, "  part origin {x}, {y}, {z}");
     if let Some(axes) = m.part_axes {
         let [of_x, of_z] = axes.map(|v| v.map(|x| trim(x, 6)).join(", "));

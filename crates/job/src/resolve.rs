@@ -46,7 +46,7 @@ pub fn understand(file: &File, files: &mut dyn Files, sources: &mut SourceMap, s
     let stock = stock(file, &mut cx);
     let tools = tools::resolve(file, &library, &mut cx);
     let workpiece = Workpiece {
-        vanes: part.as_ref().map(|p| p.vanes.0),
+        vanes: part.as_ref().map(|p| p.vanes.value),
         blades: part.iter().flat_map(|p| &p.blades).map(|blade| blade.name.clone()).collect(),
         cut_before: stock.as_ref().is_some_and(|s| s.left.is_some()),
         material: stock.as_ref().and_then(|s| s.material),

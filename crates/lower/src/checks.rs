@@ -257,15 +257,15 @@ pub(super) fn overlap(spec: &PartSpec, part: &Part, sink: &mut Sink) -> Result<(
     let before = sink.count();
     let thickest = grid().map(|(u, v)| (gap(part.main(), u, v).abs(), u, v)).max_by(|a, b| a.0.total_cmp(&b.0));
     if let Some((thickness, u, v)) = thickest.filter(|t| t.0 >= part.pitch()) {
-        let most = (2..=spec.vanes.0).rev().find(|n| std::f64::consts::TAU / f64::from(*n) > thickness);
+        let most = (2..=spec.vanes.value).rev().find(|n| std::f64::consts::TAU / f64::from(*n) > thickness);
         let help = match most {
             Some(most) => format!("at most {most} vanes of this thickness fit"),
             None => "make the vane thinner".to_owned(),
         };
         sink.push(
-            Diag::error(codes::VANES_OVERLAP, format!("{} vanes overlap their neighbours", spec.vanes.0))
+            Diag::error(codes::VANES_OVERLAP, format!("{} vanes overlap their neighbours", spec.vanes.value))
                 .label(
-                    spec.vanes.1,
+                    spec.vanes.span,
                     format!(
                         "the pitch is {:.3} deg; the vane is {:.3} deg thick",
                         part.pitch().to_degrees(),

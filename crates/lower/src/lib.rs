@@ -242,7 +242,7 @@ fn scope(spec: &Scope<usize>) -> Scope<OperationId> {
 /// # Errors
 /// The axes cannot give the tool its directions; the reason is in the sink.
 fn chain(spec: &MachineSpec, sink: &mut Sink) -> Result<Chain, Aborted> {
-    let (kind, span) = spec.kind;
+    let (kind, span) = (spec.kind.value, spec.kind.span);
     let carries = match kind {
         MachineKind::TableTable => [Carries::Part, Carries::Part],
         MachineKind::HeadTable => [Carries::Tool, Carries::Part],
@@ -306,7 +306,7 @@ fn check_part_axis(spec: &MachineSpec, machine: &Machine, sink: &mut Sink) -> Re
     };
     sink.push(
         Diag::error(LIBRARY, format!("the part lies across the axis {name} of the table that carries it"))
-            .label(spec.part_origin.1, "`direction` of the part is missing")
+            .label(spec.part_origin.span, "`direction` of the part is missing")
             .note(format!(
                 "with all axes at zero {name} turns about {} of the machine frame, and the axis of the part points along [0, 0, 1]",
                 text(along)
@@ -334,7 +334,7 @@ fn check_table(spec: &MachineSpec, machine: &Machine, sink: &mut Sink) -> Result
     let axis = if turning { format!("the axis {}", machine.rotary[1].name) } else { "Z".to_owned() };
     sink.push(
         Diag::error(LIBRARY, format!("the part is clamped oblique to its table, and [table] is a solid about {axis}"))
-            .label(spec.part_origin.1, "where the part is")
+            .label(spec.part_origin.span, "where the part is")
             .note("the proof knows solids about the axis of the part alone")
             .help("write a [fixture] about the axis of the part that encloses table and fixture, and remove [table]"),
     );
@@ -354,7 +354,7 @@ fn machine(spec: &MachineSpec, chain: Chain) -> Machine {
         }),
         rotary: [0, 1].map(|k| rotary(&spec.rotary[k])),
         chain,
-        part_origin: Vector3::from(spec.part_origin.0.map(Mm::get)),
+        part_origin: Vector3::from(spec.part_origin.value.map(Mm::get)),
         retract: spec.retract.get(),
         home: spec.home.map(|at| at.map(Mm::get)),
         length_to: spec.length_to,
@@ -371,7 +371,7 @@ fn machine(spec: &MachineSpec, chain: Chain) -> Machine {
 
 /// Table and fixture in the part frame.
 fn carried(spec: &MachineSpec) -> Vec<Carried> {
-    let origin = Vector3::from(spec.part_origin.0.map(Mm::get));
+    let origin = Vector3::from(spec.part_origin.value.map(Mm::get));
     let below = spec.part_axes.map_or(origin.z, |[_, z]| origin.dot(&Vector3::from(z)));
     let solids = [(CarriedKind::Table, &spec.table, -below), (CarriedKind::Fixture, &spec.fixture, 0.0)];
     let solids = solids.into_iter().filter_map(|(kind, solid, shift)| {

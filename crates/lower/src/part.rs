@@ -76,7 +76,7 @@ pub(super) fn part(spec: &PartSpec, tools: &[ToolSpec], sink: &mut Sink) -> Resu
         turned.map(|(made, blade)| if blade.angle.get() == 0.0 { made } else { made.rotated(blade.angle.get()) });
     let mut blades = turned.collect::<Vec<_>>().into_iter();
     let Some(main) = blades.next() else { return Err(Aborted) };
-    let part = Part::with_blades(spec.vanes.0, main, blades.collect(), hub, shroud);
+    let part = Part::with_blades(spec.vanes.value, main, blades.collect(), hub, shroud);
     facing::exchanged(spec, [&part.hub, &part.shroud], sink)?;
     checks::heights(spec, &part, sink)?;
     checks::faces(spec, &part, sink)?;

@@ -304,7 +304,7 @@ impl LibraryReader<'_> {
         &mut self,
         name: &str,
         table: FileTable<'_, '_>,
-        kind: (MachineKind, Span),
+        kind: base::source::Spanned<MachineKind>,
         axes: [RotaryTable<'_, '_>; 2],
     ) -> Option<MachineSpec> {
         let mut assumed: Vec<String> =
@@ -333,7 +333,7 @@ impl LibraryReader<'_> {
             length_to,
             kind,
             rotary: [first?, second?],
-            part_origin: (self.point(part, "origin")?, part.span("origin", self.source)?),
+            part_origin: base::source::Spanned::new(self.point(part, "origin")?, part.span("origin", self.source)?),
             part_axes: self.part_axes(part),
             part_direction: part.has("direction"),
             spindle: self.pair(spindle, "speed")?.map(Rpm),
@@ -380,7 +380,7 @@ pub(crate) fn machine(
     form::read(LibraryFile::Machine, source, sources, Some(used), sink, |table, sink| {
         let mut reader = LibraryReader { source, sink, faults: false };
         let kind = table.text("kind")?;
-        let kind = (reader.machine_kind(&kind)?, reader.span(&kind));
+        let kind = base::source::Spanned::new(reader.machine_kind(&kind)?, reader.span(&kind));
         let Some(axes) = reader.rotary_axes(table) else {
             if !reader.faults {
                 sink.push(no_rotary_pair(name, table, &file.name).label(used, "used here"));

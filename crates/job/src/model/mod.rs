@@ -4,7 +4,7 @@ pub(crate) mod blades;
 pub(crate) mod tool;
 
 use crate::property::quantity::Quantity;
-use base::source::Span;
+use base::source::{Span, Spanned};
 use base::units::{Mm, MmPerMin, Rad, Rpm};
 use blade::{EdgeForm, LoopEdges};
 pub use blades::{
@@ -149,12 +149,12 @@ pub struct MachineSpec {
     /// X, Y, Z.
     pub linear: [LinearSpec; 3],
     /// Kind, and its place in the file.
-    pub kind: (MachineKind, Span),
+    pub kind: Spanned<MachineKind>,
     /// The rotary axes in the sense of the machine's own words: first the axis next to the tool, then the axis next to
     /// the part.
     pub rotary: [RotarySpec; 2],
     /// Origin of the part in the machine frame, with the rotary axes at zero, and its place in the file.
-    pub part_origin: ([Mm; 3], Span),
+    pub part_origin: Spanned<[Mm; 3]>,
     /// Directions of X and Z of the part in the machine frame, with the rotary axes at zero: of length 1, at right angles.
     /// `None` where the file states neither: they are those of the machine.
     pub part_axes: Option<[[f64; 3]; 2]>,
@@ -239,7 +239,7 @@ pub struct PartSpec {
     /// Name.
     pub name: String,
     /// Number of vanes, with its place.
-    pub vanes: (u32, Span),
+    pub vanes: Spanned<u32>,
     /// The main blade, then the splitters.
     pub blades: Vec<BladeSpec>,
     /// Largest distance by which faces are extended to hub and shroud.

@@ -74,9 +74,11 @@ impl OperationReader<'_> {
             let feed = self.feed_of(feeds.get(k).copied().flatten()?, spec, speed, &mut p);
             let depth = DOWN.of(&mut p, depths.get(k).copied().flatten(), spec);
             let stepover = ACROSS.of(&mut p, stepovers.get(k).copied().flatten(), spec);
-            let slots = match slots? {
-                (false, _) => Slots::Full,
-                (true, given) => Slots::Trochoidal { engagement: given.unwrap_or(side_engagement(stepover?, spec?)) },
+            let slots = match slots.as_ref()? {
+                GivenSlots::Full => Slots::Full,
+                GivenSlots::Trochoidal(given) => {
+                    Slots::Trochoidal { engagement: given.unwrap_or(side_engagement(stepover?, spec?)) }
+                }
             };
             let (depth, stepover) = (depth?, stepover?);
             let strategy = RoughingStrategy::Rough { depth, stepover, levels: levels?, milling: milling?, slots };
@@ -132,10 +134,18 @@ fn has_ball(tool: &ToolSpec) -> bool {
     matches!(tool.kind, CutterKind::Ball | CutterKind::TaperedBall(_))
 }
 
-/// Whether loops make the slots, and their arc of engagement where the job gives one.
-fn slots(p: &mut Properties<'_, '_>) -> Option<(bool, Option<Rad>)> {
+/// How the job says that slots are made.
+enum GivenSlots {
+    Full,
+    /// By loops, with their arc of engagement where the job gives one.
+    Trochoidal(Option<Rad>),
+}
+
+fn slots(p: &mut Properties<'_, '_>) -> Option<GivenSlots> {
     let trochoidal = named(p, &SLOTS, &Slots::NAMES, |name| name)? != Slots::NAMES[0];
-    let Some((arc, span)) = p.read(&ENGAGEMENT)? else { return Some((trochoidal, None)) };
+    let Some((arc, span)) = p.read(&ENGAGEMENT)? else {
+        return Some(if trochoidal { GivenSlots::Trochoidal(None) } else { GivenSlots::Full });
+    };
     if !trochoidal {
         p.sink.push(
             Diag::error(codes::WRONG_FORM, "only `slots trochoidal` has the property `engagement`")
@@ -144,7 +154,7 @@ fn slots(p: &mut Properties<'_, '_>) -> Option<(bool, Option<Rad>)> {
         );
         return None;
     }
-    Some((true, Some(Rad(arc))))
+    Some(GivenSlots::Trochoidal(Some(Rad(arc))))
 }
 
 /// Arc of engagement of a line beside a straight cut, within the arcs that loops may have.

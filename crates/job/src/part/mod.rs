@@ -19,7 +19,7 @@ use crate::vocabulary::items::EXTEND;
 use crate::vocabulary::part::FIT_OF_SECTIONS;
 use crate::vocabulary::{self, TopicKind};
 use angles::AnglesGiven;
-use base::source::Span;
+use base::source::{Span, Spanned};
 use base::units::{Mm, Rad};
 use blade::EdgeForm;
 use curve_file::MAX_LOOPS;
@@ -73,7 +73,7 @@ pub(super) fn resolve(name: &Name, body: &Block, head: Span, cx: &mut Context<'_
     let by_faces = FormGiven::of(vane_block) == FormGiven::Faces;
     let hub = hub.and_then(|hub| generator(hub, vane_name, by_faces, cx));
     let shroud = shroud.and_then(|shroud| generator(shroud, vane_name, by_faces, cx));
-    let row = RowGiven { main: vane_name, vanes: vanes.map(|v| v.0) };
+    let row = RowGiven { main: vane_name, vanes: vanes.as_ref().map(|v| v.value) };
     let mut blades = vec![blade("vane", vane_name, vane_block, &row, cx)];
     let mut names: Vec<&Name> = vec![vane_name];
     for splitter in splitters {
@@ -334,7 +334,7 @@ impl<'a> SectionsGiven<'a> {
     }
 }
 
-fn vane_count(p: &mut Properties<'_, '_>) -> Option<(u32, Span)> {
+fn vane_count(p: &mut Properties<'_, '_>) -> Option<Spanned<u32>> {
     if !p.has("vanes") {
         p.missing("vanes", "vanes 8");
         return None;
@@ -347,7 +347,7 @@ fn vane_count(p: &mut Properties<'_, '_>) -> Option<(u32, Span)> {
     }
     let whole = (2..=MAX_VANES).find(|n| f64::from(*n) == value.value);
     match whole {
-        Some(n) => Some((n, expr.span)),
+        Some(n) => Some(Spanned::new(n, expr.span)),
         _ => {
             p.sink.push(
                 Diag::error(geometry::VANE_COUNT, "the number of vanes is impossible")
