@@ -7,7 +7,7 @@ use impellerc::base::units::Mm;
 use impellerc::diagnostics::{Sink, codes};
 use impellerc::ir::{ClPass, ClPlan, Operation, Program, ToolId};
 use impellerc::plan::passes::pipeline::{self, Plan};
-use impellerc::plan::passes::{Obstacles, rest_machining};
+use impellerc::plan::passes::{MotionBound, Obstacles, rest_machining};
 use impellerc::tool_stock::collide::tool::tool_coordinates;
 use impellerc::tool_stock::collide::{Cutter, Section};
 use impellerc::verify::stock::{Settings, StockReport, simulate};
@@ -243,7 +243,7 @@ fn a_way_keeps_each_allowance_from_its_own_surfaces() {
             let tip = place + out * (ball.radius() + over) - axis * ball.radius();
             let keeps = |kept: Allowances| {
                 let slack = |rho: f64, s: f64, allowance: f64| ball.cutter_distance(rho, s) - allowance;
-                obstacles.keeps((&tip, &axis), (slack, kept), (&tip, 0.0, 0.0))
+                obstacles.keeps(&tip, &axis, slack, kept, MotionBound { about: &tip, turn: 0.0, shift: 0.0 })
             };
             let least = |samples: &[Sample]| {
                 let distances = samples.iter().map(|s| tool_coordinates(&s.position, &tip, &axis));

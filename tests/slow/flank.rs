@@ -217,7 +217,7 @@ fn lean_and_distance(program: &Program) -> (f64, f64) {
     let path = plan.cc.operations[0].passes[0].path.clone().unwrap();
     let stations = (0..=400).map(|i| path.at(f64::from(i) / 400.0));
     stations.fold((0.0, f64::INFINITY), |(lean, least), at| {
-        let body = obstacles.nearest((&at.lower, &at.axis), |rho, s| solid.body_distance(rho, s), 50.0);
+        let body = obstacles.nearest(&at.lower, &at.axis, |rho, s| solid.body_distance(rho, s), 50.0);
         let least = body.map(|x| x.0).fold(least, f64::min);
         (at.axis.z.acos().to_degrees().max(lean), least)
     })
@@ -263,7 +263,7 @@ fn the_path_keeps_the_holder_clear() {
         let path = plan.cc.operations[0].passes[0].path.clone().unwrap();
         let at = |i: u32| path.at(f64::from(i) / 400.0);
         let near = |at: impellerc::nurbs::AxisAt| {
-            let body = obstacles.nearest((&at.lower, &at.axis), |rho, s| solid.body_distance(rho, s), 50.0);
+            let body = obstacles.nearest(&at.lower, &at.axis, |rho, s| solid.body_distance(rho, s), 50.0);
             body.map(|x| x.0).fold(f64::INFINITY, f64::min)
         };
         (0..=400).map(|i| near(at(i))).fold(f64::INFINITY, f64::min)

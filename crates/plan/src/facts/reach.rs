@@ -10,7 +10,7 @@ use ir::{Contract, ContractKind, Operation, OperationId, OperationKind, Program,
 use nurbs::bracket::Bracket;
 use std::cell::RefCell;
 use tool_stock::collide::Cutter;
-use wheel::operation::VaneAllowance;
+use wheel::operation::{Allowances, VaneAllowance};
 use wheel::part::{FaceId, FaceSurface, Part, Passage, Surface};
 
 /// Reach of the tool of one operation.
@@ -34,14 +34,13 @@ pub struct Reach {
 }
 
 /// Allowances on vane and hub; finishing leaves nothing. `None` where the width at the floor does not limit the tool.
-fn allowances(kind: &OperationKind) -> Option<(VaneAllowance, f64)> {
-    if let Some(kept) = kind.roughing() {
-        return Some((kept.vane, kept.hub.get()));
-    }
+fn allowances(kind: &OperationKind) -> Option<Allowances> {
     match kind {
-        OperationKind::Channel { allowance_vane: Some(vane), .. } => Some((VaneAllowance::even(*vane), 0.0)),
-        OperationKind::Flank { .. } | OperationKind::Channel { .. } => Some((VaneAllowance::NONE, 0.0)),
-        OperationKind::Roughing { .. } | OperationKind::Point { .. } => None,
+        OperationKind::Channel { allowance_vane: Some(vane), .. } => {
+            Some(Allowances { vane: VaneAllowance::even(*vane), ..Allowances::NONE })
+        }
+        OperationKind::Flank { .. } | OperationKind::Channel { .. } => Some(Allowances::NONE),
+        OperationKind::Roughing { .. } | OperationKind::Point { .. } => kind.roughing(),
     }
 }
 
@@ -158,7 +157,8 @@ pub fn check(program: &Program, throats: &[(Passage, Throat)], sink: &mut Sink) 
         .iter()
         .filter_map(|(id, operation)| {
             let cutter = &program.tools[operation.tool].solid.cutter;
-            let (vane, hub) = allowances(&operation.kind)?;
+            let Allowances { vane, hub } = allowances(&operation.kind)?;
+            let hub = hub.get();
             let widths = finders.iter().map(|finder| finder.free_width(end(cutter).corner, vane, hub));
             // The narrowest passage; none where one of them has no such place.
             let free_width = widths.reduce(|a, b| Some(if b?.width < a?.width { b? } else { a? })).flatten();
@@ -181,7 +181,7 @@ pub fn check(program: &Program, throats: &[(Passage, Throat)], sink: &mut Sink) 
         sink.push(fault);
         return reaches;
     }
-    roughing(program, (&finders, throat), &reaches, sink);
+    roughing(program, &finders, throat, &reaches, sink);
     // A larger ball of the floor leaves to the next one what it does not reach.
     let must_fit = |r: &&Reach| {
         let kind = &program.operations[r.operation].kind;
@@ -241,7 +241,7 @@ fn no_room(program: &Program, throat: &Throat, reaches: &[Reach]) -> Option<Diag
 
 /// Roughing may leave the lower layers to a later, thinner tool. At least one tool has to reach the floor, or the rest
 /// that the job allows before finishing.
-fn roughing(program: &Program, (finders, throat): (&[Finder<'_>], &Throat), reaches: &[Reach], sink: &mut Sink) {
+fn roughing(program: &Program, finders: &[Finder<'_>], throat: &Throat, reaches: &[Reach], sink: &mut Sink) {
     let rough: Vec<&Reach> = reaches.iter().filter(|r| !program.operations[r.operation].kind.finishes()).collect();
     let whole = |c: &&Contract| c.kind == ContractKind::Rest && c.scope.is_whole();
     let rest = program.contracts.iter().find(whole).map_or(0.0, |c| c.bound.value());

@@ -55,7 +55,7 @@ pub(crate) fn run(cx: &PassContext<'_>, motion: &mut Motion) {
         let fitted: Option<Vec<Vec<Fitted>>> =
             runs.par_iter().map(|run| work.do_step(|| fitting.fitted(&operation.moves, run))).collect();
         let Some(fitted) = fitted else { return };
-        replace(program, operation, (declared.feed.get(), &fitting.heights), fitted.into_iter().flatten());
+        replace(program, operation, declared.feed.get(), &fitting.heights, fitted.into_iter().flatten());
     }
 }
 
@@ -265,7 +265,8 @@ fn on_words(mut spans: Vec<Vec<Place>>, rounded: impl Fn(&Place) -> Place) -> Ve
 fn replace(
     program: &Program,
     operation: &mut MotionOperation,
-    (feed, heights): (f64, &[(f64, f64)]),
+    feed: f64,
+    heights: &[(f64, f64)],
     fitted: impl Iterator<Item = Fitted>,
 ) {
     let machine = &program.machine;

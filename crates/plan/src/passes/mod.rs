@@ -29,5 +29,5 @@ pub mod flank;
 pub mod lines;
 pub mod pipeline;
 
-pub use context::Obstacles;
+pub use context::{MotionBound, Obstacles};
 pub use link::rest_machining;

@@ -104,7 +104,7 @@ pub(crate) fn run(cx: &mut PassContext<'_>, reason: TooNear, cc: &CcPlan, cl: &m
         }
         if !blocked.is_empty() {
             failed = true;
-            let diag = reason(cx, operation).unwrap_or_else(|| too_near(cx, operation, (planned, oriented), &blocked));
+            let diag = reason(cx, operation).unwrap_or_else(|| too_near(cx, operation, planned, oriented, &blocked));
             cx.sink.push(diag);
         }
         if steepest > 0.0 {
@@ -141,7 +141,7 @@ fn clear_axes(
     let chosen = if method == AxisMethod::Xu {
         sequence::greedy_axes(&clear, &program.machine.chain, planned, passes)
     } else {
-        sequence::shortest(&clear, &program.machine, (passes, operation.kind.is_on_floor()), &work)
+        sequence::shortest(&clear, &program.machine, passes, operation.kind.is_on_floor(), &work)
     };
     let (found, blocked) = match chosen {
         Ok(points) => (points, Vec::new()),
@@ -149,7 +149,7 @@ fn clear_axes(
     };
     drop(work);
     cx.go_on()?;
-    if let Some(diag) = no_sequence(cx, operation, &clear, (planned, passes), &blocked) {
+    if let Some(diag) = no_sequence(cx, operation, &clear, planned, passes, &blocked) {
         cx.sink.push(diag);
         return Err(Aborted);
     }
@@ -165,13 +165,13 @@ fn no_sequence(
     cx: &PassContext<'_>,
     operation: &Operation,
     clear: &ClearAxes<'_>,
-    (planned, passes): (&[CcPass], &[ClPass]),
+    planned: &[CcPass],
+    passes: &[ClPass],
     blocked: &[(usize, Blocked)],
 ) -> Option<Diag> {
     let no_axis = |(_, blocked): &&(usize, Blocked)| matches!(blocked.why, Gap::NoAxis);
     let (first, at) = blocked.iter().find(no_axis).or(blocked.first())?;
     let tool = &cx.program.tools[operation.tool];
-    let names = (operation.name.as_str(), tool.name.as_str());
     let help = || {
         let unled: Vec<(usize, &ClPass)> = blocked.iter().map(|(i, _)| (*i, &passes[*i])).collect();
         let places: Vec<_> = blocked.iter().filter(no_axis).map(|(_, blocked)| (blocked.at, blocked.about)).collect();
@@ -181,23 +181,25 @@ fn no_sequence(
                 return sequence::greedy_axes(clear, chain, &planned[i..=i], pass).is_ok();
             }
             let work = Progress::default().begin("", 1);
-            sequence::shortest(clear, &program.machine, (pass, operation.kind.is_on_floor()), &work)
+            sequence::shortest(clear, &program.machine, pass, operation.kind.is_on_floor(), &work)
                 .is_ok_and(|found| has_smooth_axes(clear, chain, &ClPass { points: found.concat(), ..pass[0].clone() }))
         })
     };
     let diag = match at.why {
-        Gap::NoAxis => clear.no_axis(names, &at.at, (&at.about, "the channel's direction"), help),
+        Gap::NoAxis => clear.no_axis(&operation.name, &tool.name, &at.at, &at.about, "the channel's direction", help),
         Gap::NearPole => {
             let least = LEAST_TILT.to_degrees();
-            apart(
-                names,
+            no_motion(
+                &operation.name,
+                &tool.name,
                 &format!("are less than {least:.1} deg from Z, where the second rotary axis would turn through"),
                 help(),
             )
         }
         Gap::Apart => {
             let [turn, step] = [sequence::MAX_STATION_TURN.to_degrees(), clear.scaled(sequence::STATION_SPACING_MM)];
-            apart(names, &format!("are more than {turn:.0} deg away from those {step:.1} mm before"), help())
+            let reason = format!("are more than {turn:.0} deg away from those {step:.1} mm before");
+            no_motion(&operation.name, &tool.name, &reason, help())
         }
     };
     let label = passes.get(*first).map_or("", |p| p.label.as_str());
@@ -210,7 +212,7 @@ fn no_sequence(
 }
 
 /// The error where there are clear axes, and no motion from one to the next.
-fn apart((operation, tool): (&str, &str), reason: &str, help: String) -> Diag {
+fn no_motion(operation: &str, tool: &str, reason: &str, help: String) -> Diag {
     Diag::error(
         orientation::NO_AXIS,
         format!("`{operation}`: the axes here that keep {tool} clear of the part {reason}"),
@@ -223,7 +225,8 @@ fn apart((operation, tool): (&str, &str), reason: &str, help: String) -> Diag {
 fn too_near(
     cx: &PassContext<'_>,
     operation: &Operation,
-    (planned, oriented): (&CcOperation, &ClOperation),
+    planned: &CcOperation,
+    oriented: &ClOperation,
     blocked: &[(usize, Miss)],
 ) -> Diag {
     let (program, obstacles) = (cx.program, cx.obstacles);
@@ -287,6 +290,13 @@ fn corridor_is_clear(
     })
 }
 
+/// Turn of the axes of a pass to one side, degrees.
+#[derive(Clone, Copy)]
+struct SideTurn {
+    side: TurnSide,
+    degrees: f64,
+}
+
 /// A pass among the obstacles, with the tool of its operation.
 struct TiltedPass<'a> {
     program: &'a Program,
@@ -313,10 +323,10 @@ impl<'a> TiltedPass<'a> {
     }
 
     /// Stations with the tilts of the stations, turned to one side, degrees; `None` where they cannot turn.
-    fn tilted(&self, tilt: impl Fn(usize) -> f64, (to, side): (TurnSide, f64)) -> Option<Vec<ClPoint>> {
+    fn tilted(&self, tilt: impl Fn(usize) -> f64, to: SideTurn) -> Option<Vec<ClPoint>> {
         let points = tilted_points(self.program, self.operation, self.cc, |i| AxisTilt::Away(tilt(i).to_radians()));
         let radius = self.solid().cutter.tip_radius();
-        if side == 0.0 { Some(points) } else { turned(&points, radius, (to, side.to_radians())) }
+        if to.degrees == 0.0 { Some(points) } else { turned(&points, radius, to.side, to.degrees.to_radians()) }
     }
 
     /// Required distance of the side of a ball, mm.
@@ -371,7 +381,8 @@ impl<'a> TiltedPass<'a> {
         if by_tilts.is_ok() || !tilts_away(self.operation, self.cc) || !self.solid().cutter.ends_in_ball() {
             return by_tilts;
         }
-        let sides = || [TurnSide::Along, TurnSide::Across].into_iter().flat_map(|to| SIDES.map(|side| (to, side)));
+        let both = [TurnSide::Along, TurnSide::Across].into_iter();
+        let sides = || both.clone().flat_map(|side| SIDES.map(|degrees| SideTurn { side, degrees }));
         let by = |stations: &Vec<usize>| sides().find_map(|side| self.by_stations(stations, side).ok());
         self.looked_at().iter().find_map(by).map_or(by_tilts, Ok)
     }
@@ -379,7 +390,7 @@ impl<'a> TiltedPass<'a> {
     /// Clear stations by tilts alone.
     fn cleared_by_tilts(&self, points: &[ClPoint]) -> Result<ClearedPass, Miss> {
         if tilts_away(self.operation, self.cc) {
-            let side = (TurnSide::Along, 0.0);
+            let side = SideTurn { side: TurnSide::Along, degrees: 0.0 };
             let mut tilt = None;
             let by =
                 |stations: &Vec<usize>| self.by_stations(stations, side).map_err(|unclear| tilt = unclear.tilt).ok();
@@ -419,7 +430,7 @@ impl<'a> TiltedPass<'a> {
 
     /// Clear stations: with the least tilt that clears all of them, else with tilts that change along the pass and are clear at those of
     /// `few`.
-    fn by_stations(&self, few: &[usize], side: (TurnSide, f64)) -> Result<ClearedPass, Unclear> {
+    fn by_stations(&self, few: &[usize], side: SideTurn) -> Result<ClearedPass, Unclear> {
         let points = few.iter().map(|i| self.cc.points[*i]).collect();
         let cc = CcPass { label: String::new(), drive: self.cc.drive, points, path: None };
         let pass = TiltedPass { cc: &cc, ..*self };
@@ -433,14 +444,14 @@ impl<'a> TiltedPass<'a> {
             let mut found = pass.violations(&tilted);
             if found.iter().all(Option::is_none) {
                 if few.len() == self.cc.points.len() {
-                    return Ok(ClearedPass { points: tilted, steepest: *tilt, side: side.1 });
+                    return Ok(ClearedPass { points: tilted, steepest: *tilt, side: side.degrees });
                 }
                 let Some(points) = self.tilted(|_| *tilt, side) else {
                     return Err(Unclear { tilt: None });
                 };
                 let all = self.violations(&points);
                 if all.iter().all(Option::is_none) {
-                    return Ok(ClearedPass { points, steepest: *tilt, side: side.1 });
+                    return Ok(ClearedPass { points, steepest: *tilt, side: side.degrees });
                 }
                 found = worst_between(few, &all);
             }
@@ -450,23 +461,18 @@ impl<'a> TiltedPass<'a> {
             }
             clear.push(found.iter().map(Option::is_none).collect());
         }
-        self.varied(few, (&tilts, &clear), side).ok_or(Unclear { tilt: least.map(|(tilt, _)| tilt) })
+        self.varied(few, &tilts, &clear, side).ok_or(Unclear { tilt: least.map(|(tilt, _)| tilt) })
     }
 
     /// The worst station with the same tilt everywhere, degrees.
-    fn miss_with(&self, tilt: Option<f64>, side: (TurnSide, f64)) -> Miss {
+    fn miss_with(&self, tilt: Option<f64>, side: SideTurn) -> Miss {
         let tilted = tilt.and_then(|tilt| self.tilted(|_| tilt, side)).unwrap_or_default();
         let nowhere = || Miss { station: 0, violation: f64::INFINITY, at: NOWHERE };
         self.miss(&tilted, &self.violations(&tilted)).unwrap_or_else(nowhere)
     }
 
     /// Clear stations with tilts that change along the pass and are clear at those of `few`.
-    fn varied(
-        &self,
-        few: &[usize],
-        (tilts, clear): (&[f64], &[Vec<bool>]),
-        side: (TurnSide, f64),
-    ) -> Option<ClearedPass> {
+    fn varied(&self, few: &[usize], tilts: &[f64], clear: &[Vec<bool>], side: SideTurn) -> Option<ClearedPass> {
         if few.len() < 2 {
             return None;
         }
@@ -475,7 +481,7 @@ impl<'a> TiltedPass<'a> {
         let clear = ClearTilts { lengths: &lengths, tilts, clear };
         let mut paths = clear.smooth_paths(2.0 * self.solid().cutter.tip_radius(), &all).filter_map(|path| {
             let steepest = path.iter().copied().fold(0.0, f64::max);
-            Some(ClearedPass { points: self.tilted(|i| path[i], side)?, steepest, side: side.1 })
+            Some(ClearedPass { points: self.tilted(|i| path[i], side)?, steepest, side: side.degrees })
         });
         paths.find(|cleared| cleared.points.iter().all(|p| self.violation(p).is_none()))
     }

@@ -7,7 +7,7 @@
 //! the piece: half of the tip motion, plus half of the turn times its distance from the tip. Pieces are halved until
 //! the distance at the middle is larger than that.
 
-use crate::passes::context::{Ends, Obstacles};
+use crate::passes::context::{Ends, MotionBound, Obstacles};
 use axes::orient::inscribe::{Proof, inscribe};
 use base::units::trim;
 use diagnostics::{
@@ -182,9 +182,11 @@ impl<'a> ClearAxes<'a> {
             && self.in_linear_travel(&tip, axis, cap)
             && self.over_clamping(centre, &leaning_by(axis, cap))
             && self.obstacles.keeps(
-                (&tip, axis),
-                (|rho, s, _| self.slack(rho, s), Allowances::NONE),
-                (centre, cap, margin),
+                &tip,
+                axis,
+                |rho, s, _| self.slack(rho, s),
+                Allowances::NONE,
+                MotionBound { about: centre, turn: cap, shift: margin },
             )
     }
 
@@ -221,7 +223,7 @@ impl<'a> ClearAxes<'a> {
 
     /// True when the tool is clear over a whole piece of motion.
     pub(crate) fn proved(&self, ends: &Ends) -> bool {
-        self.obstacles.keeps_over(ends, (|rho, s, _| self.slack(rho, s), Allowances::NONE))
+        self.obstacles.keeps_over(ends, |rho, s, _| self.slack(rho, s), Allowances::NONE)
     }
 
     /// Clear axes about a direction, the nearest first.
@@ -275,7 +277,7 @@ impl<'a> ClearAxes<'a> {
         }
         let distance = |rho: f64, s: f64| self.slack(rho, s) - margin;
         let above = -self.radius() * ball.above_the_middle(axis);
-        self.obstacles.nearest((&tip, axis), distance, 0.0).map(|(least, _)| least).fold(above.min(0.0), f64::min)
+        self.obstacles.nearest(&tip, axis, distance, 0.0).map(|(least, _)| least).fold(above.min(0.0), f64::min)
     }
 
     /// True when an axis near a direction is clear and far enough from the pole.
@@ -284,12 +286,7 @@ impl<'a> ClearAxes<'a> {
     }
 
     /// Clear axes on the first so many of [`RING_ANGLES_DEG`] about a direction, this direction first.
-    pub(crate) fn beside(
-        &self,
-        ball: &StandingBall,
-        (to, rings): (&Vector3<f64>, usize),
-        margin: f64,
-    ) -> Vec<Vector3<f64>> {
+    pub(crate) fn near(&self, ball: &StandingBall, to: &Vector3<f64>, rings: usize, margin: f64) -> Vec<Vector3<f64>> {
         around(to).take(1 + AXES_PER_RING * rings).filter(|d| self.clear(ball, d, 0.0, margin)).collect()
     }
 
@@ -339,15 +336,17 @@ impl<'a> ClearAxes<'a> {
         best
     }
 
-    /// The error for a contact without a clear axis about a direction, which is named. `help` tells tools that would have one.
+    /// The error for a contact without a clear axis about a direction, which is named. `help` names tools that would have one.
     pub(crate) fn no_axis(
         &self,
-        (operation, tool): (&str, &str),
+        operation: &str,
+        tool: &str,
         at: &Point3<f64>,
-        (about, direction): (&Vector3<f64>, &str),
+        about: &Vector3<f64>,
+        direction: &str,
         help: impl FnOnce() -> String,
     ) -> Diag {
-        if let Some(diag) = self.no_travel((operation, tool), at, about) {
+        if let Some(diag) = self.no_travel(operation, tool, at, about) {
             return diag;
         }
         let [side, shank, holder] = self.asked;
@@ -363,7 +362,7 @@ impl<'a> ClearAxes<'a> {
     }
 
     /// The error where axes about a direction are clear of the part, but each of them takes X, Y or Z out of its travel.
-    fn no_travel(&self, (operation, tool): (&str, &str), centre: &Point3<f64>, about: &Vector3<f64>) -> Option<Diag> {
+    fn no_travel(&self, operation: &str, tool: &str, centre: &Point3<f64>, about: &Vector3<f64>) -> Option<Diag> {
         let anywhere = Self { sectors: &[], ..*self };
         let ball = StandingBall { centre: *centre, normal: None };
         let machine = &self.program.machine;

@@ -33,8 +33,8 @@ pub(crate) fn run<'a>(cx: &mut PassContext<'a>) -> Result<Middles<'a>, Aborted> 
         cx.go_on()?;
         let mut fits = false;
         for passage in program.part.passages() {
-            let widest = widest(cx, operation, (passage, allowance));
-            let Some(middle) = widest.map(|middle| with_room(cx, operation, (middle, allowance))) else { continue };
+            let widest = widest(cx, operation, passage, allowance);
+            let Some(middle) = widest.map(|middle| with_free_space(cx, operation, middle, allowance)) else { continue };
             fits |= middle.fits();
             middles.insert((id, passage.id), middle);
         }
@@ -49,7 +49,7 @@ pub(crate) fn run<'a>(cx: &mut PassContext<'a>) -> Result<Middles<'a>, Aborted> 
 }
 
 /// The middle of the floor between the outer lines that leave most room: each tool on its line keeps its distances.
-fn widest<'a>(cx: &PassContext<'a>, operation: &Operation, (passage, allowance): (Passage, Mm)) -> Option<Middle<'a>> {
+fn widest<'a>(cx: &PassContext<'a>, operation: &Operation, passage: Passage, allowance: Mm) -> Option<Middle<'a>> {
     let program = cx.program;
     let mut all = Middle::all(program, operation, passage);
     if all.len() < 2 {
@@ -58,8 +58,8 @@ fn widest<'a>(cx: &PassContext<'a>, operation: &Operation, (passage, allowance):
     let places = all[0].places(operation);
     let clear = |middle: &Middle<'_>, share: f64| -> Vec<bool> {
         let at = |u: &f64| {
-            let tool = middle.tool_at(program, operation, (*u, share), AxisTilt::Along);
-            tool.is_some_and(|p| is_clear(cx, operation, (&p, allowance)))
+            let tool = middle.tool_at(program, operation, *u, share, AxisTilt::Along);
+            tool.is_some_and(|p| is_clear(cx, operation, &p, allowance))
         };
         places.par_iter().map(|u| !cx.progress.is_cancelled() && at(u)).collect()
     };
@@ -79,7 +79,7 @@ fn widest<'a>(cx: &PassContext<'a>, operation: &Operation, (passage, allowance):
 
 /// True where a bull nose keeps the allowance from vanes and fillets, its end is out of the hub, and shank and holder keep
 /// their clearance.
-fn is_clear(cx: &PassContext<'_>, operation: &Operation, (at, allowance): (&ClPoint, Mm)) -> bool {
+fn is_clear(cx: &PassContext<'_>, operation: &Operation, at: &ClPoint, allowance: Mm) -> bool {
     let solid = &cx.program.tools[operation.tool].solid;
     let clearance = cx.program.clearance.get();
     let keep = Keep { vane: VaneAllowance::even(allowance), hub: 0.0, clearance };
@@ -90,7 +90,12 @@ fn is_clear(cx: &PassContext<'_>, operation: &Operation, (at, allowance): (&ClPo
 
 /// The middle of the floor with the stretches on which the tool has room. Where lines keep one tilt each, the tilt that
 /// gives the tool most places decides.
-fn with_room<'a>(cx: &PassContext<'a>, operation: &Operation, (mut middle, allowance): (Middle<'a>, Mm)) -> Middle<'a> {
+fn with_free_space<'a>(
+    cx: &PassContext<'a>,
+    operation: &Operation,
+    mut middle: Middle<'a>,
+    allowance: Mm,
+) -> Middle<'a> {
     let (program, obstacles) = (cx.program, cx.obstacles);
     let places = middle.places(operation);
     let work = cx.progress.begin(format!("{}, room of the tool", operation.name), places.len());
@@ -102,9 +107,9 @@ fn with_room<'a>(cx: &PassContext<'a>, operation: &Operation, (mut middle, allow
     let turns = matches!(operation.kind.axis_method(), Some(AxisMethod::Corridor | AxisMethod::Xu));
     let fits = |u: f64, tilt: AxisTilt| {
         LINE_SHARES.iter().all(|share| {
-            let Some(p) = middle.tool_at(program, operation, (u, *share), tilt) else { return false };
+            let Some(p) = middle.tool_at(program, operation, u, *share, tilt) else { return false };
             if operation.kind.axis_method() == Some(AxisMethod::Lead) {
-                return is_clear(cx, operation, (&p, allowance));
+                return is_clear(cx, operation, &p, allowance);
             }
             if turns {
                 return clear.has_candidate(&StandingBall::at(&p, radius), &p.axis, clear.scaled(CANDIDATE_MARGIN_MM));

@@ -137,7 +137,8 @@ struct WayStations {
 /// The poses of an axis on both branches, with the cost of its angle to the direction of the channel.
 fn candidates_of<'a>(
     machine: &'a Machine,
-    (centre, middle): (&'a Point3<f64>, &'a Vector3<f64>),
+    centre: &'a Point3<f64>,
+    middle: &'a Vector3<f64>,
     axis: &'a Vector3<f64>,
     radius: f64,
 ) -> impl Iterator<Item = AxisCandidate> + 'a {
@@ -171,7 +172,7 @@ impl WayStations {
                 axes.iter()
                     .filter(|axis| is_steep(axis))
                     .take(MOST_CANDIDATES)
-                    .flat_map(|axis| candidates_of(machine, (&ball.centre, middle), axis, radius))
+                    .flat_map(|axis| candidates_of(machine, &ball.centre, middle, axis, radius))
                     .collect()
             })
             .collect();
@@ -192,16 +193,16 @@ impl WayStations {
             let ball = self.way.ball(*length);
             let here = ball.centre;
             let far = |x: &(Point3<f64>, Vector3<f64>)| (x.0 - here).norm_squared();
-            let Some((_, beside)) = chosen.iter().min_by(|p, q| far(p).total_cmp(&far(q))) else { continue };
+            let Some((_, neighbour)) = chosen.iter().min_by(|p, q| far(p).total_cmp(&far(q))) else { continue };
             if on_floor {
-                let axes = clear.beside(&ball, (beside, 1), clear.scaled(CANDIDATE_MARGIN_MM));
+                let axes = clear.near(&ball, neighbour, 1, clear.scaled(CANDIDATE_MARGIN_MM));
                 candidates.truncate(2 * (MOST_CANDIDATES - axes.len()));
-                let poses = |axis| candidates_of(machine, (&here, middle), axis, clear.radius());
+                let poses = |axis| candidates_of(machine, &here, middle, axis, clear.radius());
                 candidates.extend(axes.iter().filter(|axis| is_steep(axis)).flat_map(poses));
             }
             for candidate in candidates {
                 let axis = axis_of(chain, candidate);
-                candidate.penalty += NEIGHBOUR_COST * axis.angle(beside).powi(2);
+                candidate.penalty += NEIGHBOUR_COST * axis.angle(neighbour).powi(2);
             }
         }
     }
@@ -218,7 +219,7 @@ impl WayStations {
             let mut axes: Vec<Vector3<f64>> = nearest.map(|c| axis_of(&machine.chain, c)).collect();
             for j in stations {
                 let (ball, middle) = (self.way.ball(self.way.stops[j]), self.middles[j]);
-                let about = axes.iter().flat_map(|to| clear.beside(&ball, (to, BRIDGE_RINGS), 0.0));
+                let about = axes.iter().flat_map(|to| clear.near(&ball, to, BRIDGE_RINGS, 0.0));
                 let mut leading: Vec<Vector3<f64>> = about.filter(is_steep).collect();
                 leading.sort_by(|a, b| a.angle(&middle).total_cmp(&b.angle(&middle)));
                 leading.truncate(LEADING[0]);
@@ -226,7 +227,7 @@ impl WayStations {
                     break;
                 }
                 added = true;
-                let poses = |axis| candidates_of(machine, (&ball.centre, &middle), axis, clear.radius());
+                let poses = |axis| candidates_of(machine, &ball.centre, &middle, axis, clear.radius());
                 self.candidates[j].extend(leading.iter().flat_map(poses));
                 axes = leading.into_iter().take(LEADING[1]).collect();
             }
@@ -304,7 +305,8 @@ pub(super) fn has_candidates(clear: &ClearAxes<'_>, pass: &ClPass) -> bool {
 pub(crate) fn shortest(
     clear: &ClearAxes<'_>,
     machine: &Machine,
-    (passes, on_floor): (&[ClPass], bool),
+    passes: &[ClPass],
+    on_floor: bool,
     work: &Work,
 ) -> Result<Vec<Vec<ClPoint>>, Vec<(usize, Blocked)>> {
     let looked: Vec<Option<WayStations>> = passes

@@ -26,7 +26,7 @@ pub(super) enum TurnSide {
 
 /// Stations of a pass whose axes turn to a side by an angle, radians; the ball of this radius stays. `None` where a station has no
 /// such side.
-pub(super) fn turned(points: &[ClPoint], radius: f64, (to, angle): (TurnSide, f64)) -> Option<Vec<ClPoint>> {
+pub(super) fn turned(points: &[ClPoint], radius: f64, to: TurnSide, angle: f64) -> Option<Vec<ClPoint>> {
     let centres: Vec<Point3<f64>> = points.iter().map(|p| p.tip + p.axis * radius).collect();
     let along = along(points, &centres, radius);
     let sides = match to {
@@ -78,12 +78,12 @@ mod tests {
     #[test]
     fn axes_turn_along_the_motion() {
         let points = pass(Vector3::z());
-        let made = turned(&points, 2.0, (TurnSide::Along, 0.3)).unwrap();
+        let made = turned(&points, 2.0, TurnSide::Along, 0.3).unwrap();
         for (p, q) in points.iter().zip(&made) {
             assert!((q.axis - Vector3::new(libm::sin(0.3), 0.0, libm::cos(0.3))).norm() < 1e-12);
             assert!((p.tip + p.axis * 2.0 - (q.tip + q.axis * 2.0)).norm() < 1e-12);
         }
-        let made = turned(&points, 2.0, (TurnSide::Across, 0.3)).unwrap();
+        let made = turned(&points, 2.0, TurnSide::Across, 0.3).unwrap();
         assert!(made.iter().all(|p| (p.axis - Vector3::new(0.0, libm::sin(0.3), libm::cos(0.3))).norm() < 1e-12));
     }
 
@@ -91,10 +91,10 @@ mod tests {
     #[test]
     fn axes_along_an_edge_turn_round_it() {
         let mut points = pass(Vector3::x());
-        let made = turned(&points, 2.0, (TurnSide::Along, -0.3)).unwrap();
+        let made = turned(&points, 2.0, TurnSide::Along, -0.3).unwrap();
         assert!(made.iter().all(|p| (p.axis - Vector3::new(libm::cos(0.3), 0.0, libm::sin(0.3))).norm() < 1e-12));
-        assert!(turned(&points, 2.0, (TurnSide::Across, 0.3)).is_none());
+        assert!(turned(&points, 2.0, TurnSide::Across, 0.3).is_none());
         points[7].contact = None;
-        assert!(turned(&points, 2.0, (TurnSide::Along, 0.3)).is_none());
+        assert!(turned(&points, 2.0, TurnSide::Along, 0.3).is_none());
     }
 }

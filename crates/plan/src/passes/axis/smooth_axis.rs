@@ -217,7 +217,7 @@ fn smooth(clear: &ClearAxes<'_>, chain: &Chain, pass: &ClPass, work: &Work) -> R
             if work.is_cancelled() {
                 return Err(fault);
             }
-            match laid_about(clear, chain, &places, (&run, spacing), margin) {
+            match smooth_within_cones(clear, chain, &places, &run, spacing, margin) {
                 Ok(next) => run = next,
                 Err(found) if laying == 0 && round == 1 => return Err(found),
                 // Later cones widen the range of a run; where they hold none, the run before is kept: in a later round it may be
@@ -240,11 +240,12 @@ fn smooth(clear: &ClearAxes<'_>, chain: &Chain, pass: &ClPass, work: &Work) -> R
 }
 
 /// Smooth angles within cones of clear axes about a run of angles at equal lengths.
-fn laid_about(
+fn smooth_within_cones(
     clear: &ClearAxes<'_>,
     chain: &Chain,
     places: &[StandingBall],
-    (run, spacing): (&[Angles], f64),
+    run: &[Angles],
+    spacing: f64,
     margin: f64,
 ) -> Result<Vec<Angles>, Fault> {
     let mut cones = Vec::with_capacity(run.len());
@@ -325,7 +326,8 @@ fn report(
     };
     let diag = match fault {
         Fault::NoAxis(at, about) => {
-            clear.no_axis((&operation.name, &tool.name), at, (about, "the axis between its neighbours"), help)
+            let direction = "the axis between its neighbours";
+            clear.no_axis(&operation.name, &tool.name, at, about, direction, help)
         }
         Fault::NoRun(_, residual) => Diag::error(
             orientation::NOT_SMOOTH,

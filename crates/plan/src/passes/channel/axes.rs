@@ -26,7 +26,7 @@ pub(crate) fn hub_points(
         let u = p.u.clamp(0.0, 1.0);
         let at = if u == p.u { p.position } else { edge(program, pass, u) };
         let axis = match pass.drive {
-            Drive::HubWithLead(_, angle) => lead::axis(&chart, (u, p.w, libm::atan2(at.y, at.x)), angle),
+            Drive::HubWithLead(_, angle) => lead::axis(&chart, u, p.w, libm::atan2(at.y, at.x), angle),
             Drive::Channel | Drive::Face { .. } | Drive::Hub(_) | Drive::Contact(_) | Drive::Round(_) => {
                 hub_axis(&chart, u, p.w, &at, tilt(i))
             }

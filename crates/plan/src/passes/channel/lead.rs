@@ -47,15 +47,15 @@ impl BullNose {
     }
 
     /// Tool on the hub at (u, w) and an azimuth.
-    pub(super) fn axis(&self, chart: &ChannelChart<'_>, at: (f64, f64, f64)) -> Vector3<f64> {
-        axis(chart, at, self.lead)
+    pub(super) fn axis(&self, chart: &ChannelChart<'_>, u: f64, w: f64, azimuth: f64) -> Vector3<f64> {
+        axis(chart, u, w, azimuth, self.lead)
     }
 
     /// Metric of ridges of a height at (u, w), in the directions of the meridian and around Z, 1/mm^2.
-    pub(super) fn ridges(&self, chart: &ChannelChart<'_>, (u, w): (f64, f64), height: f64) -> Matrix2<f64> {
+    pub(super) fn ridges(&self, chart: &ChannelChart<'_>, u: f64, w: f64, height: f64) -> Matrix2<f64> {
         let hub = &chart.part().hub;
         // Everything but the direction of the channel is the same at each azimuth.
-        let (normal, axis) = (hub.normal(u, 0.0), self.axis(chart, (u.clamp(0.0, 1.0), w, 0.0)));
+        let (normal, axis) = (hub.normal(u, 0.0), self.axis(chart, u.clamp(0.0, 1.0), w, 0.0));
         let meridian = hub.meridian(u).first.normalize();
         let frame = [Vector3::new(meridian.x, 0.0, meridian.y), Vector3::y()];
         let hollow = Matrix2::from_diagonal(&Vector2::new(hub.meridian_curvature(u), hub.ring_curvature(u)));
@@ -70,18 +70,13 @@ impl BullNose {
 
     /// Largest step of any direction, in the middle of the channel at u, mm.
     pub(super) fn largest_step(&self, chart: &ChannelChart<'_>, u: f64, height: f64) -> f64 {
-        SymmetricEigen::new(self.ridges(chart, (u, 0.5), height))
-            .eigenvalues
-            .min()
-            .max(f64::MIN_POSITIVE)
-            .sqrt()
-            .recip()
+        SymmetricEigen::new(self.ridges(chart, u, 0.5, height)).eigenvalues.min().max(f64::MIN_POSITIVE).sqrt().recip()
     }
 
     /// The cutter with its axis, on a contact with its x.
-    pub(super) fn pose(&self, chart: &ChannelChart<'_>, (x, p): (f64, &CcPoint)) -> Option<CutterPose> {
-        let at = (p.u.clamp(0.0, 1.0), p.w, libm::atan2(p.position.y, p.position.x));
-        CutterPose::at(&self.cutter, (x, p), self.axis(chart, at))
+    pub(super) fn pose(&self, chart: &ChannelChart<'_>, x: f64, p: &CcPoint) -> Option<CutterPose> {
+        let azimuth = libm::atan2(p.position.y, p.position.x);
+        CutterPose::at(&self.cutter, x, p, self.axis(chart, p.u.clamp(0.0, 1.0), p.w, azimuth))
     }
 
     pub(super) fn cutter(&self) -> &Cutter {
@@ -90,7 +85,7 @@ impl BullNose {
 }
 
 /// Axis of a tool on the hub with a lead angle, at (u, w) and an azimuth.
-pub(super) fn axis(chart: &ChannelChart<'_>, (u, w, azimuth): (f64, f64, f64), lead: f64) -> Vector3<f64> {
+pub(super) fn axis(chart: &ChannelChart<'_>, u: f64, w: f64, azimuth: f64, lead: f64) -> Vector3<f64> {
     let hub = &chart.part().hub;
     let along = chart.direction(u, w);
     let meridian = hub.meridian(u).first.normalize();
@@ -124,7 +119,7 @@ fn clears(chart: &ChannelChart<'_>, cutter: &Cutter, lead: f64) -> bool {
     let at = |u: f64, w: f64| {
         let middle = chart.point(u, 0.0, w);
         let azimuth = libm::atan2(middle.y, middle.x);
-        let axis = axis(chart, (u, w, azimuth), lead);
+        let axis = axis(chart, u, w, azimuth, lead);
         let Some(tip) = cutter.tip_at(&hub.point(u, azimuth), &hub.normal(u, azimuth), &axis) else { return false };
         let across = Vector3::new(-axis.y, axis.x, 0.0).try_normalize(f64::EPSILON).unwrap_or_else(Vector3::x);
         let other = axis.cross(&across);

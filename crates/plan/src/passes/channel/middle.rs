@@ -119,7 +119,8 @@ impl<'a> Middle<'a> {
         &self,
         program: &Program,
         operation: &Operation,
-        (u, share): (f64, f64),
+        u: f64,
+        share: f64,
         tilt: AxisTilt,
     ) -> Option<ClPoint> {
         // Axes on the leads are those of the edge.
@@ -303,7 +304,7 @@ impl DriveSurface for StretchFloor<'_> {
             let [along, around] = speeds(u);
             let (first, across) = self.walls(x.clamp(0.0, 1.0));
             let w = ((y - first) / across).clamp(0.0, 1.0);
-            let form = tool.ridges(&self.middle.chart, (u, w), height);
+            let form = tool.ridges(&self.middle.chart, u, w, height);
             let skew = form[(0, 1)] / form[(1, 1)];
             let square = form[(0, 0)] - skew * form[(0, 1)];
             [along * square.max(0.0).sqrt(), around * form[(1, 1)].max(0.0).sqrt(), skew * along / around]
@@ -316,7 +317,7 @@ impl DriveSurface for StretchFloor<'_> {
         let chart = &self.middle.chart;
         // The lines with their leads: the ridge at an end is cut from beyond it.
         let x = |p: &CcPoint| (p.u - self.stretch.ends[0]) / self.length();
-        let poses = |line: &SurfaceLine| line.points.iter().filter_map(|p| tool.pose(chart, (x(p), p))).collect();
+        let poses = |line: &SurfaceLine| line.points.iter().filter_map(|p| tool.pose(chart, x(p), p)).collect();
         let place = |x: f64, y: f64| self.middle.floor.part.hub.point(self.u(x), y);
         highest_ridge(tool.cutter(), lines, poses, |x| self.walls(x), place)
     }

@@ -42,11 +42,11 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, middles: &Middles<
         let larger = before(cx.program, id).filter_map(|id| middles.get(&(id, passage.id)));
         let finished: Vec<Finished> = larger.flat_map(|middle| middle.finished(ridges)).collect();
         let LaidLines { lines, notes } = match allowance_vane {
-            Some(allowance) => middle_lines(cx, operation, middle, (&finished, allowance.get(), height.get()))?,
+            Some(allowance) => middle_lines(cx, operation, middle, &finished, allowance.get(), height.get())?,
             None => {
-                let floor = whole_floor(cx, operation, (passage, radius, height.get()), finished)?;
+                let floor = whole_floor(cx, operation, passage, radius, height.get(), finished)?;
                 let speed = [0.0, 1.0].map(|u| floor.part.hub.meridian(u).first.norm());
-                let directions = lines::directions(operation, radius, speed, (order, false));
+                let directions = lines::directions(operation, radius, speed, order, false);
                 match spacing {
                     Spacing::EqualDivision => {
                         let mut laid = equal_division(cx, operation, &floor, height.get(), &directions.each)?;
@@ -72,7 +72,9 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, middles: &Middles<
 fn whole_floor<'a>(
     cx: &mut PassContext<'a>,
     operation: &Operation,
-    (passage, radius, height): (Passage, f64, f64),
+    passage: Passage,
+    radius: f64,
+    height: f64,
     finished: Vec<Finished>,
 ) -> Result<ChannelFloor<'a>, Aborted> {
     let part = &cx.program.part;
@@ -99,7 +101,9 @@ fn middle_lines(
     cx: &mut PassContext<'_>,
     operation: &Operation,
     middle: Option<&Middle<'_>>,
-    (finished, allowance, height): (&[Finished], f64, f64),
+    finished: &[Finished],
+    allowance: f64,
+    height: f64,
 ) -> Result<LaidLines, Aborted> {
     let OperationKind::Channel { lines: order, .. } = operation.kind else { return Err(Aborted) };
     let mut all = LaidLines { lines: Vec::new(), notes: Vec::new() };
@@ -114,7 +118,7 @@ fn middle_lines(
     for stretch in &middle.stretches {
         let surface = StretchFloor { middle, stretch: *stretch, finished };
         let speed = [0.0, 1.0].map(|x| surface.speed(x, 0.0, 0.0));
-        let directions = lines::directions(operation, radius, speed, (order, false));
+        let directions = lines::directions(operation, radius, speed, order, false);
         let LaidLines { lines, notes } = constant_scallop(cx, operation, &surface, radius, height, &directions)?;
         all.lines.extend(lines);
         all.notes.extend(notes);
@@ -165,7 +169,8 @@ fn check_fit(cx: &mut PassContext<'_>, operation: &Operation, floor: &ChannelFlo
     check_fillet(
         cx,
         operation,
-        ["the lines of this operation end at the fillets", "this ball would cut into the vanes there"],
+        "the lines of this operation end at the fillets",
+        "this ball would cut into the vanes there",
     )?;
     let stations = || (0..=STATIONS).map(|i| i as f64 / STATIONS as f64);
     let place = |u: f64| {

@@ -7,12 +7,13 @@ use ir::Operation;
 /// Difference of radii that is rounding, mm.
 const SAME_RADIUS: f64 = 1e-9;
 
-/// Refuses a ball that is bigger than the fillet in which it rolls or beside which it stands. `why` gives the reasons
-/// at the operation and at its tool.
+/// Refuses a ball that is bigger than the fillet in which it rolls or beside which it stands, with the reasons at the
+/// operation and at its tool.
 pub(crate) fn check_fillet(
     cx: &mut PassContext<'_>,
     operation: &Operation,
-    [at_operation, at_tool]: [&str; 2],
+    at_operation: &str,
+    at_tool: &str,
 ) -> Result<(), Aborted> {
     let tool = &cx.program.tools[operation.tool];
     let radius = tool.solid.cutter.tip_radius();

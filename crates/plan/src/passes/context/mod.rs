@@ -12,8 +12,8 @@ mod tilt;
 pub(crate) use channel_chart::{ChannelChart, Crossing, LEAST_OUTWARD};
 pub(crate) use maximal_ranges::maximal_ranges;
 pub(crate) use milling_direction::{from_outlet, leads_at_ends};
-pub use obstacles::Obstacles;
 pub(crate) use obstacles::{Ends, Keep};
+pub use obstacles::{MotionBound, Obstacles};
 pub(crate) use remedy::remedy;
 pub(crate) use tilt::AxisTilt;
 

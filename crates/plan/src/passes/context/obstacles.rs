@@ -60,6 +60,17 @@ const CARRIED_SPACING: f64 = 1.0;
 /// Most samples of a rotating obstacle.
 const MOST_CARRIED: f64 = 1e5;
 
+/// Bound of a motion: no tool point moves by more than `shift` plus `turn` times its distance from `about`.
+#[derive(Clone, Copy, Debug)]
+pub struct MotionBound<'a> {
+    /// Centre of the turn.
+    pub about: &'a Point3<f64>,
+    /// Largest turn, radians.
+    pub turn: f64,
+    /// Largest motion of the centre, mm.
+    pub shift: f64,
+}
+
 /// Sampled surfaces.
 pub struct Obstacles {
     walls: Cloud,
@@ -140,13 +151,15 @@ impl Obstacles {
     /// True when the tool keeps its distances over a motion. `slack` takes the distance of a point from the tool axis,
     /// its height over the tip and the allowance at the point, and returns its distance less the required distance. It
     /// must change no faster than the point moves, and not grow with the allowance. Table and fixtures have no allowance.
-    /// No tool point may move by more than `shift` plus `turn` times its distance from `about`.
     pub fn keeps(
         &self,
-        (tip, axis): (&Point3<f64>, &Vector3<f64>),
-        (slack, kept): (impl Fn(f64, f64, f64) -> f64, Allowances),
-        (about, turn, shift): (&Point3<f64>, f64, f64),
+        tip: &Point3<f64>,
+        axis: &Vector3<f64>,
+        slack: impl Fn(f64, f64, f64) -> f64,
+        kept: Allowances,
+        motion: MotionBound<'_>,
     ) -> bool {
+        let MotionBound { about, turn, shift } = motion;
         // The distance to `about` changes as fast as the point moves, so that the sum changes at most 1 + turn times as
         // fast.
         let value = |p: &Point3<f64>, kept: f64, margin: f64| {
@@ -164,7 +177,7 @@ impl Obstacles {
     /// runs straight and both angles evenly. At the middle of a piece, each tool point is at most this far from all of
     /// its positions on the piece: half of the tip motion, plus half of the turn times its distance from the tip.
     /// Pieces are halved until the distance at the middle is larger than that.
-    pub fn keeps_over(&self, ends: &Ends, (slack, kept): (impl Fn(f64, f64, f64) -> f64, Allowances)) -> bool {
+    pub fn keeps_over(&self, ends: &Ends, slack: impl Fn(f64, f64, f64) -> f64, kept: Allowances) -> bool {
         let mut open = vec![(*ends, 0)];
         while let Some(([p, q], depth)) = open.pop() {
             let middle = RotaryPose {
@@ -172,8 +185,8 @@ impl Obstacles {
                 rotary: [0, 1].map(|k| 0.5 * (p.rotary[k] + q.rotary[k])),
             };
             let (turn, shift) = (0.5 * self.chain.turn(p.rotary, q.rotary), 0.5 * (q.tip - p.tip).norm());
-            let axis = self.chain.tool_axis(middle.rotary);
-            if self.keeps((&middle.tip, &axis), (&slack, kept), (&middle.tip, turn, shift)) {
+            let motion = MotionBound { about: &middle.tip, turn, shift };
+            if self.keeps(&middle.tip, &self.chain.tool_axis(middle.rotary), &slack, kept, motion) {
                 continue;
             }
             if depth >= MAX_MOTION_HALVINGS {
@@ -224,7 +237,8 @@ impl Obstacles {
     /// samples, if it is below `cutoff`.
     pub fn nearest<'a>(
         &'a self,
-        (tip, axis): (&'a Point3<f64>, &'a Vector3<f64>),
+        tip: &'a Point3<f64>,
+        axis: &'a Vector3<f64>,
         distance: impl Fn(f64, f64) -> f64 + 'a,
         cutoff: f64,
     ) -> impl Iterator<Item = (f64, Point3<f64>)> + 'a {
@@ -256,6 +270,6 @@ impl Obstacles {
             let side = if s >= from { solid.cutter_distance(rho, s) } else { side };
             body.min(side - free)
         };
-        self.nearest((tip, axis), slack, 0.0).map(|(least, _)| least).reduce(f64::min)
+        self.nearest(tip, axis, slack, 0.0).map(|(least, _)| least).reduce(f64::min)
     }
 }

@@ -73,7 +73,7 @@ impl<'a> Clearances<'a> {
     pub(crate) fn kept_on(&self, [from, to]: &[Point3<f64>; 2], axis: &Vector3<f64>) -> bool {
         let stations = (0..=LOOKS_ON_LINE).map(|i| from + (to - from) * (i as f64 / LOOKS_ON_LINE as f64));
         let clear =
-            |tip: Point3<f64>| self.obstacles.nearest((&tip, axis), |rho, s| self.spare(rho, s), 0.0).next().is_none();
+            |tip: Point3<f64>| self.obstacles.nearest(&tip, axis, |rho, s| self.spare(rho, s), 0.0).next().is_none();
         stations.into_iter().all(clear)
     }
 
@@ -83,7 +83,7 @@ impl<'a> Clearances<'a> {
         let station = |i: usize| {
             let t = i as f64 / CHECKED_STATIONS as f64;
             let at = path.at(t);
-            let bodies = self.obstacles.nearest((&at.lower, &at.axis), |rho, s| self.spare(rho, s), NEAR);
+            let bodies = self.obstacles.nearest(&at.lower, &at.axis, |rho, s| self.spare(rho, s), NEAR);
             let bodies = bodies.map(move |(spare, point): (f64, Point3<f64>)| {
                 let (rho, s) = tool_coordinates(&point, &at.lower, &at.axis);
                 // The samples make the distance of an obstacle too large by this amount.

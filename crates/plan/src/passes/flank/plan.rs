@@ -51,8 +51,9 @@ struct Planned {
 pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId) -> Result<CcOperation, Aborted> {
     let operation = &cx.program.operations[id];
     let OperationKind::Flank { ref faces, flank } = operation.kind else { return Err(Aborted) };
-    let why = ["this operation rolls the ball in the fillet", "this ball leaves more material than the fillet"];
-    check_fillet(cx, operation, why)?;
+    let [at_operation, at_tool] =
+        ["this operation rolls the ball in the fillet", "this ball leaves more material than the fillet"];
+    check_fillet(cx, operation, at_operation, at_tool)?;
     let (mut planned, mut notes) = match flank.method {
         FlankMethod::Minimax => optimised(cx, id, operation, faces, flank)?,
         FlankMethod::TwoPoint | FlankMethod::OnePoint => by_ruling(cx, operation, faces, flank)?,

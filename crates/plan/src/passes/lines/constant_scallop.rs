@@ -60,7 +60,8 @@ pub(crate) fn tracks(
     metric: &BandMetric,
     walls: [&[f64]; 2],
     finished: &[Option<[f64; 2]>],
-    (span, short): ([f64; 2], f64),
+    span: [f64; 2],
+    short: f64,
     most: usize,
 ) -> Option<Vec<Track>> {
     let x: Vec<f64> = metric.stations().collect();
@@ -273,7 +274,7 @@ mod tests {
         {
             let metric = BandMetric::new(-3.0, 13.0, 161, |_| [2.0, 2.0]);
             let walls = [0.0, 0.5 * width].map(|y| vec![y; 161]);
-            let found = tracks(&metric, [&walls[0], &walls[1]], &[], ([0.0, 10.0], 0.5), 40).unwrap();
+            let found = tracks(&metric, [&walls[0], &walls[1]], &[], [0.0, 10.0], 0.5, 40).unwrap();
             assert_eq!(found.len(), lines, "{width}");
             assert!(found.iter().all(|t| t.range == OPEN));
             let y: Vec<f64> = found.iter().map(|t| t.azimuth[80]).collect();
@@ -290,7 +291,7 @@ mod tests {
         let (step, from, to) = (0.5, 0.6 * 0.5 / 0.2_f64.tan(), 40.0);
         let metric = BandMetric::new(from - 1.0, to + 1.0, 901, |_| [1.0 / step; 2]);
         let walls = [-1.0, 1.0].map(|s| metric.stations().map(|x| s * x * sin / cos).collect::<Vec<f64>>());
-        let found = tracks(&metric, [&walls[0], &walls[1]], &[], ([from, to], 0.1), 100).unwrap();
+        let found = tracks(&metric, [&walls[0], &walls[1]], &[], [from, to], 0.1, 100).unwrap();
         // The seam is the middle, x sin away from both walls.
         let most = (to * sin / step).floor() as usize;
         let half = (to * sin / step - most as f64 >= 0.5) as usize;
@@ -325,7 +326,7 @@ mod tests {
         let metric = BandMetric::new(-1.0, 41.0, 421, |_| [1.0, 1.0]);
         let half = |x: f64| 2.2 + 1.6 * (x / 20.0 * std::f64::consts::PI).cos();
         let walls = [-1.0, 1.0].map(|s| metric.stations().map(|x| s * half(x)).collect::<Vec<f64>>());
-        let found = tracks(&metric, [&walls[0], &walls[1]], &[], ([0.0, 40.0], 0.3), 100).unwrap();
+        let found = tracks(&metric, [&walls[0], &walls[1]], &[], [0.0, 40.0], 0.3, 100).unwrap();
         let ends = found.iter().filter(|t| t.range[0] == f64::NEG_INFINITY && t.range[1].is_finite()).count();
         let begins = found.iter().filter(|t| t.range[0].is_finite() && t.range[1] == f64::INFINITY).count();
         assert!(ends == begins && ends > 2, "{ends} {begins}");
@@ -345,7 +346,7 @@ mod tests {
         let metric = BandMetric::new(-21.0, 21.0, 841, |_| [1.0, 1.0]);
         let low: Vec<f64> = metric.stations().map(|x| 0.5 * x.abs()).collect();
         let high = vec![16.0; 841];
-        let found = tracks(&metric, [&low, &high], &[], ([-20.0, 20.0], 0.3), 200).unwrap();
+        let found = tracks(&metric, [&low, &high], &[], [-20.0, 20.0], 0.3, 200).unwrap();
         let mut worst = 0.0_f64;
         for i in 0..81 {
             let x = -6.0 + 12.0 * f64::from(i) / 80.0;
@@ -365,7 +366,7 @@ mod tests {
         let walls: [Vec<f64>; 2] = [metric.stations().map(low).collect(), metric.stations().map(high).collect()];
         let finished: Vec<Option<[f64; 2]>> = metric.stations().map(edges).collect();
         let laid = |finished: &[Option<[f64; 2]>]| {
-            tracks(&metric, [&walls[0], &walls[1]], finished, ([0.0, 40.0], 0.3), 100).unwrap()
+            tracks(&metric, [&walls[0], &walls[1]], finished, [0.0, 40.0], 0.3, 100).unwrap()
         };
         let (all, found) = (laid(&[]), laid(&finished));
         let mut worst = 0.0_f64;
@@ -399,6 +400,6 @@ mod tests {
     #[test]
     fn walls_that_never_meet_in_the_lines_allowed_give_none() {
         let metric = BandMetric::new(0.0, 1.0, 11, |_| [1.0, 1.0]);
-        assert!(tracks(&metric, [&[0.0; 11], &[50.0; 11]], &[], ([0.0, 1.0], 0.1), 10).is_none());
+        assert!(tracks(&metric, [&[0.0; 11], &[50.0; 11]], &[], [0.0, 1.0], 0.1, 10).is_none());
     }
 }

@@ -170,12 +170,7 @@ impl Directions {
 
 /// The directions of forward and of backward lines, for speeds along x at both ends, mm per unit. `back` is true where the
 /// first line is cut backwards.
-pub(crate) fn directions(
-    operation: &Operation,
-    radius: f64,
-    speed: [f64; 2],
-    (order, back): (Order, bool),
-) -> Directions {
+pub(crate) fn directions(operation: &Operation, radius: f64, speed: [f64; 2], order: Order, back: bool) -> Directions {
     let beyond = speed.map(|s| radius / s);
     let whole = 1.0 + beyond[0] + beyond[1];
     // Dense until the ball has passed the ends, then the leads.
@@ -320,7 +315,7 @@ fn lay(
         let slowest = grid.iter().map(|x| surface.speed(*x, surface.walls(*x).0, 0.0)).fold(f64::INFINITY, f64::min);
         let short = arcs[0][0].max(arcs[0][1]) / slowest;
         let finished: Vec<Option<[f64; 2]>> = metric.stations().map(|x| surface.finished(x)).collect();
-        tracks(&metric, [&first, &second], &finished, ([0.0, 1.0], short), 4 * widest as usize + 8)
+        tracks(&metric, [&first, &second], &finished, [0.0, 1.0], short, 4 * widest as usize + 8)
     };
     let Some(tracks) = tracks else {
         let message = format!("the lines of `{}` do not cover the {}", operation.name, surface.name());
@@ -337,7 +332,7 @@ fn lay(
     let backwards = directions.backwards(tracks.iter().map(|t| [end(t.range[0], 0), end(t.range[1], 1)]));
     let lines = backwards.into_iter().enumerate().map(|(j, back)| {
         let i = usize::from(back);
-        let laid = line(surface, &metric, (&tracks, j), arcs[i], (&directions.each[i].grid, straightness));
+        let laid = line(surface, &metric, &tracks, j, arcs[i], &directions.each[i].grid, straightness);
         SurfaceLine { back, ..laid }
     });
     Ok(lines.collect())
@@ -347,9 +342,11 @@ fn lay(
 fn line(
     surface: &dyn DriveSurface,
     metric: &BandMetric,
-    (tracks, j): (&[Track], usize),
+    tracks: &[Track],
+    j: usize,
     arcs: [f64; 2],
-    (grid, straightness): (&[f64], Straightness),
+    grid: &[f64],
+    straightness: Straightness,
 ) -> SurfaceLine {
     let (track, last) = (&tracks[j], tracks.len() - 1);
     // A station very close to an end would give its piece an arbitrary direction.

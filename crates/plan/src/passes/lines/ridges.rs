@@ -27,7 +27,7 @@ pub(crate) struct CutterPose {
 
 impl CutterPose {
     /// The cutter with an axis on a contact at x. `None` for a flat end.
-    pub(crate) fn at(cutter: &Cutter, (x, p): (f64, &CcPoint), axis: Vector3<f64>) -> Option<Self> {
+    pub(crate) fn at(cutter: &Cutter, x: f64, p: &CcPoint, axis: Vector3<f64>) -> Option<Self> {
         let tip = cutter.tip_at(&p.position, &p.normal, &axis)?;
         Some(Self { x, contact: p.position, tip, axis })
     }

@@ -128,7 +128,7 @@ impl<'a> DirectLinks<'a> {
 
     /// True when the tool keeps its distances, each at least the allowance, over a motion.
     fn keeps(&self, ends: &Ends, kept: Allowances) -> bool {
-        self.obstacles.keeps_over(ends, (|rho, s, least| self.slack(rho, s, least), kept))
+        self.obstacles.keeps_over(ends, |rho, s, least| self.slack(rho, s, least), kept)
     }
 
     /// Distance of a point less the required distance, each at least `least`; negative for a violation.

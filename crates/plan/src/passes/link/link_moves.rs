@@ -58,7 +58,7 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<Motion, Abort
         for part in links.parts(cx, length, start) {
             cx.go_on()?;
             let solved = match part {
-                OperationPart::Runs(runs) => links.over(machine, &runs, [start, at]),
+                OperationPart::Runs(runs) => links.over(machine, &runs, start, at),
                 OperationPart::OutOfTravel { pass, place, miss } => {
                     let pieces = links.in_pieces(machine, pass, length, at);
                     let turns = pieces.iter().flatten().skip(1).filter_map(|piece| piece.moves.get(1));
@@ -173,7 +173,13 @@ impl<'a> Links<'a> {
 
     /// Sequences of passes on the branches and windings between which the rotary axes turn least. `start` is where the operation begins,
     /// `at` where the first of these sequences begins.
-    fn over(&self, machine: &Machine, runs: &[(Range<usize>, Vec<OnBranch>)], [start, at]: [Angles; 2]) -> Vec<Solved> {
+    fn over(
+        &self,
+        machine: &Machine,
+        runs: &[(Range<usize>, Vec<OnBranch>)],
+        start: Angles,
+        at: Angles,
+    ) -> Vec<Solved> {
         let found: Vec<&[OnBranch]> = runs.iter().map(|(_, found)| found.as_slice()).collect();
         let windings = branch::shortest(machine, &found, at);
         let solved = |((run, _), winding): (&(Range<usize>, Vec<OnBranch>), Winding)| {
@@ -212,7 +218,7 @@ impl<'a> Links<'a> {
     /// The pieces of a pass that does not stay within the travel in one go.
     fn in_pieces(&self, machine: &Machine, index: usize, length: f64, at: Angles) -> Option<Vec<Solved>> {
         let pass = u32::try_from(index).unwrap_or(u32::MAX);
-        pieces::pieces(machine, &self.surface, (self.passes.get(index)?, pass), length, at)
+        pieces::pieces(machine, &self.surface, self.passes.get(index)?, pass, length, at)
     }
 }
 

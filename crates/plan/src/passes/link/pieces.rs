@@ -67,7 +67,8 @@ struct PassWithin<'a> {
 pub(super) fn pieces(
     machine: &Machine,
     surface: &ClearanceSurface<'_>,
-    (pass, index): (&ClPass, u32),
+    pass: &ClPass,
+    index: u32,
     length: f64,
     at: Angles,
 ) -> Option<Vec<Solved>> {

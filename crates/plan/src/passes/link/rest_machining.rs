@@ -65,11 +65,11 @@ pub fn run(
             let work = progress.begin(format!("{}, stock", operation.name), planned.passes.len());
             match strategy {
                 RoughingStrategy::Plunge { .. } => {
-                    strokes::reduce(program, operation, &direct, planned, (&mut field, &work));
+                    strokes::reduce(program, operation, &direct, planned, &mut field, &work);
                     add_cuts(program, planned, &mut cleared);
                 }
                 RoughingStrategy::Rough { .. } => {
-                    stock_order::reduce(program, operation, &direct, planned, (&mut field, &mut cleared, &work));
+                    stock_order::reduce(program, operation, &direct, planned, &mut field, &mut cleared, &work);
                 }
                 RoughingStrategy::Groove { .. } | RoughingStrategy::Expand { .. } => {}
             }
@@ -83,13 +83,13 @@ pub fn run(
         // A ball that fits nowhere on the floor has no passes.
         if let Some(thickness) = operation.rest.filter(|_| !planned.passes.is_empty()) {
             let work = progress.begin(format!("{}, find rest", operation.name), planned.passes.len());
-            failed |= reduce(program, operation, thickness.get(), planned, (&mut field, &work), sink).is_err();
+            failed |= reduce(program, operation, thickness.get(), planned, &mut field, &work, sink).is_err();
             unless_cancelled(progress)?;
         }
         let cuts = i < last;
         let what = if cuts { "rest stock" } else { "links" };
         let work = progress.begin(format!("{}, {what}", operation.name), planned.passes.len());
-        stock_links::add(program, operation, &direct, (planned, cuts), (&mut field, &work));
+        stock_links::add(program, operation, &direct, planned, cuts, &mut field, &work);
         if cuts {
             add_cuts(program, planned, &mut cleared);
         }
@@ -187,7 +187,8 @@ fn reduce(
     operation: &Operation,
     thickness: f64,
     planned: &mut ClOperation,
-    (field, work): (&mut Field, &Work),
+    field: &mut Field,
+    work: &Work,
     sink: &mut Sink,
 ) -> Result<(), Aborted> {
     let solid = &program.tools[operation.tool].solid;

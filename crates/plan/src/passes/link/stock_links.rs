@@ -20,8 +20,10 @@ pub(super) fn add(
     program: &Program,
     operation: &Operation,
     direct: &DirectLinks<'_>,
-    (planned, cuts): (&mut ClOperation, bool),
-    (field, work): (&mut Field, &Work),
+    planned: &mut ClOperation,
+    cuts: bool,
+    field: &mut Field,
+    work: &Work,
 ) {
     let solid = &program.tools[operation.tool].solid;
     let cutter = solid.cutter_alone(0.0);

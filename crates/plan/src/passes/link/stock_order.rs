@@ -76,7 +76,9 @@ pub(super) fn reduce(
     operation: &Operation,
     direct: &DirectLinks<'_>,
     planned: &mut ClOperation,
-    (field, cleared, work): (&mut Field, &mut Cleared, &Work),
+    field: &mut Field,
+    cleared: &mut Cleared,
+    work: &Work,
 ) {
     let tool = &program.tools[operation.tool];
     let solid = &tool.solid;
@@ -102,7 +104,7 @@ pub(super) fn reduce(
         let before = kept.last().and_then(|p| p.points.last()).copied();
         let reduced = match group {
             [pass] => work.step(reduction.reduced(pass, before, field)),
-            loops => reduction.slots(loops, before, (&mut *field, work)),
+            loops => reduction.slots(loops, before, field, work),
         };
         for reduced in reduced {
             linked += usize::from(reduced.pass.link.is_some());
@@ -129,19 +131,14 @@ impl Reduction<'_> {
     /// The loops of a slot that have to cut, each run of them as one pass. A loop takes less than the thickness, so that
     /// the stock before the first loop decides. A run begins with the first loop that touches stock: a loop that has
     /// to cut would otherwise take what those before it leave as well.
-    fn slots(
-        &mut self,
-        loops: &[ClPass],
-        mut before: Option<ClPoint>,
-        (field, work): (&mut Field, &Work),
-    ) -> Vec<Reduced> {
+    fn slots(&mut self, loops: &[ClPass], mut before: Option<ClPoint>, field: &mut Field, work: &Work) -> Vec<Reduced> {
         let depths = loops.iter().map(|pass| work.do_step(|| self.deepest(pass, field)));
         let Some(depths) = depths.collect::<Option<Vec<f64>>>() else { return Vec::new() };
         let mut slots = Vec::new();
         for run in maximal_ranges(loops.len(), |i| depths[i] > self.air.slivers) {
             let Some(last) = run.clone().rev().find(|i| depths[*i] > self.least()) else { continue };
             // A loop begins at its rear: its lead is the end of the loop before it.
-            let slot = self.slot(&loops[run.start.saturating_sub(1)..=last], before, (&mut *field, work));
+            let slot = self.slot(&loops[run.start.saturating_sub(1)..=last], before, field, work);
             before = slot.pass.points.last().copied();
             slots.push(slot);
         }
@@ -150,7 +147,7 @@ impl Reduction<'_> {
 
     /// Loops as one pass, from the lead of the first contact with the stock to the lead behind the last one. Removes
     /// their cuts from the stock, one after the other, so that the return of a loop runs through air.
-    fn slot(&mut self, loops: &[ClPass], before: Option<ClPoint>, (field, work): (&mut Field, &Work)) -> Reduced {
+    fn slot(&mut self, loops: &[ClPass], before: Option<ClPoint>, field: &mut Field, work: &Work) -> Reduced {
         let (mut line, mut depths): (Vec<PathPoint>, Vec<f64>) = (Vec::new(), Vec::new());
         let (mut first, mut last, mut link) = (None, 0, None);
         let sector = loops[0].sector;
@@ -192,7 +189,7 @@ impl Reduction<'_> {
         let mut done = 0;
         while let Some(stretch) = self.stretches(&line[done..], &depths[done..]).first() {
             let stretch = stretch.start + done..stretch.end + done;
-            let start = self.end_of(sector, &line, &depths, (stretch.start, false), field);
+            let start = self.end_of(sector, &line, &depths, stretch.start, false, field);
             let first = start.ramp.first().unwrap_or(&line[start.station]).point;
             let link = before.and_then(|end| self.air.link(&end, &first, field));
             let mut part = start.ramp;
@@ -200,7 +197,7 @@ impl Reduction<'_> {
             self.cut(sector, &part, field);
             part.pop();
             let end = self.cut_to_end(sector, &line, start.station, stretch.end, &mut depths, field);
-            let finish = self.end_of(sector, &line, &depths, (end, true), field);
+            let finish = self.end_of(sector, &line, &depths, end, true, field);
             self.cut(sector, &line[end..=finish.station], field);
             part.extend_from_slice(&line[start.station..=finish.station]);
             found.extend_from_slice(&depths[start.station..finish.station]);
@@ -291,7 +288,8 @@ impl Reduction<'_> {
         sector: u32,
         line: &[PathPoint],
         depths: &[f64],
-        (station, at_end): (usize, bool),
+        station: usize,
+        at_end: bool,
         field: &mut Field,
     ) -> PassEnd {
         let steps = steps_from(station, depths.len(), at_end);
@@ -300,7 +298,7 @@ impl Reduction<'_> {
         let way_to_air: f64 = steps[..to_air.unwrap_or(steps.len())].iter().map(|i| length(line, *i)).sum();
         if self.thickness > 0.0
             && way_to_air > NEAR_AIR
-            && let Some(place) = self.ramp_end(line, &steps, (station, at_end), beyond, field)
+            && let Some(place) = self.ramp_end(line, &steps, station, at_end, beyond, field)
             && (at_end || self.holds(sector, &place))
         {
             let here = ClPoint { contact: None, ..line[station].point };
@@ -346,7 +344,8 @@ impl Reduction<'_> {
         &self,
         line: &[PathPoint],
         steps: &[usize],
-        (station, at_end): (usize, bool),
+        station: usize,
+        at_end: bool,
         beyond: impl Fn(usize) -> usize,
         field: &mut Field,
     ) -> Option<ClPoint> {

@@ -54,7 +54,8 @@ pub(super) fn reduce(
     operation: &Operation,
     direct: &DirectLinks<'_>,
     planned: &mut ClOperation,
-    (field, work): (&mut Field, &Work),
+    field: &mut Field,
+    work: &Work,
 ) {
     let tool = &program.tools[operation.tool];
     let cutter = tool.solid.cutter_alone(0.0);

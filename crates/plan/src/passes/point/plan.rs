@@ -37,7 +37,7 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId) -> Result<CcOperat
     let part = &cx.program.part;
     let cutter = cx.program.tools[operation.tool].solid.cutter;
     // An edge ends at the fillets, but the space in front of it is free: a ball of any size fits there.
-    let beside = surfaces.iter().find_map(|kind| match kind {
+    let reasons = surfaces.iter().find_map(|kind| match kind {
         SurfaceKind::Face(_) => {
             Some(["the lines of this operation end at the fillets", "this ball would cut into the hub there"])
         }
@@ -46,13 +46,13 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId) -> Result<CcOperat
         }
         _ => None,
     });
-    if let Some(why) = beside {
-        check_fillet(cx, operation, why)?;
+    if let Some([at_operation, at_tool]) = reasons {
+        check_fillet(cx, operation, at_operation, at_tool)?;
     }
     let mut all = charts(part);
     all.extend(edges(part).chain(tips(part)));
     let axes = VaneAxis::new(part);
-    let surface_of = |cx: &mut PassContext<'_>, kind: SurfaceKind| drive_surface(cx, operation, (&all, &axes), kind);
+    let surface_of = |cx: &mut PassContext<'_>, kind: SurfaceKind| drive_surface(cx, operation, &all, &axes, kind);
     let (mut laid, mut notes) = (Vec::new(), Vec::new());
     let mut round = Vec::new();
     for blade in part.blade_ids() {
@@ -74,7 +74,7 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId) -> Result<CcOperat
             _ => None,
         };
         let back = side.zip(milling).is_some_and(|(side, milling)| from_outlet(part, side, milling));
-        let directions = lines::directions(operation, cutter.tip_radius(), speed, (order, back));
+        let directions = lines::directions(operation, cutter.tip_radius(), speed, order, back);
         let lines = constant_scallop(cx, operation, &surface, cutter.tip_radius(), scallop.get(), &directions)?;
         notes.extend(lines.notes);
         let mut lines = lines.lines;
@@ -107,7 +107,8 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId) -> Result<CcOperat
 fn drive_surface<'a>(
     cx: &mut PassContext<'_>,
     operation: &Operation,
-    (charts, axes): (&'a [Chart<'a>], &'a VaneAxis<'a>),
+    charts: &'a [Chart<'a>],
+    axes: &'a VaneAxis<'a>,
     kind: SurfaceKind,
 ) -> Result<VaneSurface<'a>, Aborted> {
     let part = &cx.program.part;

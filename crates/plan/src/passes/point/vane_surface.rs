@@ -190,9 +190,9 @@ pub(crate) struct CutBeside {
 }
 
 impl VaneSurface<'_> {
-    fn pose(&self, (x, p): &(f64, CcPoint)) -> Option<CutterPose> {
+    fn pose(&self, x: f64, p: &CcPoint) -> Option<CutterPose> {
         let axis = self.axes.axis(self.chart.kind, p.u, p.v, AxisTilt::Away(nominal_tilt(&self.cutter)));
-        CutterPose::at(&self.cutter, (*x, p), axis)
+        CutterPose::at(&self.cutter, x, p, axis)
     }
 }
 
@@ -291,7 +291,7 @@ impl DriveSurface for VaneSurface<'_> {
     }
 
     fn highest_ridge(&self, lines: &[SurfaceLine]) -> Option<f64> {
-        let poses = |line: &SurfaceLine| line.on_surface.iter().filter_map(|p| self.pose(p)).collect();
+        let poses = |line: &SurfaceLine| line.on_surface.iter().filter_map(|(x, p)| self.pose(*x, p)).collect();
         let place = |x: f64, y: f64| self.chart.place(x, y).position;
         highest_ridge(&self.cutter, lines, poses, |x| self.walls(x), place)
     }

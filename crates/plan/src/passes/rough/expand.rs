@@ -5,7 +5,7 @@
 //! step apart everywhere, also at the narrow inlet. Order: from the groove outward to the walls.
 
 use super::Roughings;
-use super::groove::{check_room, describe, passes};
+use super::groove::{check_fit, describe, passes};
 use super::layers::{Layer, Level, Roughing};
 use crate::passes::context::PassContext;
 use crate::passes::lines::scallop;
@@ -42,7 +42,7 @@ fn plan_passage(
     let top = *level;
     let (layers, end) = roughing.layers(top, &operation.name, cx.progress);
     cx.go_on()?;
-    *level = check_room(cx, (roughing, operation), &layers, &end, top)?;
+    *level = check_fit(cx, roughing, operation, &layers, &end, top)?;
     let solid = &cx.program.tools[operation.tool].solid;
     let step = scallop::formula_9_step(solid.radius(), residual.get());
     let mut notes = vec![describe(&layers, &end, top)];

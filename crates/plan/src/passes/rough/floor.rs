@@ -11,11 +11,7 @@ use rayon::prelude::*;
 
 /// For places along the channel, at most `spacing` apart (mm), whether the tool of an operation fits `over` above the hub
 /// (mm), or on the allowance of the hub where that is higher; with the distance of the places, mm. In a cancelled run it fits nowhere.
-pub(super) fn fits_over_hub(
-    roughing: &Roughing<'_>,
-    [over, spacing]: [f64; 2],
-    progress: &Progress,
-) -> (Vec<bool>, f64) {
+pub(super) fn fits_over_hub(roughing: &Roughing<'_>, over: f64, spacing: f64, progress: &Progress) -> (Vec<bool>, f64) {
     let level = Level::OverHub(over.max(roughing.hub_allowance()));
     let chart = &roughing.chart;
     let length = length_of(|u| chart.point(u, 0.0, 0.5), 0.0, 1.0);
@@ -37,7 +33,7 @@ pub(super) fn positions(
     let Some(RoughingStrategy::Rough { levels: form, .. }) = operation.kind.strategy() else { return Vec::new() };
     let mut all = Vec::new();
     for passage in program.part.passages() {
-        let Some(roughing) = Roughing::new(program, operation, (passage.id, obstacles), progress) else { return all };
+        let Some(roughing) = Roughing::new(program, operation, passage.id, obstacles, progress) else { return all };
         let levels = roughing.levels(form, &operation.name, progress);
         let work = progress.begin(format!("{}, lines", operation.name), levels.len());
         let lines = passes(&roughing, lines(&roughing, &levels, operation, &work).named);

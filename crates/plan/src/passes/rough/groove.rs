@@ -43,7 +43,7 @@ fn plan_passage(
     let top = *level;
     let (layers, end) = roughing.layers(top, &operation.name, cx.progress);
     cx.go_on()?;
-    *level = check_room(cx, (roughing, operation), &layers, &end, top)?;
+    *level = check_fit(cx, roughing, operation, &layers, &end, top)?;
     let mut notes = vec![describe(&layers, &end, top)];
     let mut line_lengths = 0;
     let mut lines = Vec::new();
@@ -61,9 +61,10 @@ fn plan_passage(
 }
 
 /// The level that the layers reach; an error when there are no layers.
-pub(crate) fn check_room(
+pub(crate) fn check_fit(
     cx: &mut PassContext<'_>,
-    (roughing, operation): (&Roughing<'_>, &Operation),
+    roughing: &Roughing<'_>,
+    operation: &Operation,
     layers: &[Layer],
     end: &LayersEnd,
     top: f64,

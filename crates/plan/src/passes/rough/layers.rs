@@ -220,19 +220,22 @@ impl<'a> Roughing<'a> {
     pub(crate) fn new(
         program: &'a Program,
         operation: &Operation,
-        within: (PassageId, &'a Obstacles),
+        passage: PassageId,
+        obstacles: &'a Obstacles,
         progress: &Progress,
     ) -> Option<Self> {
         let depth = operation.kind.step_down()?.get();
-        Self::with_depth(program, operation, within, (depth, progress))
+        Self::with_depth(program, operation, passage, obstacles, depth, progress)
     }
 
     /// As [`Self::new`], with levels that lie `depth` apart, mm, whatever the operation says; `None` for finishing.
     pub(super) fn with_depth(
         program: &'a Program,
         operation: &Operation,
-        (passage, obstacles): (PassageId, &'a Obstacles),
-        (depth, progress): (f64, &Progress),
+        passage: PassageId,
+        obstacles: &'a Obstacles,
+        depth: f64,
+        progress: &Progress,
     ) -> Option<Self> {
         let Allowances { vane, hub } = operation.kind.roughing()?;
         let follows_levels = operation.kind.follows_stock();

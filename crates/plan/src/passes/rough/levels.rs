@@ -155,7 +155,7 @@ impl Roughing<'_> {
     }
 
     /// True where a level lies in the stock, between the ends of the channel in the blank; the last level may lie on the hub.
-    fn in_stock(&self, level: Level, (u, ends): (f64, [f64; 2]), last: bool) -> bool {
+    fn in_stock(&self, level: Level, u: f64, ends: [f64; 2], last: bool) -> bool {
         let v = level.v(&self.chart, u, 0.5);
         let below_top = match level {
             Level::OverHub(_) => v < 1.0,
@@ -221,7 +221,7 @@ impl Roughing<'_> {
         let length = length_of(middle, from, to);
         let count = (length / self.spacing).ceil().max(8.0) as usize;
         let grid: Vec<f64> = (0..=count).map(|i| from + (to - from) * i as f64 / count as f64).collect();
-        let inside: Vec<bool> = grid.iter().map(|u| self.in_stock(level, (*u, ends), last)).collect();
+        let inside: Vec<bool> = grid.iter().map(|u| self.in_stock(level, *u, ends, last)).collect();
         let places: Vec<Point3<f64>> = grid.iter().map(|u| middle(*u)).collect();
         let step = |i: usize| (places[i + 1] - places[i]).norm();
         let mut wanted = inside.clone();

@@ -33,7 +33,7 @@ pub(crate) fn roughings<'a>(cx: &PassContext<'a>) -> Result<Roughings<'a>, Abort
     for (_, operation) in cx.program.operations.iter() {
         cx.go_on()?;
         let passages = cx.program.part.passages();
-        let made = passages.filter_map(|p| Roughing::new(cx.program, operation, (p.id, cx.obstacles), cx.progress));
+        let made = passages.filter_map(|p| Roughing::new(cx.program, operation, p.id, cx.obstacles, cx.progress));
         roughings.push(made.collect());
     }
     cx.go_on()?;

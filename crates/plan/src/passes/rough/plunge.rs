@@ -56,9 +56,8 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, stepover: Mm) -> R
     let depth = STROKE_HEIGHT_STEP * tool.solid.radius();
     let (mut all, mut rows) = (Vec::new(), 0);
     for passage in cx.program.part.passages() {
-        let within = (passage.id, cx.obstacles);
-        let roughing = Roughing::with_depth(&program, operation, within, (depth, cx.progress)).ok_or(Aborted)?;
-        let roughing = roughing.tilted(cx.progress);
+        let upright = Roughing::with_depth(&program, operation, passage.id, cx.obstacles, depth, cx.progress);
+        let roughing = upright.ok_or(Aborted)?.tilted(cx.progress);
         cx.go_on()?;
         let strokes = ChannelStrokes {
             program: &program,

@@ -46,8 +46,8 @@ pub(crate) fn check(cx: &mut PassContext<'_>, roughings: &Roughings<'_>) -> Resu
     let kept_out = |passage: Passage| {
         let planned = last_first().filter_map(|(id, _)| roughings[*id].get(passage.id.index()));
         let Some(closed) = closed_to_all(planned, rest, sizes, cx.progress) else { return false };
-        let within = (passage.id, cx.obstacles);
-        let cutters = last_first().filter_map(|(_, operation)| Roughing::new(&free, operation, within, cx.progress));
+        let roughing = |operation| Roughing::new(&free, operation, passage.id, cx.obstacles, cx.progress);
+        let cutters = last_first().filter_map(|(_, operation)| roughing(operation));
         // Where the cutters alone do not reach the same places either, other messages say so.
         closed_to_all(cutters, rest, sizes, cx.progress).is_none_or(|of_cutters| of_cutters < closed)
     };
@@ -79,7 +79,7 @@ fn closed_to_all<'a>(
 ) -> Option<f64> {
     let (mut closed, mut longest): (Option<Vec<bool>>, f64) = (None, 0.0);
     for roughing in roughings {
-        let (fits, step) = fits_over_hub(roughing.borrow(), [rest, thinnest], progress);
+        let (fits, step) = fits_over_hub(roughing.borrow(), rest, thinnest, progress);
         let before = closed.unwrap_or_else(|| vec![true; fits.len()]);
         let now: Vec<bool> = before.iter().zip(&fits).map(|(closed, fits)| *closed && !fits).collect();
         let most = maximal_ranges(now.len(), |i| now[i]).iter().map(|r| r.len() - 1).max();
@@ -104,7 +104,7 @@ pub(crate) fn refusal(cx: &PassContext<'_>, operation: &Operation) -> Option<Dia
     };
     let lack = |solid: &ToolSolid, p: &ClPoint| {
         let slack = |rho: f64, s: f64| solid.body_distance(rho, s) - clearance;
-        let nearest = obstacles.nearest((&p.tip, &p.axis), slack, 0.0);
+        let nearest = obstacles.nearest(&p.tip, &p.axis, slack, 0.0);
         nearest.reduce(|a, b| if b.0 < a.0 { b } else { a })
     };
     let lines = lines_of(&tool.solid);

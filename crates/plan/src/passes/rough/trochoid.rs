@@ -235,7 +235,7 @@ impl Loops<'_> {
             for height in self.heights {
                 // The machine may leave this loop towards the material, and those before away from it.
                 let nearer = 2.0 * self.tolerance;
-                let arc = engagement(&new.path[i], &way, height, &cut, [self.radius, nearer], self.limits.milling);
+                let arc = engagement(&new.path[i], &way, height, &cut, self.radius, nearer, self.limits.milling);
                 largest = largest.max(arc);
             }
             if largest > self.limits.engagement {
@@ -259,7 +259,8 @@ fn engagement(
     way: &Vector3<f64>,
     height: f64,
     cut: &[&[Tool]],
-    [radius, tolerance]: [f64; 2],
+    radius: f64,
+    tolerance: f64,
     milling: Milling,
 ) -> f64 {
     /// Steps of the angle, radians.
@@ -320,15 +321,15 @@ mod tests {
             let ahead: f64 = loops + distance;
             let closed_form = (((loops + 1.0).powi(2) - ahead * ahead - 1.0) / (2.0 * ahead)).acos();
             for (milling, way) in [(Milling::Climb, Vector3::y()), (Milling::Conventional, -Vector3::y())] {
-                let arc = engagement(&new[0], &way, 0.0, &[before.as_slice()], [1.0, 0.0], milling);
+                let arc = engagement(&new[0], &way, 0.0, &[before.as_slice()], 1.0, 0.0, milling);
                 assert!(arc >= closed_form - 1e-3 && arc < closed_form + 0.01, "{arc} {closed_form}");
             }
             // What the machine leaves of the loop before counts as material.
-            let arc = engagement(&new[0], &Vector3::y(), 0.0, &[before.as_slice()], [1.0, 0.05], Milling::Climb);
+            let arc = engagement(&new[0], &Vector3::y(), 0.0, &[before.as_slice()], 1.0, 0.05, Milling::Climb);
             assert!(arc > closed_form + 0.02, "{arc} {closed_form}");
         }
         let straight =
-            engagement(&circle(0.5, 1e3)[0], &Vector3::y(), 0.0, &[&circle(0.0, 1e3)], [1.0, 0.0], Milling::Climb);
+            engagement(&circle(0.5, 1e3)[0], &Vector3::y(), 0.0, &[&circle(0.0, 1e3)], 1.0, 0.0, Milling::Climb);
         assert!((straight - 0.5_f64.acos()).abs() < 0.01, "{straight}");
     }
 
@@ -372,7 +373,7 @@ mod tests {
                         by_points = by_points.max(found);
                         let before = [loops[k - 2].as_slice(), loops[k - 1].as_slice()];
                         if (CHORDS / 4..=3 * CHORDS / 4).contains(&i) {
-                            let arc = engagement(&path[i], &way, 0.0, &before, [1.0, 0.0], Milling::Climb);
+                            let arc = engagement(&path[i], &way, 0.0, &before, 1.0, 0.0, Milling::Climb);
                             largest = largest.max(arc);
                         }
                     }
