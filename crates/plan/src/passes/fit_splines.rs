@@ -6,7 +6,7 @@
 //! the text meet exactly. Feeds are those of the process.
 
 use super::context::PassContext;
-use super::sample_to_tolerance::{FIT_SHARE, compared_heights, kept};
+use super::sample_to_tolerance::{ComparedHeight, FIT_SHARE, compared_heights, kept};
 use five_axis::pose_curve::{Chord, MAX_CHORD_ERROR_MM};
 use five_axis::{Chain, Machine, Pose, PoseCurve, RotaryPose, TurnCurve, most_turn};
 use ir::motion::MotionOperation;
@@ -46,9 +46,7 @@ pub(crate) fn run(cx: &PassContext<'_>, motion: &mut Motion) {
             decimals: program.control().decimals,
             height,
             heights: compared_heights(program, declared)
-                .into_iter()
-                .map(|(h, t)| (h, left_to_fit(declared, t)))
-                .collect(),
+                .map(|at| ComparedHeight { tolerance: left_to_fit(declared, at.tolerance), ..at }),
         };
         let runs = runs(&program.machine, &operation.moves, height);
         let work = cx.progress.begin(format!("{}, splines", declared.name), runs.len());
@@ -113,8 +111,7 @@ struct Fitting<'a> {
     decimals: Decimals,
     /// Height of the second point over the tip, and factor of the rotary axes, mm.
     height: f64,
-    /// Heights over the tip at which tool positions are compared, with the tolerance there, mm.
-    heights: Vec<(f64, f64)>,
+    heights: [ComparedHeight; 2],
 }
 
 impl Fitting<'_> {
@@ -184,7 +181,7 @@ impl Fitting<'_> {
         let axes: Vec<Vector3<f64>> = places.iter().map(|p| self.axis(p)).collect();
         let off = |i: usize, at: &Place| {
             let (tip, turned) = (at.fixed_rows::<3>(0) - places[i].fixed_rows::<3>(0), self.axis(at) - axes[i]);
-            self.heights.iter().map(|(h, t)| (tip + turned * *h).norm() / t).fold(0.0, f64::max)
+            self.heights.iter().map(|at| (tip + turned * at.height).norm() / at.tolerance).fold(0.0, f64::max)
         };
         spline_fit::fit(&places, &parameters, self.form.degree(), off).map_err(|at| of[at])
     }
@@ -266,7 +263,7 @@ fn replace(
     program: &Program,
     operation: &mut MotionOperation,
     feed: f64,
-    heights: &[(f64, f64)],
+    heights: &[ComparedHeight],
     fitted: impl Iterator<Item = Fitted>,
 ) {
     let machine = &program.machine;
@@ -300,7 +297,7 @@ fn replace(
 
 /// The moves of a range that stay straight. Stations were dense for splines: of cuts in a row those stay that the tolerance
 /// needs.
-fn straight(machine: &Machine, moves: &[JointMove], range: Range<usize>, heights: &[(f64, f64)]) -> Vec<JointMove> {
+fn straight(machine: &Machine, moves: &[JointMove], range: Range<usize>, heights: &[ComparedHeight]) -> Vec<JointMove> {
     let mut out = Vec::with_capacity(range.len());
     let mut at = range.start;
     while at < range.end {

@@ -24,7 +24,7 @@ pub(crate) fn run(cx: &PassContext<'_>, cl: &mut ClPlan) {
     let program = cx.program;
     for planned in cl.operations.iter_mut().take_while(|_| !cx.progress.is_cancelled()) {
         let operation = &program.operations[planned.operation];
-        let heights = stations_for(program, operation);
+        let heights = heights_of_stations(program, operation);
         let work = cx.progress.begin(format!("{}, thinning", operation.name), planned.passes.len());
         planned.passes.par_iter_mut().for_each(|pass| {
             if let Some(thinned) = work.do_step(|| thin(&program.machine.chain, &pass.points, &heights)) {
@@ -38,40 +38,44 @@ pub(crate) fn run(cx: &PassContext<'_>, cl: &mut ClPlan) {
 /// five times as dense as for straight moves, so that a spline has no room between them.
 pub(super) const FIT_SHARE: f64 = 0.04;
 
-/// Heights over the tip at which tool positions are compared while stations are removed, with the tolerance there.
-fn stations_for(program: &Program, operation: &Operation) -> Vec<(f64, f64)> {
+/// Height over the tip at which tool positions are compared, with the tolerance there, mm.
+#[derive(Clone, Copy)]
+pub(super) struct ComparedHeight {
+    pub(super) height: f64,
+    pub(super) tolerance: f64,
+}
+
+/// Heights at which tool positions are compared while stations are removed.
+fn heights_of_stations(program: &Program, operation: &Operation) -> [ComparedHeight; 2] {
     let becomes_splines = operation.kind.finishes() && program.control().spline_form().is_some();
     let share = if becomes_splines { FIT_SHARE } else { 1.0 };
-    compared_heights(program, operation).into_iter().map(|(height, tolerance)| (height, share * tolerance)).collect()
+    compared_heights(program, operation).map(|at| ComparedHeight { tolerance: share * at.tolerance, ..at })
 }
 
-/// Heights over the tip at which tool positions are compared, with the tolerance there, mm.
-pub(super) fn compared_heights(program: &Program, operation: &Operation) -> Vec<(f64, f64)> {
+/// Heights at which tool positions of an operation are compared.
+pub(super) fn compared_heights(program: &Program, operation: &Operation) -> [ComparedHeight; 2] {
     let solid = &program.tools[operation.tool].solid;
     let (fine, coarse) = (program.tolerances.chord.get(), program.tolerances.chord_rough.get());
-    match operation.kind {
-        OperationKind::Flank { .. } => {
-            vec![(solid.cutter.tip_radius(), fine), (solid.flute_length, fine)]
-        }
+    let heights = match operation.kind {
+        OperationKind::Flank { .. } => [(solid.cutter.tip_radius(), fine), (solid.flute_length, fine)],
         // Barrel and bull nose touch beside the axis, so that a turn of the axis moves the contact.
         OperationKind::Channel { .. } | OperationKind::Point { .. } if !solid.cutter.ends_in_ball() => {
-            vec![(0.0, fine), (solid.flute_length, fine)]
+            [(0.0, fine), (solid.flute_length, fine)]
         }
         OperationKind::Channel { .. } | OperationKind::Point { .. } => {
-            vec![(solid.cutter.tip_radius(), fine), (solid.flute_length, 20.0 * fine)]
+            [(solid.cutter.tip_radius(), fine), (solid.flute_length, 20.0 * fine)]
         }
-        OperationKind::Roughing { .. } => {
-            vec![(0.0, coarse), (solid.flute_length, coarse)]
-        }
-    }
+        OperationKind::Roughing { .. } => [(0.0, coarse), (solid.flute_length, coarse)],
+    };
+    heights.map(|(height, tolerance)| ComparedHeight { height, tolerance })
 }
 
-fn thin(chain: &Chain, points: &[ClPoint], heights: &[(f64, f64)]) -> Vec<ClPoint> {
+fn thin(chain: &Chain, points: &[ClPoint], heights: &[ComparedHeight]) -> Vec<ClPoint> {
     kept(chain, points, heights).into_iter().map(|i| points[i]).collect()
 }
 
 /// Indices of the stations that stay.
-pub(super) fn kept(chain: &Chain, points: &[ClPoint], heights: &[(f64, f64)]) -> Vec<usize> {
+pub(super) fn kept(chain: &Chain, points: &[ClPoint], heights: &[ComparedHeight]) -> Vec<usize> {
     let mut stations: Vec<AngledPoint> = Vec::with_capacity(points.len());
     for point in points {
         let before = stations.last().map_or(0.0, |s| s.rotary[1]);
@@ -91,7 +95,7 @@ pub(super) fn kept(chain: &Chain, points: &[ClPoint], heights: &[(f64, f64)]) ->
 }
 
 /// True when the interpolation between both ends passes all stations between them within tolerance.
-fn replaces(chain: &Chain, run: &[AngledPoint], heights: &[(f64, f64)]) -> bool {
+fn replaces(chain: &Chain, run: &[AngledPoint], heights: &[ComparedHeight]) -> bool {
     let [from, middle @ .., to] = run else { return true };
     let chord = to.point.tip - from.point.tip;
     let length = chord.norm_squared();
@@ -105,9 +109,9 @@ fn replaces(chain: &Chain, run: &[AngledPoint], heights: &[(f64, f64)]) -> bool 
         }
         let tip = from.point.tip + chord * t;
         let axis = chain.tool_axis(between(from.rotary, to.rotary, t));
-        heights.iter().all(|(height, tolerance)| {
-            let gap = (tip - s.point.tip) + (axis - s.point.axis) * *height;
-            gap.norm_squared() <= tolerance * tolerance
+        heights.iter().all(|at| {
+            let gap = (tip - s.point.tip) + (axis - s.point.axis) * at.height;
+            gap.norm_squared() <= at.tolerance * at.tolerance
         })
     })
 }

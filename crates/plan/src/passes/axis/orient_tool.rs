@@ -79,10 +79,10 @@ pub(crate) fn tilted_points(
 ) -> Vec<ClPoint> {
     match pass.drive {
         Drive::Contact(surface) => {
-            vane_points(program, operation, pass, |axes, (i, p)| axes.axis(surface, p.u, p.v, tilt(i)))
+            vane_points(program, operation, pass, |axes, i, p| axes.axis(surface, p.u, p.v, tilt(i)))
         }
         Drive::Round(blade) => {
-            vane_points(program, operation, pass, |axes, (i, p)| axes.round(blade, p.w, [p.u, p.v], tilt(i)))
+            vane_points(program, operation, pass, |axes, i, p| axes.round(blade, p.w, [p.u, p.v], tilt(i)))
         }
         Drive::Channel | Drive::Face { .. } | Drive::Hub(_) | Drive::HubWithLead(..) => {
             hub_points(program, operation, pass, tilt)

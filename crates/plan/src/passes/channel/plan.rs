@@ -13,7 +13,9 @@ use crate::passes::context::{
     PassContext, STATIONS, in_passage,
     largest_ball::{check_fillet, less_than_radius},
 };
-use crate::passes::lines::{self, DriveSurface, LaidLines, LineDirection, constant_scallop, left_to_ridges, scallop};
+use crate::passes::lines::{
+    self, DriveSurface, LineDirection, PlannedLines, constant_scallop, left_to_ridges, scallop,
+};
 use diagnostics::{Aborted, Diag, codes::planning};
 use ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind};
 use nurbs::bracket::last_whole;
@@ -41,7 +43,7 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, middles: &Middles<
         let middle = middles.get(&(id, passage.id));
         let larger = before(cx.program, id).filter_map(|id| middles.get(&(id, passage.id)));
         let finished: Vec<Finished> = larger.flat_map(|middle| middle.finished(ridges)).collect();
-        let LaidLines { lines, notes } = match allowance_vane {
+        let PlannedLines { lines, notes } = match allowance_vane {
             Some(allowance) => middle_lines(cx, operation, middle, &finished, allowance.get(), height.get())?,
             None => {
                 let floor = whole_floor(cx, operation, passage, radius, height.get(), finished)?;
@@ -104,9 +106,9 @@ fn middle_lines(
     finished: &[Finished],
     allowance: f64,
     height: f64,
-) -> Result<LaidLines, Aborted> {
+) -> Result<PlannedLines, Aborted> {
     let OperationKind::Channel { lines: order, .. } = operation.kind else { return Err(Aborted) };
-    let mut all = LaidLines { lines: Vec::new(), notes: Vec::new() };
+    let mut all = PlannedLines { lines: Vec::new(), notes: Vec::new() };
     let Some(middle) = middle.filter(|m| m.fits()) else {
         all.notes.push("the tool fits nowhere between the vanes: smaller tools finish the floor".to_owned());
         return Ok(all);
@@ -119,7 +121,7 @@ fn middle_lines(
         let surface = StretchFloor { middle, stretch: *stretch, finished };
         let speed = [0.0, 1.0].map(|x| surface.speed(x, 0.0, 0.0));
         let directions = lines::directions(operation, radius, speed, order, false);
-        let LaidLines { lines, notes } = constant_scallop(cx, operation, &surface, radius, height, &directions)?;
+        let PlannedLines { lines, notes } = constant_scallop(cx, operation, &surface, radius, height, &directions)?;
         all.lines.extend(lines);
         all.notes.extend(notes);
     }
@@ -236,7 +238,7 @@ fn equal_division(
     floor: &ChannelFloor<'_>,
     height: f64,
     directions: &[LineDirection; 2],
-) -> Result<LaidLines, Aborted> {
+) -> Result<PlannedLines, Aborted> {
     let grid = &directions[0].grid;
     let (part, radius) = (floor.part, floor.radius);
     let [first, second] = &floor.walls;
@@ -284,5 +286,5 @@ fn equal_division(
         place.2,
         scallop::formula_9_step(radius, height)
     )];
-    Ok(LaidLines { lines, notes })
+    Ok(PlannedLines { lines, notes })
 }

@@ -33,7 +33,7 @@ const HOPEFUL: f64 = 1.5;
 const WORTH: f64 = 0.8;
 
 /// A strip of a face.
-struct Planned {
+struct PlannedStrip {
     side: FaceId,
     strip: u32,
     /// From inlet to outlet.
@@ -41,6 +41,12 @@ struct Planned {
     /// Its lower edge, as a share of the height of the face.
     lower: f64,
     sweep: Option<StripPath>,
+}
+
+/// Strips of an operation, with notes for the report.
+struct PlannedStrips {
+    strips: Vec<PlannedStrip>,
+    notes: Vec<String>,
 }
 
 /// Plans a flank operation.
@@ -54,14 +60,14 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId) -> Result<CcOperat
     let [at_operation, at_tool] =
         ["this operation rolls the ball in the fillet", "this ball leaves more material than the fillet"];
     check_fillet(cx, operation, at_operation, at_tool)?;
-    let (mut planned, mut notes) = match flank.method {
+    let PlannedStrips { mut strips, mut notes } = match flank.method {
         FlankMethod::Minimax => optimised(cx, id, operation, faces, flank)?,
         FlankMethod::TwoPoint | FlankMethod::OnePoint => by_ruling(cx, operation, faces, flank)?,
     };
     if flank.order == FaceOrder::Levels {
         // The order of the faces stays where their strips end at the same height.
-        planned.sort_by(|a, b| b.lower.total_cmp(&a.lower));
-        if planned.len() == faces.len() {
+        strips.sort_by(|a, b| b.lower.total_cmp(&a.lower));
+        if strips.len() == faces.len() {
             notes.push(
                 "order levels: each face is one strip, which leaves nothing to order; `strips 2` makes two levels"
                     .to_owned(),
@@ -69,7 +75,7 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId) -> Result<CcOperat
         }
     }
     let part = &cx.program.part;
-    let pass = |mut strip: Planned| {
+    let pass = |mut strip: PlannedStrip| {
         let mut path = strip.sweep.map(|s| s.path);
         if from_outlet(part, strip.side, flank.milling) {
             strip.points.reverse();
@@ -82,7 +88,7 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId) -> Result<CcOperat
             path,
         }
     };
-    Ok(CcOperation { operation: id, passes: planned.into_iter().map(pass).collect(), notes })
+    Ok(CcOperation { operation: id, passes: strips.into_iter().map(pass).collect(), notes })
 }
 
 /// Strips of one face.
@@ -190,7 +196,7 @@ fn optimised(
     operation: &Operation,
     faces: &[FaceId],
     choices: Flank,
-) -> Result<(Vec<Planned>, Vec<String>), Aborted> {
+) -> Result<PlannedStrips, Aborted> {
     let program = cx.program;
     let tool = &program.tools[operation.tool];
     let around = Surroundings::watched(&program.part, cx.progress);
@@ -241,7 +247,7 @@ fn optimised(
             }
         }
         for (strip, sweep) in (0..strips).zip(sweeps).rev() {
-            planned.push(Planned {
+            planned.push(PlannedStrip {
                 side: *side,
                 strip,
                 points: stations(&program.part, *side, &sweep),
@@ -250,7 +256,7 @@ fn optimised(
             });
         }
     }
-    if failed { Err(Aborted) } else { Ok((planned, notes)) }
+    if failed { Err(Aborted) } else { Ok(PlannedStrips { strips: planned, notes }) }
 }
 
 /// Contact stations of an optimised strip, with the ends of both leads.
@@ -279,7 +285,7 @@ fn by_ruling(
     operation: &Operation,
     faces: &[FaceId],
     flank: Flank,
-) -> Result<(Vec<Planned>, Vec<String>), Aborted> {
+) -> Result<PlannedStrips, Aborted> {
     let part = &cx.program.part;
     let cutter = &cx.program.tools[operation.tool].solid.cutter;
     let radius = cutter.tip_radius();
@@ -318,7 +324,7 @@ fn by_ruling(
             points.extend(lowest.iter().map(|(u, v)| point(*u, *v)));
             points.push(point(to + after, last));
             let lower = f64::from(strip) / f64::from(strips);
-            planned.push(Planned { side: *side, strip, points, lower, sweep: None });
+            planned.push(PlannedStrip { side: *side, strip, points, lower, sweep: None });
         }
     }
     let law = match flank.method {
@@ -327,5 +333,5 @@ fn by_ruling(
     };
     let fillet = part.main().fillet.as_ref().map_or_else(|| format!("{radius} mm"), ToString::to_string);
     let notes = vec![format!("{strips} strips per face by {law}, ball radius {radius} mm, fillet {fillet}")];
-    Ok((planned, notes))
+    Ok(PlannedStrips { strips: planned, notes })
 }

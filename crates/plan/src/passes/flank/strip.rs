@@ -5,6 +5,7 @@ use crate::passes::context::SIDE_CLEARANCE;
 use axes::envelope::{Deviation, Measured, Mounted, Target, best_least_squares, minimax};
 use base::progress::Progress;
 use base::units::Mm;
+use five_axis::Pose;
 use nalgebra::{Point3, Vector3};
 use nurbs::DualCurve;
 use nurbs::bracket::Bracket;
@@ -310,7 +311,7 @@ impl<'a> Strip<'a> {
                 let u = from + (to - from) * i as f64 / POINTS as f64;
                 let root = foot(part, self.side, &self.cutter, u)?;
                 let at = |height: f64| root + (1.0 - root) * height;
-                let (tip, axis) = if self.cutter.barrel_arc().is_some() {
+                let Pose { tip, axis } = if self.cutter.barrel_arc().is_some() {
                     self.on_its_arc(u, at(0.5 * (low + high)), root)?
                 } else {
                     let offset = |v: f64, by: f64| face.surface.point(u, v) + face.normal(u, v) * by;
@@ -318,7 +319,7 @@ impl<'a> Strip<'a> {
                     let below = offset(at(low), radius(touches));
                     let between = (face.surface.point(u, upper) - face.surface.point(u, at(low))).norm_squared().sqrt();
                     let axis = (offset(upper, radius(touches + between)) - below).normalize();
-                    (below - axis * touches, axis)
+                    Pose { tip: below - axis * touches, axis }
                 };
                 Some([tip, tip + axis * length])
             })
@@ -327,7 +328,7 @@ impl<'a> Strip<'a> {
     }
 
     /// Tip and axis of a barrel whose arc touches a point of the face, as high over the tip as the hub allows.
-    fn on_its_arc(&self, u: f64, v: f64, root: f64) -> Option<(Point3<f64>, Vector3<f64>)> {
+    fn on_its_arc(&self, u: f64, v: f64, root: f64) -> Option<Pose> {
         let face = self.around.part.face(self.side);
         let (point, normal) = (face.surface.point(u, v), face.normal(u, v));
         let up = point - face.surface.point(u, root);
@@ -340,7 +341,7 @@ impl<'a> Strip<'a> {
         let axis = along * libm::cos(angle) + normal * libm::sin(angle);
         // Towards the face, perpendicular to the axis.
         let towards = normal * -libm::cos(angle) + along * libm::sin(angle);
-        Some((point - towards * self.cutter.radius_at(height) - axis * height, axis))
+        Some(Pose { tip: point - towards * self.cutter.radius_at(height) - axis * height, axis })
     }
 
     /// The least possible largest error of this strip: gouge and excess are equal, and nothing else is cut deeper.

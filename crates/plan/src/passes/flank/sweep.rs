@@ -91,6 +91,15 @@ enum LastLook {
     OnCrests,
 }
 
+/// The path with the least motion within bounds.
+struct BoundedPath {
+    path: DualCurve,
+    /// How far the bounds had to give way, mm.
+    violation: f64,
+    /// Increase of the worst violation among constraints that were never satisfied, mm.
+    increase: f64,
+}
+
 /// Points that bound a path.
 struct StripPoints {
     /// Points in the constraints of the programs.
@@ -160,7 +169,8 @@ impl StripTask<'_> {
         let clearances = Clearances::new(self.program, self.operation, self.obstacles);
         let tool = Mounted { body: clearances.body(), ..strip.tool() };
         let start = least.clone().map_or(start, |l| l.0);
-        let (path, violation, _) = self.within_bounds(start, strip, &tool, &bounded, &mut points, LastLook::Between);
+        let BoundedPath { path, violation, .. } =
+            self.within_bounds(start, strip, &tool, &bounded, &mut points, LastLook::Between);
         let mut clear = || {
             self.cleared(&path, &clearances, |path, near| {
                 points.looked_at.extend(near);
@@ -199,7 +209,7 @@ impl StripTask<'_> {
         &self,
         path: &DualCurve,
         clearances: &Clearances<'_>,
-        mut within: impl FnMut(DualCurve, &[Target]) -> (DualCurve, f64, f64),
+        mut within: impl FnMut(DualCurve, &[Target]) -> BoundedPath,
     ) -> Result<DualCurve, f64> {
         let mut path = path.clone();
         let mut violation = 0.0;
@@ -211,8 +221,8 @@ impl StripTask<'_> {
             if found.kept {
                 return Ok(path);
             }
-            let (next, given, left) = within(path, &found.near);
-            (path, violation) = (next, given.max(left));
+            let next = within(path, &found.near);
+            (path, violation) = (next.path, next.violation.max(next.increase));
             if violation > NO_VIOLATION {
                 break;
             }
@@ -220,8 +230,7 @@ impl StripTask<'_> {
         Err(violation.max(NO_VIOLATION))
     }
 
-    /// The path with the least motion that keeps the bounds of all points; how far the bounds had to give way, mm; and
-    /// the increase of the worst violation among constraints that were never satisfied, mm.
+    /// The path with the least motion that keeps the bounds of all points.
     fn within_bounds(
         &self,
         mut path: DualCurve,
@@ -230,7 +239,7 @@ impl StripTask<'_> {
         bounded: &impl Fn(&Placed) -> Target,
         points: &mut StripPoints,
         look: LastLook,
-    ) -> (DualCurve, f64, f64) {
+    ) -> BoundedPath {
         let mut violation = 0.0;
         let mut broken = Vec::new();
         for round in 0..EXCHANGES {
@@ -285,8 +294,8 @@ impl StripTask<'_> {
             }
             points.looked_at.extend(&broken);
         }
-        let left = Measured::new(&path, tool, &broken).widening(&broken) - violation;
-        (path, violation, left.max(0.0))
+        let increase = Measured::new(&path, tool, &broken).widening(&broken) - violation;
+        BoundedPath { path, violation, increase: increase.max(0.0) }
     }
 
     /// Sets the shares by which the bounds of a target may give way.

@@ -127,8 +127,8 @@ impl SurfaceLine {
     }
 }
 
-/// Lines over a surface in sector 0, in the directions in which they are cut, with notes for the report.
-pub(crate) struct LaidLines {
+/// Lines over a surface in sector 0, each in its cutting direction, with notes for the report.
+pub(crate) struct PlannedLines {
     pub(crate) lines: Vec<Vec<CcPoint>>,
     pub(crate) notes: Vec<String>,
 }
@@ -211,7 +211,7 @@ pub(crate) fn constant_scallop(
     radius: f64,
     height: f64,
     directions: &Directions,
-) -> Result<LaidLines, Aborted> {
+) -> Result<PlannedLines, Aborted> {
     let target = left_to_ridges(cx, height);
     let (lines, ridge) = refined(target, |planned| {
         let lines = lay(cx, operation, surface, radius, planned, directions)?;
@@ -244,7 +244,7 @@ pub(crate) fn constant_scallop(
         }
         line.points
     };
-    Ok(LaidLines { lines: lines.into_iter().map(cut).collect(), notes })
+    Ok(PlannedLines { lines: lines.into_iter().map(cut).collect(), notes })
 }
 
 /// Lays lines for ridges of a height, measures the highest ridge, and repeats with another height until the ridge has

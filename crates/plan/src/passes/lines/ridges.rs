@@ -133,8 +133,16 @@ impl<'a> NearLine<'a> {
     }
 }
 
-/// For the three lines with the nearest contacts to a point, the nearest first: square of the distance, line and pose.
-fn nearest_contacts(lines: &[NearLine<'_>], p: &Point3<f64>) -> Vec<(f64, usize, usize)> {
+/// The contact of a line that is nearest to a point: its square distance, mm2, and the indices of line and pose.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct NearContact {
+    square: f64,
+    line: usize,
+    pose: usize,
+}
+
+/// The three nearest contacts to a point, each of another line, the nearest first.
+fn nearest_contacts(lines: &[NearLine<'_>], p: &Point3<f64>) -> Vec<NearContact> {
     let boxes: Vec<f64> = lines.iter().map(|line| line.whole.distance(p)).collect();
     let nearest_three = |far: &[f64; 3], new: f64| {
         let mut three = *far;
@@ -147,24 +155,24 @@ fn nearest_contacts(lines: &[NearLine<'_>], p: &Point3<f64>) -> Vec<(f64, usize,
     // No line whose box is farther than the third nearest contact of three lines is one of the three.
     let nearest_boxes = boxes.iter().fold([f64::INFINITY; 3], |three, far| nearest_three(&three, *far));
     let mut three = [f64::INFINITY; 3];
-    let mut found: Vec<(f64, usize, usize)> = Vec::with_capacity(8);
-    let mut look = |i: usize| {
-        if let Some((far, k)) = lines[i].nearest(p, three[2]) {
-            three = nearest_three(&three, far);
-            found.push((far, i, k));
+    let mut found: Vec<NearContact> = Vec::with_capacity(8);
+    let mut add = |line: usize| {
+        if let Some((square, pose)) = lines[line].nearest(p, three[2]) {
+            three = nearest_three(&three, square);
+            found.push(NearContact { square, line, pose });
         }
         three[2]
     };
     let mut limit = f64::INFINITY;
     for (i, _) in boxes.iter().enumerate().filter(|(_, far)| **far <= nearest_boxes[2]) {
-        limit = look(i);
+        limit = add(i);
     }
     for (i, far) in boxes.iter().enumerate().filter(|(_, far)| **far > nearest_boxes[2]) {
         if *far <= limit {
-            limit = look(i);
+            limit = add(i);
         }
     }
-    found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+    found.sort_by(|a, b| a.square.total_cmp(&b.square).then(a.line.cmp(&b.line)));
     found.truncate(3);
     found
 }
@@ -182,10 +190,10 @@ fn left_at(cutter: &Cutter, lines: &[NearLine<'_>], p: &Point3<f64>) -> f64 {
     };
     // The nearest contacts leave least, apart from effects of the cutter's shape: use the three nearest lines.
     let mut least = f64::INFINITY;
-    for (_, i, start) in nearest_contacts(lines, p) {
-        let line = lines[i].poses;
+    for NearContact { line, pose, .. } in nearest_contacts(lines, p) {
+        let line = lines[line].poses;
         // Descend from the nearest contact.
-        let (mut k, mut value) = (start, gap(&line[start]));
+        let (mut k, mut value) = (pose, gap(&line[pose]));
         loop {
             let next = [k.checked_sub(1), Some(k + 1).filter(|n| *n < line.len())]
                 .into_iter()
@@ -230,16 +238,16 @@ mod tests {
         let lines: Vec<NearLine<'_>> = poses.iter().map(|line| NearLine::new(line)).collect();
         for n in 0..2000 {
             let p = Point3::new((n % 50) as f64 * 0.41, (n / 50) as f64 * 0.61, libm::sin(n as f64));
-            let mut all: Vec<(f64, usize, usize)> = poses
+            let mut all: Vec<NearContact> = poses
                 .iter()
                 .enumerate()
                 .map(|(i, line)| {
                     let far = |k: usize| (line[k].contact - p).norm_squared();
                     let k = (0..line.len()).min_by(|a, b| far(*a).total_cmp(&far(*b))).unwrap();
-                    (far(k), i, k)
+                    NearContact { square: far(k), line: i, pose: k }
                 })
                 .collect();
-            all.sort_by(|a, b| a.0.total_cmp(&b.0));
+            all.sort_by(|a, b| a.square.total_cmp(&b.square));
             assert_eq!(nearest_contacts(&lines, &p), all[..3]);
         }
     }

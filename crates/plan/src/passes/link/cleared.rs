@@ -48,15 +48,15 @@ impl Cleared {
         self.cuts.entry(sector).or_default().extend(poses);
     }
 
-    /// True when a cylinder above the tip of a tool, with the radius of the middle of its end and as long as its flutes,
-    /// holds no material.
-    pub(super) fn holds(&self, program: &Program, sector: u32, at: &ClPoint, [middle, long]: [f64; 2]) -> bool {
+    /// True when a cylinder above the tip of a tool holds no material: with the radius of the middle of its end, and as high
+    /// as its flutes are long, mm.
+    pub(super) fn holds(&self, program: &Program, sector: u32, at: &ClPoint, radius: f64, height: f64) -> bool {
         let profile = &program.stock.profile;
         let outside = |p: &Point3<f64>| profile.distance([libm::hypot(p.x, p.y), p.z]);
-        let step = RADIUS_HEIGHT_STEP * middle;
-        let count = (long / step).ceil() as usize;
+        let step = RADIUS_HEIGHT_STEP * radius;
+        let count = (height / step).ceil() as usize;
         let height = |k: usize| LAYER + k as f64 * step;
-        let in_blank = |k: &usize| outside(&(at.tip + at.axis * height(*k))) <= libm::hypot(middle, step);
+        let in_blank = |k: &usize| outside(&(at.tip + at.axis * height(*k))) <= libm::hypot(radius, step);
         let Some(top) = (0..=count).rev().find(in_blank) else { return true };
         let across = at.axis.cross(&Vector3::ith(at.axis.iamin(), 1.0)).normalize();
         let beside = at.axis.cross(&across);
@@ -64,9 +64,9 @@ impl Cleared {
             let (sin, cos) = libm::sincos(TAU * k as f64 / ON_RIM as f64);
             at.tip + (across * cos + beside * sin) * radius + at.axis * height
         };
-        let near = self.near(sector, at, middle);
+        let near = self.near(sector, at, radius);
         // Cutters are convex: a cutter that holds the polygons about both ends of the cylinder holds the cylinder.
-        let about = middle / libm::cos(PI / ON_RIM as f64);
+        let about = radius / libm::cos(PI / ON_RIM as f64);
         let ends: Vec<Point3<f64>> =
             [0, top].iter().flat_map(|n| (0..ON_RIM).map(|k| point(about, k, height(*n)))).collect();
         if near.iter().any(|pose| ends.iter().all(|p| self.within(pose, p))) {
@@ -76,20 +76,20 @@ impl Cleared {
         (0..=top).all(|n| {
             free(&point(0.0, 0, height(n)))
                 && (1..=RINGS).all(|ring| {
-                    let radius = middle * ring as f64 / RINGS as f64;
+                    let radius = radius * ring as f64 / RINGS as f64;
                     (0..ON_RIM).all(|k| free(&point(radius, k, height(n))))
                 })
         })
     }
 
     /// The poses whose cutters may come near to the axis of a tool, the last one first.
-    fn near(&self, sector: u32, at: &ClPoint, middle: f64) -> Vec<&CutPose> {
+    fn near(&self, sector: u32, at: &ClPoint, radius: f64) -> Vec<&CutPose> {
         let meets = |pose: &&CutPose| {
             let d = pose.tip - at.tip;
             let cutter = &self.cutters[pose.cutter];
             // A pose with another axis comes nearer higher up.
             let leans = (pose.axis - at.axis).norm() * cutter.flute_length;
-            (d - at.axis * d.dot(&at.axis)).norm() <= cutter.radius() + middle + leans
+            (d - at.axis * d.dot(&at.axis)).norm() <= cutter.radius() + radius + leans
         };
         self.cuts.get(&sector).map_or_else(Vec::new, |poses| poses.iter().rev().filter(meets).collect())
     }

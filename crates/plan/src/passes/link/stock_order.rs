@@ -317,8 +317,7 @@ impl Reduction<'_> {
 
     /// True when the middle of the end may come down along the axis to a place.
     fn holds(&self, sector: u32, place: &ClPoint) -> bool {
-        let size = [self.middle, self.cutter.flute_length];
-        self.middle == 0.0 || self.cleared.holds(self.program, sector, place, size)
+        self.middle == 0.0 || self.cleared.holds(self.program, sector, place, self.middle, self.cutter.flute_length)
     }
 
     /// The station in air at which the lead before or behind a station of a cut begins or ends.

@@ -140,12 +140,12 @@ pub(crate) fn vane_points(
     program: &Program,
     operation: &Operation,
     pass: &CcPass,
-    axis: impl Fn(&VaneAxis<'_>, (usize, &CcPoint)) -> Vector3<f64>,
+    axis: impl Fn(&VaneAxis<'_>, usize, &CcPoint) -> Vector3<f64>,
 ) -> Vec<ClPoint> {
     let cutter = &program.tools[operation.tool].solid.cutter;
     let axes = VaneAxis::new(&program.part);
     let at = |(i, p): (usize, &CcPoint)| {
-        let axis = axis(&axes, (i, p));
+        let axis = axis(&axes, i, p);
         let tip = cutter.tip_at(&p.position, &p.normal, &axis)?;
         Some(ClPoint { tip, axis, contact: Some(p.position) })
     };

@@ -12,10 +12,10 @@ use crate::passes::context::{
     AxisTilt, PassContext, from_outlet,
     largest_ball::{check_fillet, less_than_radius},
 };
-use crate::passes::lines::{self, DriveSurface, constant_scallop};
+use crate::passes::lines::{self, DriveSurface, PlannedLines, constant_scallop};
 use base::units::length;
 use diagnostics::{Aborted, Diag, codes::planning};
-use ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId, OperationKind};
+use ir::{CcOperation, CcPass, Drive, Operation, OperationId, OperationKind};
 use nurbs::bracket::Bracket;
 use rayon::prelude::*;
 use wheel::method::Lines;
@@ -53,15 +53,15 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId) -> Result<CcOperat
     all.extend(edges(part).chain(tips(part)));
     let axes = VaneAxis::new(part);
     let surface_of = |cx: &mut PassContext<'_>, kind: SurfaceKind| drive_surface(cx, operation, &all, &axes, kind);
-    let (mut laid, mut notes) = (Vec::new(), Vec::new());
+    let (mut planned, mut notes) = (Vec::new(), Vec::new());
     let mut round = Vec::new();
     for blade in part.blade_ids() {
         let faces = blade.faces().map(SurfaceKind::Face);
         if order == Lines::Spiral && faces.iter().all(|f| surfaces.contains(f)) {
             let pair = [surface_of(cx, faces[0])?, surface_of(cx, faces[1])?];
-            let (points, decisions) = spiral(cx, operation, [&pair[0], &pair[1]], scallop.get())?;
-            notes.extend(decisions);
-            laid.push((Drive::Round(blade), axes.of_blade(blade, "spiral".to_owned()), vec![points]));
+            let spiral = spiral(cx, operation, [&pair[0], &pair[1]], scallop.get())?;
+            notes.extend(spiral.notes);
+            planned.push((Drive::Round(blade), axes.of_blade(blade, "spiral".to_owned()), spiral.lines));
             round.extend(faces);
         }
     }
@@ -82,10 +82,10 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId) -> Result<CcOperat
             // From the shroud down.
             lines.reverse();
         }
-        laid.push((Drive::Contact(*kind), surface.name(), lines));
+        planned.push((Drive::Contact(*kind), surface.name(), lines));
     }
     let mut passes = Vec::new();
-    for (drive, name, lines) in laid {
+    for (drive, name, lines) in planned {
         for (j, points) in lines.into_iter().enumerate() {
             passes.push(CcPass { path: None, label: format!("{name} line {}", j + 1), drive, points });
         }
@@ -143,13 +143,13 @@ fn deepest(part: &Part, pass: &CcPass) -> f64 {
     on_face.map(|p| (surface.point(p.u, 1.0) - surface.point(p.u, p.v)).norm()).fold(0.0, f64::max)
 }
 
-/// A spiral round both faces, with notes for the report.
+/// A spiral round both faces.
 fn spiral(
     cx: &mut PassContext<'_>,
     operation: &Operation,
     pair: [&VaneSurface<'_>; 2],
     height: f64,
-) -> Result<(Vec<CcPoint>, Vec<String>), Aborted> {
+) -> Result<PlannedLines, Aborted> {
     let blade = pair[0].side.blade;
     let edges = edges_of(&cx.program.part, blade);
     let low = pair.iter().flat_map(|g| g.low.iter().copied()).fold(0.0, f64::max);
@@ -160,22 +160,22 @@ fn spiral(
     let around = Around { faces: [pair[0], pair[1]], edges: &edges, low, other_way };
     let target = lines::left_to_ridges(cx, height);
     let leads = [operation.lead_in.get(), operation.lead_out.get()];
-    let (laid, _) = lines::refined(target, |planned| {
+    let (spiral, _) = lines::refined(target, |planned| {
         let density = |side: usize, x: f64, y: f64| pair[side].density(x, y, planned);
         let spiral = around.lay(&density, leads);
         cx.check_points(operation, spiral.points.len() as f64)?;
         let ridges = [0, 1].map(|side| pair[side].highest_ridge(&spiral.turns[side]));
         Ok((spiral, ridges.into_iter().flatten().reduce(f64::max)))
     })?;
-    let length: f64 = laid.turns.iter().flatten().map(lines::SurfaceLine::length).sum();
+    let length: f64 = spiral.turns.iter().flatten().map(lines::SurfaceLine::length).sum();
     let least: f64 = pair.iter().map(|g| g.least_length(height)).sum();
     let note = format!(
         "a spiral of {} turns per vane for a scallop of {height:.4} mm: {length:.1} mm of contact on both faces, {:.1} % over the \
          lower bound {least:.1} mm (area over the larger step)",
-        laid.turns[0].len(),
+        spiral.turns[0].len(),
         100.0 * (length / least - 1.0)
     );
-    Ok((laid.points, vec![note]))
+    Ok(PlannedLines { lines: vec![spiral.points], notes: vec![note] })
 }
 
 fn no_fillet(cx: &mut PassContext<'_>, operation: &Operation) -> Aborted {

@@ -9,16 +9,16 @@
 //!
 //! A line begins outside of the stock, or on its neighbour, which is cut by then.
 
-use super::Roughings;
 use super::groove::passes;
 use super::layers::{LayerStation, Roughing};
 use super::levels::{LevelRun, RoughLevel};
 use super::trochoid::{OpenedSlot, Trochoid};
+use super::{NamedLine, PassagePlan, Roughings};
 use crate::passes::context::{PassContext, maximal_ranges};
 use crate::spacing;
 use base::progress::Work;
 use diagnostics::Aborted;
-use ir::{CcOperation, CcPass, CcPoint, Operation, OperationId, RoughingStrategy};
+use ir::{CcOperation, CcPoint, Operation, OperationId, RoughingStrategy};
 use rayon::prelude::*;
 use std::ops::Range;
 use wheel::method::{Milling, Slots};
@@ -44,14 +44,14 @@ fn plan_passage(
     cx: &mut PassContext<'_>,
     roughing: &Roughing<'_>,
     operation: &Operation,
-) -> Result<(Vec<CcPass>, Vec<String>), Aborted> {
+) -> Result<PassagePlan, Aborted> {
     let Some(RoughingStrategy::Rough { stepover, levels: form, .. }) = operation.kind.strategy() else {
         return Err(Aborted);
     };
     let levels = roughing.levels(form, &operation.name, cx.progress);
     cx.go_on()?;
     if levels.iter().all(|level| level.runs.is_empty()) {
-        return Ok((Vec::new(), vec!["the tool fits on no level".to_owned()]));
+        return Ok(PassagePlan { passes: Vec::new(), notes: vec!["the tool fits on no level".to_owned()] });
     }
     let stations: usize = levels.iter().flat_map(|l| &l.runs).map(|run| run.stations.len()).sum();
     let free = |run: &LevelRun| run.stations.iter().map(|s| free(roughing, run, s)).fold(0.0, f64::max);
@@ -62,14 +62,14 @@ fn plan_passage(
     let lines = lines(roughing, &levels, operation, &work);
     cx.go_on()?;
     let notes = notes(&levels, &lines, operation);
-    Ok((passes(roughing, lines.named), notes))
+    Ok(PassagePlan { passes: passes(roughing, lines.named), notes })
 }
 
 /// The lines of an operation.
 #[derive(Default)]
 pub(super) struct LevelLines {
-    /// Names and stations in the order of cutting. All loops of a slot have one name.
-    pub(super) named: Vec<(String, Vec<CcPoint>)>,
+    /// In the order of cutting.
+    pub(super) named: Vec<NamedLine>,
     loops: usize,
     /// Length of the channel, in all levels, that loops open, and that in which the first line cuts a slot, mm.
     opened: [f64; 2],
@@ -91,11 +91,11 @@ pub(super) fn lines(roughing: &Roughing<'_>, levels: &[RoughLevel], operation: &
             let mut run_lines = RunLines::new(roughing, run, stepover.get(), milling);
             let loops = run_lines.open(slots, milling);
             lines.loops += loops.len();
-            lines.named.extend(loops.into_iter().map(|points| (format!("{name} slot"), points)));
+            lines.named.extend(loops.into_iter().map(|points| NamedLine { name: format!("{name} slot"), points }));
             let opened = run_lines.opened_length();
             lines.opened = [0, 1].map(|k: usize| lines.opened[k] + opened[k]);
-            let run_lines = run_lines.all().into_iter().enumerate();
-            lines.named.extend(run_lines.map(|(i, points)| (format!("{name} line {}", i + 1), points)));
+            let named = |(i, points)| NamedLine { name: format!("{name} line {}", i + 1), points };
+            lines.named.extend(run_lines.all().into_iter().enumerate().map(named));
         }
         work.step(lines)
     };

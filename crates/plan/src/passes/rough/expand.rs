@@ -4,14 +4,14 @@
 //! its side; the legs of a V meet on the groove line where the channel is as narrow as the V. Lines are therefore one
 //! step apart everywhere, also at the narrow inlet. Order: from the groove outward to the walls.
 
-use super::Roughings;
 use super::groove::{check_fit, describe, passes};
 use super::layers::{Layer, Level, Roughing};
+use super::{NamedLine, PassagePlan, Roughings};
 use crate::passes::context::PassContext;
 use crate::passes::lines::scallop;
 use base::units::Mm;
 use diagnostics::Aborted;
-use ir::{CcOperation, CcPass, CcPoint, Operation, OperationId};
+use ir::{CcOperation, Operation, OperationId};
 
 /// Plans an expand operation from the levels of earlier expanding in each passage; sets the levels that it reaches.
 ///
@@ -38,14 +38,14 @@ fn plan_passage(
     operation: &Operation,
     residual: Mm,
     level: &mut f64,
-) -> Result<(Vec<CcPass>, Vec<String>), Aborted> {
-    let top = *level;
-    let (layers, end) = roughing.layers(top, &operation.name, cx.progress);
+) -> Result<PassagePlan, Aborted> {
+    let layers = roughing.layers(*level, &operation.name, cx.progress);
     cx.go_on()?;
-    *level = check_fit(cx, roughing, operation, &layers, &end, top)?;
+    *level = check_fit(cx, roughing, operation, &layers)?;
     let solid = &cx.program.tools[operation.tool].solid;
     let step = scallop::formula_9_step(solid.radius(), residual.get());
-    let mut notes = vec![describe(&layers, &end, top)];
+    let mut notes = vec![describe(&layers)];
+    let layers = layers.all;
     let mut lines = Vec::new();
     let widest =
         layers.iter().flat_map(|l| l.stations.iter().map(|s| roughing.chart.width(s.u, l.level))).fold(0.0, f64::max);
@@ -63,11 +63,11 @@ fn plan_passage(
             ));
         }
     }
-    Ok((passes(roughing, lines), notes))
+    Ok(PassagePlan { passes: passes(roughing, lines), notes })
 }
 
 /// Adds the V lines of a layer, the innermost first; returns their number.
-fn v_lines(roughing: &Roughing<'_>, layer: &Layer, step: f64, lines: &mut Vec<(String, Vec<CcPoint>)>) -> usize {
+fn v_lines(roughing: &Roughing<'_>, layer: &Layer, step: f64, lines: &mut Vec<NamedLine>) -> usize {
     let Some(outlet) = layer.stations.iter().rfind(|s| s.u <= 1.0) else { return 0 };
     let room = |s: &super::layers::LayerStation| (s.room[1] - s.room[0]) * roughing.chart.width(s.u, layer.level);
     // The lines of both sides and the groove divide the arc between the boundaries (S of formula 9).
@@ -99,7 +99,8 @@ fn v_lines(roughing: &Roughing<'_>, layer: &Layer, step: f64, lines: &mut Vec<(S
             .chain(down)
             .map(|(u, w)| roughing.cc_point(u, Level::Share(layer.level), w))
             .collect::<Vec<_>>();
-        lines.push((format!("layer {} line {}", layer.number, pairs as usize - i), points));
+        let name = format!("layer {} line {}", layer.number, pairs as usize - i);
+        lines.push(NamedLine { name, points });
     }
     pairs as usize
 }

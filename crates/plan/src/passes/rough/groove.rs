@@ -3,9 +3,8 @@
 //! Before: an operation. After: passes from inlet to outlet, one per layer, from the shroud down to the hub allowance
 //! or to the lowest layer that the tool can complete.
 
-use super::Roughings;
-use super::layers::{Layer, LayersEnd, Level, Roughing};
-use super::step;
+use super::layers::{Layers, LayersEnd, Level, Roughing};
+use super::{NamedLine, PassagePlan, Roughings, step};
 use crate::passes::context::{PassContext, in_passage};
 use diagnostics::{Aborted, Diag, codes::planning};
 use ir::{CcOperation, CcPass, CcPoint, Drive, Operation, OperationId};
@@ -39,25 +38,24 @@ fn plan_passage(
     roughing: &Roughing<'_>,
     operation: &Operation,
     level: &mut f64,
-) -> Result<(Vec<CcPass>, Vec<String>), Aborted> {
-    let top = *level;
-    let (layers, end) = roughing.layers(top, &operation.name, cx.progress);
+) -> Result<PassagePlan, Aborted> {
+    let layers = roughing.layers(*level, &operation.name, cx.progress);
     cx.go_on()?;
-    *level = check_fit(cx, roughing, operation, &layers, &end, top)?;
-    let mut notes = vec![describe(&layers, &end, top)];
+    *level = check_fit(cx, roughing, operation, &layers)?;
+    let mut notes = vec![describe(&layers)];
     let mut line_lengths = 0;
     let mut lines = Vec::new();
-    let work = cx.progress.begin(format!("{}, lines", operation.name), layers.len());
-    for layer in &layers {
+    let work = cx.progress.begin(format!("{}, lines", operation.name), layers.all.len());
+    for layer in &layers.all {
         cx.go_on()?;
         let points: Vec<CcPoint> =
             layer.stations.iter().map(|s| roughing.cc_point(s.u, Level::Share(layer.level), s.middle())).collect();
         let points = restep(roughing, Level::Share(layer.level), &points, cx.program.tolerances.chord_rough.get());
         line_lengths += points.len();
-        lines.push((format!("layer {}", layer.number), work.step(points)));
+        lines.push(NamedLine { name: format!("layer {}", layer.number), points: work.step(points) });
     }
     notes.push(format!("{line_lengths} stations per channel by the step law (6), {} lines", lines.len()));
-    Ok((passes(roughing, lines), notes))
+    Ok(PassagePlan { passes: passes(roughing, lines), notes })
 }
 
 /// The level that the layers reach; an error when there are no layers.
@@ -65,14 +63,12 @@ pub(crate) fn check_fit(
     cx: &mut PassContext<'_>,
     roughing: &Roughing<'_>,
     operation: &Operation,
-    layers: &[Layer],
-    end: &LayersEnd,
-    top: f64,
+    layers: &Layers,
 ) -> Result<f64, Aborted> {
-    let Some(last) = layers.last() else {
-        if let LayersEnd::Narrow { level, u } = end {
+    let Some(last) = layers.all.last() else {
+        if let LayersEnd::Narrow { level, u } = layers.end {
             let tool = &cx.program.tools[operation.tool];
-            let place = roughing.chart.point(*u, *level, 0.0);
+            let place = roughing.chart.point(u, level, 0.0);
             cx.sink.push(
                 Diag::error(
                     planning::NO_ROOM,
@@ -85,7 +81,7 @@ pub(crate) fn check_fit(
                 )
                 .label(operation.span, "this operation starts there")
                 .label(tool.span, "this tool is too large there")
-                .place(format!("channel at u = {u:.3}, from level {top:.3}"), place)
+                .place(format!("channel at u = {u:.3}, from level {:.3}", layers.top), place)
                 .help("use a thinner tool, a longer reach, or smaller allowances"),
             );
         }
@@ -95,9 +91,10 @@ pub(crate) fn check_fit(
 }
 
 /// Describes the layers in one line.
-pub(crate) fn describe(layers: &[Layer], end: &LayersEnd, top: f64) -> String {
-    let reached = layers.last().map_or(top, |l| l.level);
-    let range = format!("{} layers from level {:.3} down to {:.3} (1 shroud, 0 hub)", layers.len(), top, reached);
+pub(crate) fn describe(layers: &Layers) -> String {
+    let Layers { top, all, end } = layers;
+    let reached = all.last().map_or(*top, |l| l.level);
+    let range = format!("{} layers from level {:.3} down to {:.3} (1 shroud, 0 hub)", all.len(), top, reached);
     match end {
         LayersEnd::Floor => format!("{range}: the hub allowance is reached"),
         LayersEnd::Narrow { level, u } => {
@@ -139,8 +136,9 @@ pub(crate) fn restep(roughing: &Roughing<'_>, level: Level, points: &[CcPoint], 
 }
 
 /// Turns named lines in a passage into passes.
-pub(crate) fn passes(roughing: &Roughing<'_>, lines: Vec<(String, Vec<CcPoint>)>) -> Vec<CcPass> {
+pub(crate) fn passes(roughing: &Roughing<'_>, lines: Vec<NamedLine>) -> Vec<CcPass> {
     let label = |label: String| in_passage(roughing.chart.part(), roughing.passage, label);
-    let pass = |(name, points)| CcPass { path: None, label: label(name), drive: Drive::Channel, points };
+    let pass =
+        |line: NamedLine| CcPass { path: None, label: label(line.name), drive: Drive::Channel, points: line.points };
     lines.into_iter().map(pass).collect()
 }

@@ -206,6 +206,13 @@ impl LayerStation {
     }
 }
 
+/// Layers from a level down, the reason for their end included.
+pub(crate) struct Layers {
+    pub(crate) top: f64,
+    pub(crate) all: Vec<Layer>,
+    pub(crate) end: LayersEnd,
+}
+
 /// Why the layers end.
 pub(crate) enum LayersEnd {
     /// The floor is reached.
@@ -329,24 +336,24 @@ impl<'a> Roughing<'a> {
 
     /// Layers from `top` (a level already cleared, 1 for the shroud) down, and the reason for their end. `name` is the
     /// name of the operation, for `progress`.
-    pub(crate) fn layers(&self, top: f64, name: &str, progress: &Progress) -> (Vec<Layer>, LayersEnd) {
+    pub(crate) fn layers(&self, top: f64, name: &str, progress: &Progress) -> Layers {
         let count = self.layer_count(top);
         let work = progress.begin(format!("{name}, layers"), count as usize);
-        let mut layers = Vec::new();
+        let mut layers = Layers { top, all: Vec::new(), end: LayersEnd::Floor };
         for number in 1..=count as usize {
             if progress.is_cancelled() {
                 break;
             }
             let level = top * (1.0 - number as f64 / count);
             match self.layer(number, level) {
-                Ok(layer) => layers.push(work.step(layer)),
+                Ok(layer) => layers.all.push(work.step(layer)),
                 Err(u) => {
                     work.rest_is_needless();
-                    return (layers, LayersEnd::Narrow { level, u });
+                    return Layers { end: LayersEnd::Narrow { level, u }, ..layers };
                 }
             }
         }
-        (layers, LayersEnd::Floor)
+        layers
     }
 
     /// Measures a layer; an error is the u at which the tool does not fit.

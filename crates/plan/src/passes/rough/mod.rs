@@ -24,6 +24,18 @@ use layers::Roughing;
 /// Data of the roughing operations of a program, made once for all passes, for each passage; none for finishing.
 pub(crate) type Roughings<'a> = PrimaryMap<OperationId, Vec<Roughing<'a>>>;
 
+/// Passes of one passage, with notes for the report.
+pub(crate) struct PassagePlan {
+    passes: Vec<CcPass>,
+    notes: Vec<String>,
+}
+
+/// Stations of a line, with its name. All loops of a slot have one name.
+pub(crate) struct NamedLine {
+    name: String,
+    points: Vec<CcPoint>,
+}
+
 /// Makes the data of all roughing operations.
 ///
 /// # Errors
@@ -70,11 +82,11 @@ fn each_passage<'a>(
     cx: &mut PassContext<'_>,
     roughings: &Roughings<'a>,
     id: OperationId,
-    mut plan: impl FnMut(&mut PassContext<'_>, &Roughing<'a>) -> Result<(Vec<CcPass>, Vec<String>), Aborted>,
+    mut plan: impl FnMut(&mut PassContext<'_>, &Roughing<'a>) -> Result<PassagePlan, Aborted>,
 ) -> Result<CcOperation, Aborted> {
     let mut all = CcOperation { operation: id, passes: Vec::new(), notes: Vec::new() };
     for roughing in roughing(cx, roughings, id)? {
-        let (passes, notes) = plan(cx, roughing)?;
+        let PassagePlan { passes, notes } = plan(cx, roughing)?;
         all.passes.extend(passes);
         all.notes.extend(notes.into_iter().map(|note| in_passage(&cx.program.part, roughing.passage, note)));
     }

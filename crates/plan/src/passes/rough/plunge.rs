@@ -22,6 +22,7 @@
 //! and holder that are nowhere thinner than below, holds all places of a stroke. Its distances at the floor are those of
 //! the whole stroke.
 
+use super::NamedLine;
 use super::groove::passes;
 use super::layers::{LayerStation, Level, Roughing, length_of, limit_leads};
 use crate::passes::context::{PassContext, maximal_ranges};
@@ -119,9 +120,6 @@ impl Stroke {
     }
 }
 
-/// A line with its name.
-type NamedLine = (String, Vec<CcPoint>);
-
 /// The strokes of one channel.
 struct ChannelStrokes<'a> {
     program: &'a Program,
@@ -149,8 +147,9 @@ impl ChannelStrokes<'_> {
         for part in self.parts(&stands) {
             for row in self.rows(&part) {
                 rows += 1;
-                let stroke = |(k, stroke): (usize, Stroke)| {
-                    (format!("row {rows} stroke {}", k + 1), vec![stroke.top, stroke.bottom])
+                let stroke = |(k, stroke): (usize, Stroke)| NamedLine {
+                    name: format!("row {rows} stroke {}", k + 1),
+                    points: vec![stroke.top, stroke.bottom],
                 };
                 lines.extend(row.into_iter().enumerate().map(stroke));
             }

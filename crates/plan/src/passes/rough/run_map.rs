@@ -2,6 +2,7 @@
 
 use super::layers::{LayerStation, Roughing};
 use super::levels::LevelRun;
+use five_axis::Pose;
 use ir::CcPoint;
 use nalgebra::{Point3, Vector3};
 use nurbs::bracket::Bracket;
@@ -113,9 +114,9 @@ impl<'a> RunMap<'a> {
     fn rows(roughing: &Roughing<'_>, run: &LevelRun, middles: &[f64], halves: &[f64]) -> Option<Vec<StripStation>> {
         let tool = |u: f64, w: f64| {
             let v = run.level.v(&roughing.chart, u, w);
-            (roughing.chart.point(u, v, w), roughing.axis(u, v, w))
+            Pose { tip: roughing.chart.point(u, v, w), axis: roughing.axis(u, v, w) }
         };
-        let tools: Vec<[(Point3<f64>, Vector3<f64>); 3]> = run
+        let tools: Vec<[Pose; 3]> = run
             .stations
             .iter()
             .zip(middles)
@@ -123,16 +124,17 @@ impl<'a> RunMap<'a> {
             .collect();
         let mut along = vec![0.0];
         for pair in tools.windows(2) {
-            along.push(along[along.len() - 1] + (pair[1][1].0 - pair[0][1].0).norm());
+            along.push(along[along.len() - 1] + (pair[1][1].tip - pair[0][1].tip).norm());
         }
         if along.len() < 2 || along.windows(2).any(|pair| pair[1] <= pair[0]) {
             return None;
         }
         let row = |i: usize| {
             let (before, next) = (i.saturating_sub(1), (i + 1).min(tools.len() - 1));
-            let forward = (tools[next][1].0 - tools[before][1].0).normalize();
+            let forward = (tools[next][1].tip - tools[before][1].tip).normalize();
             let [low, middle, high] = tools[i];
-            let by_w = |above: f64| (high.0 + high.1 * above - low.0 - low.1 * above) / (2.0 * DIFFERENCE_STEP);
+            let by_w =
+                |above: f64| (high.tip + high.axis * above - low.tip - low.axis * above) / (2.0 * DIFFERENCE_STEP);
             let slant = by_w(0.0).dot(&forward);
             let square = |v: Vector3<f64>| (v - forward * v.dot(&forward)).norm().max(f64::MIN_POSITIVE);
             let across = square(by_w(0.0));
@@ -144,9 +146,9 @@ impl<'a> RunMap<'a> {
                 across,
                 slant: slant.clamp(-MOST_SLANT * across, MOST_SLANT * across),
                 widening: (square(by_w(roughing.depth)) / across).max(1.0),
-                tips: [low.0, middle.0, high.0],
-                line_axis: middle.1,
-                axis: middle.1,
+                tips: [low.tip, middle.tip, high.tip],
+                line_axis: middle.axis,
+                axis: middle.axis,
                 lift: 0.0,
             }
         };
@@ -226,11 +228,11 @@ impl<'a> RunMap<'a> {
     /// Tip and axis of loops at a place, for a centre at a distance along the channel: all places of a loop lie in the plane
     /// square to its axis, so that the end of a flat cutter cuts no floor of this loop again. Between the stations only
     /// about.
-    pub(super) fn tool(&self, centre: f64, place: Place) -> (Point3<f64>, Vector3<f64>) {
+    pub(super) fn tool(&self, centre: f64, place: Place) -> Pose {
         let (a, b, share) = self.between(centre);
         let axis = (a.axis + (b.axis - a.axis) * share.clamp(0.0, 1.0)).normalize();
         let middle = a.centre() + (b.centre() - a.centre()) * share;
-        (in_plane(&self.tip(place), &middle, &axis), axis)
+        Pose { tip: in_plane(&self.tip(place), &middle, &axis), axis }
     }
 
     /// The tip of a line at a place; between the stations only about, and without the lift over the hub.
@@ -245,7 +247,7 @@ impl<'a> RunMap<'a> {
     }
 
     /// The station of a loop at a place with a tip and an axis; `None` where the tool does not keep all allowances.
-    pub(super) fn cc_point(&self, [along, w]: Place, (tip, axis): &(Point3<f64>, Vector3<f64>)) -> Option<CcPoint> {
+    pub(super) fn cc_point(&self, [along, w]: Place, Pose { tip, axis }: &Pose) -> Option<CcPoint> {
         let (a, b, share) = self.between(along);
         let u = a.u + (b.u - a.u) * share;
         let v = self.run.level.v(&self.roughing.chart, u, w);

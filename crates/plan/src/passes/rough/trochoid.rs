@@ -15,6 +15,7 @@
 use super::layers::Roughing;
 use super::levels::LevelRun;
 use super::run_map::{Place, RunMap};
+use five_axis::Pose;
 use ir::CcPoint;
 use nalgebra::{Point3, Vector3};
 use nurbs::bracket::Bracket;
@@ -86,11 +87,8 @@ struct Loops<'a> {
 /// A loop: its places with tips and tool axes.
 struct Loop {
     places: Vec<Place>,
-    path: Vec<Tool>,
+    path: Vec<Pose>,
 }
-
-/// Tip and axis of the tool.
-type Tool = (Point3<f64>, Vector3<f64>);
 
 impl OpenedSlot {
     /// The loops of a run, from each of its ends that lies outside of the stock. They begin where the axes of the lines lean
@@ -227,11 +225,11 @@ impl Loops<'_> {
 
     /// Largest arc of engagement on the front of a loop in what the loops before it leave, radians.
     fn arc(&self, new: &Loop, before: &[&Loop]) -> f64 {
-        let cut: Vec<&[Tool]> = before.iter().map(|b| b.path.as_slice()).collect();
+        let cut: Vec<&[Pose]> = before.iter().map(|b| b.path.as_slice()).collect();
         let mut largest = 0.0_f64;
         for i in self.chords / 4..=3 * self.chords / 4 {
             // At its end a chord leaves the loop by the largest angle, to the side that makes the arc longer.
-            let way = new.path[i].0 - new.path[i - 1].0;
+            let way = new.path[i].tip - new.path[i - 1].tip;
             for height in self.heights {
                 // The machine may leave this loop towards the material, and those before away from it.
                 let nearer = 2.0 * self.tolerance;
@@ -255,10 +253,10 @@ fn on_ellipse(share: f64, half: f64) -> [f64; 2] {
 /// Arc from the side of the material to the first place of the circle of the cutter, `height` above its tip, that paths
 /// before do not reach, radians; `tolerance` is how much nearer to the material they may end.
 fn engagement(
-    (tip, axis): &Tool,
+    Pose { tip, axis }: &Pose,
     way: &Vector3<f64>,
     height: f64,
-    cut: &[&[Tool]],
+    cut: &[&[Pose]],
     radius: f64,
     tolerance: f64,
     milling: Milling,
@@ -285,12 +283,12 @@ fn engagement(
 }
 
 /// True when a cylinder above the tip, of a given radius, reaches a place on a chord of its path.
-fn reaches(from: &Tool, to: &Tool, place: &Point3<f64>, radius: f64) -> bool {
+fn reaches(from: &Pose, to: &Pose, place: &Point3<f64>, radius: f64) -> bool {
     /// Thickness of what the end of a cutter leaves of a floor that counts as nothing, mm.
     const FLOOR: f64 = 0.005;
-    let axis = from.1;
+    let axis = from.axis;
     let square = |v: Vector3<f64>| v - axis * v.dot(&axis);
-    let (way, to_place) = (to.0 - from.0, place - from.0);
+    let (way, to_place) = (to.tip - from.tip, place - from.tip);
     let flat = square(way);
     let length = flat.norm_squared();
     let share = if length > 0.0 { (to_place.dot(&flat) / length).clamp(0.0, 1.0) } else { 0.0 };
@@ -303,11 +301,11 @@ mod tests {
     use super::*;
 
     /// A round path about a place on the x axis, counter-clockwise, with the axis along z.
-    fn circle(centre: f64, radius: f64) -> Vec<(Point3<f64>, Vector3<f64>)> {
+    fn circle(centre: f64, radius: f64) -> Vec<Pose> {
         const CHORDS: u32 = 3600;
         let at = |k: u32| {
             let (sin, cos) = libm::sincos(TAU * f64::from(k) / f64::from(CHORDS));
-            (Point3::new(centre + radius * cos, radius * sin, 0.0), Vector3::z())
+            Pose { tip: Point3::new(centre + radius * cos, radius * sin, 0.0), axis: Vector3::z() }
         };
         (0..=CHORDS).map(at).collect()
     }
@@ -341,15 +339,15 @@ mod tests {
         const CHORDS: usize = 48;
         const HALF: f64 = 0.75;
         for distance in [0.1, 0.3] {
-            let curve = |from: f64| -> Vec<Tool> {
+            let curve = |from: f64| -> Vec<Pose> {
                 let at = |k: usize| {
                     let share = k as f64 / CHORDS as f64;
                     let [x, y] = on_ellipse(share, HALF);
-                    (Point3::new(from + distance * share + x, y, 0.0), Vector3::z())
+                    Pose { tip: Point3::new(from + distance * share + x, y, 0.0), axis: Vector3::z() }
                 };
                 (0..=CHORDS).map(at).collect()
             };
-            let loops: Vec<Vec<Tool>> = (0..8).map(|k| curve(f64::from(k) * distance)).collect();
+            let loops: Vec<Vec<Pose>> = (0..8).map(|k| curve(f64::from(k) * distance)).collect();
             let mut points: Vec<Point3<f64>> = Vec::new();
             for i in 0..200 {
                 points.extend((-100..=100).map(|j| Point3::new(f64::from(i) * STEP, f64::from(j) * STEP, 0.0)));
@@ -357,7 +355,7 @@ mod tests {
             let (mut largest, mut by_points) = (0.0_f64, 0.0_f64);
             for (k, path) in loops.iter().enumerate() {
                 for i in 1..=CHORDS {
-                    let way = path[i].0 - path[i - 1].0;
+                    let way = path[i].tip - path[i - 1].tip;
                     let feed = way.normalize();
                     // A climbing tool has the material on its right, seen along its axis from above.
                     let right = feed.cross(&Vector3::z());
@@ -365,7 +363,7 @@ mod tests {
                     // The first loops cut their way in.
                     if k >= 4 {
                         let angle = |p: &Point3<f64>| {
-                            let place = p - path[i].0;
+                            let place = p - path[i].tip;
                             libm::atan2(place.dot(&right), place.dot(&feed))
                         };
                         let met = points.iter().filter(|p| cut(p)).map(angle);
