@@ -28,9 +28,9 @@ fn bounds(program: &Program, operation: OperationId, class: SurfaceClass) -> Bou
     let least = |kind: ContractKind| {
         let left = program.allowed.iter().any(|a| a.kind == kind && counts(&a.scope.operations, &a.scope.surfaces));
         // A default is the limit of every program, not a requirement of the job.
-        let asked = program.contracts.iter().filter(|c| c.kind == kind && !c.default);
-        let asked = asked.filter(|c| counts(&c.scope.operations, &c.scope.surfaces)).map(|c| c.bound.value());
-        asked.reduce(f64::min).filter(|_| !left)
+        let limits = program.contracts.iter().filter(|c| c.kind == kind && !c.default);
+        let limits = limits.filter(|c| counts(&c.scope.operations, &c.scope.surfaces)).map(|c| c.bound.value());
+        limits.reduce(f64::min).filter(|_| !left)
     };
     Bounds { gouge: least(ContractKind::Gouge), excess: least(ContractKind::Excess) }
 }

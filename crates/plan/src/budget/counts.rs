@@ -115,9 +115,9 @@ impl Sizes {
             OperationKind::Channel { scallop, method, allowance_vane, .. } => {
                 // The remaining width is finished by balls that roll in the fillets. What a larger ball leaves to the
                 // next one is known only while planning.
-                let beside = program.part.main().fillet.as_ref().map_or(radius, |f| f.most().get());
-                let beside = allowance_vane.map_or(beside, |vane| beside.max(radius) + vane.get());
-                let floor = self.width - 2.0 * beside;
+                let off_walls = program.part.main().fillet.as_ref().map_or(radius, |f| f.most().get());
+                let off_walls = allowance_vane.map_or(off_walls, |vane| off_walls.max(radius) + vane.get());
+                let floor = self.width - 2.0 * off_walls;
                 of((floor.max(0.0) / step(scallop)).ceil() + 1.0, FINISHING_STATIONS, linked(method))
             }
             OperationKind::Point { surfaces, scallop, method, .. } => {

@@ -10,7 +10,7 @@ use wheel::method::FlankMethod;
 use wheel::part::sample;
 
 /// Most strips that a plan may optimise: each takes about a second of a processor.
-const MOST_STRIPS: u32 = 200;
+const MAX_STRIPS: u32 = 200;
 
 /// Strips of a face that `strips auto` may try.
 const AUTO_STRIPS: u32 = 8;
@@ -87,15 +87,14 @@ fn check_strips(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
         OperationKind::Roughing { .. } | OperationKind::Channel { .. } | OperationKind::Point { .. } => 0,
     };
     let all = program.operations.iter().map(|(_, o)| strips_of(o)).fold(0, u32::saturating_add);
-    let Some((_, operation)) =
-        program.operations.iter().filter(|_| all > MOST_STRIPS).max_by_key(|(_, o)| strips_of(o))
+    let Some((_, operation)) = program.operations.iter().filter(|_| all > MAX_STRIPS).max_by_key(|(_, o)| strips_of(o))
     else {
         return Ok(());
     };
     sink.push(
         Diag::error(
             planning::OVER_MEMORY,
-            format!("the job optimises up to {all} strips of flank milling; the limit is {MOST_STRIPS}"),
+            format!("the job optimises up to {all} strips of flank milling; the limit is {MAX_STRIPS}"),
         )
         .label(operation.span, format!("{} of them", strips_of(operation)))
         .help(format!(

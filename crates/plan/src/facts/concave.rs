@@ -30,12 +30,12 @@ pub fn measure(part: &Part, side: FaceId) -> Option<Concave> {
         let foot = part.fillet_top(side, u).unwrap_or(0.0);
         (0..=SURFACE_INTERVALS[1]).map(move |j| [u, foot + (1.0 - foot) * j as f64 / SURFACE_INTERVALS[1] as f64])
     });
-    let bend = |[u, v]: [f64; 2]| {
+    let curvature_at = |[u, v]: [f64; 2]| {
         // Towards the outside of the material.
         let [more, less] = face.surface.derivatives(u, v).curvature()?.principal;
         Some(if face.orientation > 0.0 { more } else { -less })
     };
-    let most = places.filter_map(|at| Some((bend(at)?, at))).max_by(|a, b| a.0.total_cmp(&b.0));
+    let most = places.filter_map(|at| Some((curvature_at(at)?, at))).max_by(|a, b| a.0.total_cmp(&b.0));
     let (curvature, at) = most.filter(|(curvature, _)| *curvature > 1.0 / FLAT_RADIUS_MM)?;
     Some(Concave { side, radius: 1.0 / curvature, at, point: face.surface.point(at[0], at[1]) })
 }

@@ -74,11 +74,11 @@ impl EnoughFit {
     }
 }
 
-/// Faces and cutters whose fit is asked for: those of `minimax` operations, and those of point milling with balls whose flutes are as
+/// Faces and cutters whose fit is judged: those of `minimax` operations, and those of point milling with balls whose flutes are as
 /// long as the face is high.
-fn asked(program: &Program) -> Vec<Fit> {
+fn fits(program: &Program) -> Vec<Fit> {
     let part = &program.part;
-    let mut asked: Vec<Fit> = Vec::new();
+    let mut fits: Vec<Fit> = Vec::new();
     for (id, operation) in program.operations.iter() {
         let tool = &program.tools[operation.tool];
         let cutter = tool.solid.cutter;
@@ -105,24 +105,24 @@ fn asked(program: &Program) -> Vec<Fit> {
             | OperationKind::Point { .. } => Vec::new(),
         };
         for (side, allowed) in faces {
-            if !asked.iter().any(|f| f.side == side && f.cutter == cutter) {
-                asked.push(Fit { side, cutter, tool: tool.name.clone(), allowed });
+            if !fits.iter().any(|f| f.side == side && f.cutter == cutter) {
+                fits.push(Fit { side, cutter, tool: tool.name.clone(), allowed });
             }
         }
     }
-    asked
+    fits
 }
 
 /// Reports how well the sides of cutters fit the faces that they finish, or could finish in the place of point milling.
 pub fn report(program: &Program, progress: &Progress, sink: &mut Sink) {
     let part = &program.part;
     let around = Surroundings::watched(part, progress);
-    let asked = asked(program);
-    let work = progress.begin("fits of cutters to faces", 3 * asked.len());
+    let fits = fits(program);
+    let work = progress.begin("fits of cutters to faces", 3 * fits.len());
     let fitted = |fit: &Fit, strips| work.do_step(|| least_error(&around, fit.side, strips, fit.cutter, 1)).flatten();
     let errors = |fit: &Fit| [1, 2, 3].map(|strips| fitted(fit, strips));
-    let found: Vec<_> = asked.par_iter().map(errors).collect();
-    for (fit, errors) in asked.iter().zip(found) {
+    let found: Vec<_> = fits.par_iter().map(errors).collect();
+    for (fit, errors) in fits.iter().zip(found) {
         let [Some(one), Some(two), Some(three)] = errors.map(|w| w.map(|w| w.error)) else { continue };
         // More strips can follow the paths of fewer, where the search found none that are better.
         let (two, three) = (two.min(one), three.min(two).min(one));

@@ -34,14 +34,14 @@ const SHRINKS: usize = 40;
 /// Largest cut of a ball into the hub that counts as rounding, mm.
 const HUB_CUT_ROUNDING_MM: f64 = 1e-6;
 
-/// Radius of the first ball where none is asked for, mm, larger than any free space.
+/// Radius of the first ball where none is required, mm, larger than any free space.
 const ENDLESS: f64 = 1e4;
 
 /// A place of a vane with the free space before it.
 struct Spot {
     kind: SurfaceKind,
     place: Place,
-    /// Largest radius of a ball that touches the vane here and does not meet the next vane, at most the largest that is asked for.
+    /// Largest radius of a ball that touches the vane here and does not meet the next vane, at most the largest that is needed.
     radius_limit: f64,
 }
 
@@ -58,7 +58,7 @@ pub fn check(program: &Program, sink: &mut Sink) -> Vec<FreeSpace> {
             continue;
         }
         if spots.is_empty() {
-            spots = measure(part, largest_asked(program));
+            spots = measure(part, largest_needed(program));
         }
         let own: Vec<&Spot> = spots.iter().filter(|s| surfaces.contains(&s.kind)).collect();
         let radius = program.tools[operation.tool].solid.cutter.tip_radius();
@@ -73,7 +73,7 @@ pub fn check(program: &Program, sink: &mut Sink) -> Vec<FreeSpace> {
 }
 
 /// Radius beyond which free space makes no difference, mm: no tool of the operations and no answer is larger.
-fn largest_asked(program: &Program) -> f64 {
+fn largest_needed(program: &Program) -> f64 {
     let of_tools = program.tools.iter().map(|(_, tool)| tool.solid.cutter.tip_radius());
     let fillet = program.part.main().fillet.as_ref().map_or(ENDLESS, |f| f.least().get());
     of_tools.fold(fillet, f64::max)
@@ -112,8 +112,8 @@ fn radius_limit(surface: &FaceSurface, place: &Place, most: f64) -> f64 {
         if near.distance >= radius - HUB_CUT_ROUNDING_MM {
             break;
         }
-        let way = near.point - place.position;
-        radius = way.norm_squared() / (2.0 * way.dot(&place.normal));
+        let chord = near.point - place.position;
+        radius = chord.norm_squared() / (2.0 * chord.dot(&place.normal));
     }
     radius
 }

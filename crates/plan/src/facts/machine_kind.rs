@@ -6,7 +6,7 @@ use ir::Program;
 use nalgebra::Vector3;
 
 /// Least angle to Z up to which the tool must take every direction, radians: less than any impeller needs.
-const LEAST_LEAN: f64 = std::f64::consts::PI / 180.0;
+const MIN_TILT: f64 = std::f64::consts::PI / 180.0;
 
 /// Refuses a machine whose rotary axes do not give the tool the directions about the axis of the part.
 ///
@@ -15,8 +15,8 @@ const LEAST_LEAN: f64 = std::f64::consts::PI / 180.0;
 pub fn check(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
     let machine = &program.machine;
     let [.., first, second] = machine.names();
-    let lean = machine.max_tilt();
-    if lean >= LEAST_LEAN {
+    let tilt = machine.max_tilt();
+    if tilt >= MIN_TILT {
         return Ok(());
     }
     let upright = machine.reaches(&Vector3::z());
@@ -24,7 +24,7 @@ pub fn check(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
         format!(
             "{first} and {second} of the machine {} lean the tool to all sides by at most {:.2} deg",
             machine.name,
-            lean.to_degrees()
+            tilt.to_degrees()
         )
     } else {
         format!("{first} and {second} of the machine {} do not set the tool along the axis of the part", machine.name)

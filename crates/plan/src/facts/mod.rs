@@ -114,7 +114,7 @@ fn report(program: &Program, fits: Option<&Progress>, sink: &mut Sink) {
     stock_height::check(program, sink);
     let before = sink.errors();
     reach::check(program, &throats, sink);
-    // Where the fillets fill the channel, they are the cause that is told, and not each ball.
+    // Where the fillets fill the channel, they are the reported cause, and not each ball.
     if sink.errors() == before || !reach::fillets_fill(program, &throats) {
         free_space::check(program, sink);
     }

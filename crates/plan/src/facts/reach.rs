@@ -65,8 +65,8 @@ struct Finder<'a> {
     walls: [FaceId; 2],
     channel: Channel<'a>,
     throat: &'a Throat,
-    /// Widths that were asked for before, with their distances from walls and hub: a search for the largest tool asks for the same
-    /// one again where the corner of the tool stays.
+    /// Widths that are known, with their distances from walls and hub: a search for the largest tool needs the same width again where
+    /// the corner of the tool stays.
     widths: RefCell<Vec<([f64; 2], Option<FreeWidth>)>>,
 }
 
@@ -177,7 +177,7 @@ pub fn check(program: &Program, throats: &[(Passage, Throat)], sink: &mut Sink) 
     let Some(throat) = narrowest.min_by(|a, b| a.narrowest.distance.total_cmp(&b.narrowest.distance)) else {
         return reaches;
     };
-    if let Some(fault) = no_room(program, throat, &reaches) {
+    if let Some(fault) = fillets_too_large(program, throat, &reaches) {
         sink.push(fault);
         return reaches;
     }
@@ -188,11 +188,11 @@ pub fn check(program: &Program, throats: &[(Passage, Throat)], sink: &mut Sink) 
         kind.finishes() && kind.of_larger_tool().is_none()
     };
     // One message a tool, whatever number of operations it finishes.
-    let mut told: Vec<ToolId> = Vec::new();
+    let mut reported: Vec<ToolId> = Vec::new();
     for reach in reaches.iter().filter(must_fit).filter(|r| !r.fits) {
         let tool = program.operations[reach.operation].tool;
-        if !told.contains(&tool) {
-            told.push(tool);
+        if !reported.contains(&tool) {
+            reported.push(tool);
             let of_tool = |r: &&Reach| !r.fits && program.operations[r.operation].tool == tool;
             let all: Vec<&Reach> = reaches.iter().filter(must_fit).filter(of_tool).collect();
             sink.push(too_large(program, throat, &all, "finish the channel"));
@@ -212,8 +212,8 @@ fn two_fillets(program: &Program) -> f64 {
     program.part.main().fillet.as_ref().map_or(0.0, |fillet| 2.0 * fillet.most().get())
 }
 
-/// The error for a part whose fillets leave no room between two vanes: no tool fits, so it is no fault of a tool.
-fn no_room(program: &Program, throat: &Throat, reaches: &[Reach]) -> Option<Diag> {
+/// The error for a part whose fillets leave no space between two vanes: no tool fits, so it is no fault of a tool.
+fn fillets_too_large(program: &Program, throat: &Throat, reaches: &[Reach]) -> Option<Diag> {
     let fillet = program.part.main().fillet.as_ref()?;
     let needed = two_fillets(program);
     let (narrow, vanes) = (&throat.narrowest, program.part.vane_count);

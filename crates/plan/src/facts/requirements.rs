@@ -15,8 +15,8 @@ const OF_EQUAL_SHARES: f64 = 0.25;
 
 /// Reports both.
 pub(super) fn check(program: &Program, sink: &mut Sink) {
-    let asked = program.contracts.iter().filter(|c| c.kind == ContractKind::Excess && !c.default);
-    for contract in asked {
+    let contracts = program.contracts.iter().filter(|c| c.kind == ContractKind::Excess && !c.default);
+    for contract in contracts {
         // One message a contract: the operation with the highest scallops.
         let over = SurfaceClass::ALL.into_iter().filter_map(|class| scallops(program, contract, class));
         let over = over.filter(|found| found.scallop.get() > contract.bound.value());
@@ -109,8 +109,9 @@ fn too_high(contract: &Contract, found: &Scallops<'_>) -> Diag {
 /// Words of the post whose rounding takes more than the gouge that a contract allows.
 fn coarse_words(program: &Program, sink: &mut Sink) {
     let waived = program.allowed.iter().any(|a| a.kind == ContractKind::Gouge);
-    let asked = program.contracts.iter().filter(|c| c.kind == ContractKind::Gouge);
-    let Some(strictest) = asked.min_by(|a, b| a.bound.value().total_cmp(&b.bound.value())).filter(|_| !waived) else {
+    let contracts = program.contracts.iter().filter(|c| c.kind == ContractKind::Gouge);
+    let Some(strictest) = contracts.min_by(|a, b| a.bound.value().total_cmp(&b.bound.value())).filter(|_| !waived)
+    else {
         return;
     };
     let (bound, digits) = (strictest.bound.value(), program.control().decimals);

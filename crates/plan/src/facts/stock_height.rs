@@ -7,14 +7,14 @@ use ir::{Program, RoughingStrategy};
 
 /// Largest height of the blank over the shroud, as a share of the depth of a level: levels begin at the shroud, and the
 /// first of them takes what stands over it.
-const MOST_OVER: f64 = 0.5;
+const MAX_OVER_SHARE: f64 = 0.5;
 
 /// Reports an error when the first operation roughs and the blank stands too high.
 pub(super) fn check(program: &Program, sink: &mut Sink) {
     let Some((_, operation)) = program.operations.iter().next() else { return };
     let Some(RoughingStrategy::Rough { depth, .. }) = operation.kind.strategy() else { return };
     let over = program.stock.over_shroud;
-    let most = Mm(MOST_OVER * depth.get());
+    let most = Mm(MAX_OVER_SHARE * depth.get());
     if over.get() <= most.get() {
         return;
     }

@@ -41,8 +41,8 @@ pub fn measure(part: &Part, side: FaceId) -> Twist {
         let root = face.point(u, 0.0);
         let ruling = face.point(u, 1.0) - root;
         let length = ruling.norm();
-        let off = |k: usize| ((face.point(u, k as f64 / HEIGHTS as f64) - root).cross(&ruling) / length).norm();
-        twist.bulge = (1..HEIGHTS).map(off).fold(twist.bulge, f64::max);
+        let deviation = |k: usize| ((face.point(u, k as f64 / HEIGHTS as f64) - root).cross(&ruling) / length).norm();
+        twist.bulge = (1..HEIGHTS).map(deviation).fold(twist.bulge, f64::max);
         twist.ruling = [twist.ruling[0].min(length), twist.ruling[1].max(length)];
     }
     twist

@@ -165,25 +165,25 @@ impl Fitting<'_> {
         // Move of each place.
         let mut of = vec![0];
         for (i, pair) in ends.windows(2).enumerate() {
-            let way = (pair[1] - pair[0]).norm();
-            if way <= 0.0 {
+            let length = (pair[1] - pair[0]).norm();
+            if length <= 0.0 {
                 return Err(i);
             }
             let from = parameters[parameters.len() - 1];
-            let count = (way / PLACE_SPACING_MM).ceil().max(4.0);
+            let count = (length / PLACE_SPACING_MM).ceil().max(4.0);
             for k in 1..=count as usize {
                 let share = k as f64 / count;
                 places.push(pair[0].lerp(&pair[1], share));
-                parameters.push(from + way * share);
+                parameters.push(from + length * share);
                 of.push(i);
             }
         }
         let axes: Vec<Vector3<f64>> = places.iter().map(|p| self.axis(p)).collect();
-        let off = |i: usize, at: &Place| {
+        let deviation = |i: usize, at: &Place| {
             let (tip, turned) = (at.fixed_rows::<3>(0) - places[i].fixed_rows::<3>(0), self.axis(at) - axes[i]);
             self.heights.iter().map(|at| (tip + turned * at.height).norm() / at.tolerance).fold(0.0, f64::max)
         };
-        spline_fit::fit(&places, &parameters, self.form.degree(), off).map_err(|at| of[at])
+        spline_fit::fit(&places, &parameters, self.form.degree(), deviation).map_err(|at| of[at])
     }
 
     /// The place that the words of the post say.
@@ -217,7 +217,7 @@ impl Fitting<'_> {
             blocks.push((curve, chords));
         }
         // The rotary axes end where the pass ends, on the same branch.
-        (most_turn(before, last.joints.rotary) < SAME).then(|| Fitted { run: run.clone(), start, blocks })
+        (most_turn(before, last.joints.rotary) < SAME_ANGLE).then(|| Fitted { run: run.clone(), start, blocks })
     }
 
     /// Rotary positions at the start.
@@ -241,7 +241,7 @@ impl Fitting<'_> {
 }
 
 /// Rotary positions that differ by less are the same up to rounding of words, radians.
-const SAME: f64 = 1e-4;
+const SAME_ANGLE: f64 = 1e-4;
 
 /// Moves both ends of each span to their words. The neighbours of an end go with it, so that no corner arises there.
 fn on_words(mut spans: Vec<Vec<Place>>, rounded: impl Fn(&Place) -> Place) -> Vec<Vec<Place>> {

@@ -79,7 +79,7 @@ pub fn run_from(program: &Program, start: StageValue, progress: &Progress, sink:
 /// Contacts on drive surfaces, operation by operation.
 fn contacts(cx: &mut PassContext<'_>) -> Result<CcPlan, Aborted> {
     let roughings = roughings(cx)?;
-    // Tools that are too short are told before their levels are planned without the floor.
+    // Tools that are too short are reported before their levels are planned without the floor.
     short_reach::check(cx, &roughings)?;
     // Smaller balls of the floor finish what larger ones cannot.
     let middles = clear_floor::run(cx)?;
@@ -93,7 +93,7 @@ fn contacts(cx: &mut PassContext<'_>) -> Result<CcPlan, Aborted> {
 fn locations(cx: &mut PassContext<'_>, cc: &CcPlan) -> Result<ClPlan, Aborted> {
     let mut cl = orient_tool::run(cx, cc)?;
     cx.holds("orient-tool", |program| validate::cl(program, &cl, ClStage::Oriented))?;
-    // A machine that is too small is told before the axes of finishing are planned.
+    // A machine that is too small is reported before the axes of finishing are planned.
     first_travel::check(cx, &cl)?;
     // Collision avoidance and smoothing need all stations; thinning and links need the final axes.
     avoid_collision::run(cx, short_reach::refusal, cc, &mut cl)?;

@@ -92,7 +92,7 @@ impl<'a> Words<'a> {
     /// length 1 in the same direction may round to other words: in turn, this ends at words that stay.
     fn direction(&self, axis: &Vector3<f64>) -> Vector3<f64> {
         let mut direction = *axis;
-        for _ in 0..MOST_ROUNDS {
+        for _ in 0..MAX_ROUNDS {
             let rounded = direction.map(|x| on_step(x, self.decimals.vector));
             let next = rounded.normalize();
             if next.map(|x| on_step(x, self.decimals.vector)) == rounded {
@@ -106,16 +106,16 @@ impl<'a> Words<'a> {
     /// Rotary positions, near the exact ones, that give the direction of the words of a vector.
     fn of_vector(&self, axis: &Vector3<f64>, near: Angles, before: Angles) -> Angles {
         let words = self.direction(axis);
-        let apart = |angles: &Angles| (angles[0] - near[0]).abs() + (angles[1] - near[1]).abs();
+        let distance = |angles: &Angles| (angles[0] - near[0]).abs() + (angles[1] - near[1]).abs();
         // At a pole axis 2 stays where it was.
         let free = if self.machine.chain.polar_angle(near[0]) < POLE { before[1] } else { near[1] };
         let found = [0, 1].map(|branch| self.machine.chain.unwound(&words, branch, free));
-        if apart(&found[1]) < apart(&found[0]) { found[1] } else { found[0] }
+        if distance(&found[1]) < distance(&found[0]) { found[1] } else { found[0] }
     }
 }
 
 /// Most rounds until the words of a direction stay. Without an end the text says the direction within half a step.
-const MOST_ROUNDS: usize = 16;
+const MAX_ROUNDS: usize = 16;
 
 /// Angle between the tool and axis 2 below which that axis is not determined by a rounded vector, radians.
 const POLE: f64 = 1e-9;

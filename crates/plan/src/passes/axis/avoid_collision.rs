@@ -6,7 +6,7 @@
 //! `ruling` changes nothing. Layers have already made roughing lines clear. A pass without a clear axis is an error
 //! that names the place.
 
-use super::clear_axes::{ClearAxes, LEAST_TILT, StandingBall, is_steep, share_of_size};
+use super::clear_axes::{ClearAxes, MIN_TILT, StandingBall, is_steep, share_of_size};
 use super::orient_tool::tilted_points;
 use super::other_tools::remedy_for;
 use super::run::lengths;
@@ -55,17 +55,17 @@ struct Unclear {
     tilt: Option<f64>,
 }
 
-/// The worst of all violations, which are negative, between the stations before and behind each of `few`.
-fn worst_between(few: &[usize], all: &[Option<f64>]) -> Vec<Option<f64>> {
+/// For each of some stations the worst violation, negative, between the stations before and behind it.
+fn worst_between(sparse: &[usize], all: &[Option<f64>]) -> Vec<Option<f64>> {
     let worst = |k: usize| {
-        let from = if k == 0 { 0 } else { few[k - 1] };
-        let to = few.get(k + 1).copied().unwrap_or(all.len() - 1);
+        let from = if k == 0 { 0 } else { sparse[k - 1] };
+        let to = sparse.get(k + 1).copied().unwrap_or(all.len() - 1);
         all[from..=to].iter().flatten().copied().reduce(f64::min)
     };
-    (0..few.len()).map(worst).collect()
+    (0..sparse.len()).map(worst).collect()
 }
 
-/// Tells why the tool of an operation is too near to the part, where the operation itself knows.
+/// The reason why the tool of an operation is too near to the part, where the operation itself knows it.
 pub(crate) type TooNear = fn(&PassContext<'_>, &Operation) -> Option<Diag>;
 
 /// Makes axes collision-free, or reports where this is impossible: with the reason of the operation, where it has one.
@@ -89,14 +89,14 @@ pub(crate) fn run(cx: &mut PassContext<'_>, reason: TooNear, cc: &CcPlan, cl: &m
         };
         let found: Option<Vec<Result<ClearedPass, Miss>>> = pairs().map(clear).collect();
         let found = found.ok_or(Aborted)?;
-        let (mut steepest, mut side, mut aside) = (0.0_f64, 0.0_f64, 0_usize);
+        let (mut steepest, mut side, mut turned_passes) = (0.0_f64, 0.0_f64, 0_usize);
         let mut blocked = Vec::new();
         for (index, found) in found.into_iter().enumerate() {
             match found {
                 Ok(cleared) => {
                     steepest = steepest.max(cleared.steepest);
                     side = side.max(cleared.side.abs());
-                    aside += usize::from(cleared.side != 0.0);
+                    turned_passes += usize::from(cleared.side != 0.0);
                     oriented.passes[index].points = cleared.points;
                 }
                 Err(miss) => blocked.push((index, miss)),
@@ -113,8 +113,10 @@ pub(crate) fn run(cx: &mut PassContext<'_>, reason: TooNear, cc: &CcPlan, cl: &m
                 trim(steepest, 1)
             ));
         }
-        if aside > 0 {
-            oriented.notes.push(format!("on {aside} passes they turn to one side by up to {} deg", trim(side, 1)));
+        if turned_passes > 0 {
+            oriented
+                .notes
+                .push(format!("on {turned_passes} passes they turn to one side by up to {} deg", trim(side, 1)));
         }
     }
     if failed { Err(Aborted) } else { Ok(()) }
@@ -188,7 +190,7 @@ fn no_sequence(
     let diag = match at.why {
         Gap::NoAxis => clear.no_axis(&operation.name, &tool.name, &at.at, &at.about, "the channel's direction", help),
         Gap::NearPole => {
-            let least = LEAST_TILT.to_degrees();
+            let least = MIN_TILT.to_degrees();
             no_motion(
                 &operation.name,
                 &tool.name,
@@ -196,7 +198,7 @@ fn no_sequence(
                 help(),
             )
         }
-        Gap::Apart => {
+        Gap::TooFar => {
             let [turn, step] = [sequence::MAX_STATION_TURN.to_degrees(), clear.scaled(sequence::STATION_SPACING_MM)];
             let reason = format!("are more than {turn:.0} deg away from those {step:.1} mm before");
             no_motion(&operation.name, &tool.name, &reason, help())
@@ -304,14 +306,14 @@ struct TiltedPass<'a> {
     operation: &'a Operation,
     cc: &'a CcPass,
     /// Distance that the side of the cutter keeps from the part, mm.
-    beside: f64,
+    side_clearance: f64,
 }
 
 impl<'a> TiltedPass<'a> {
     /// With the least distance of the side of the cutter.
     fn new(program: &'a Program, obstacles: &'a Obstacles, operation: &'a Operation, cc: &'a CcPass) -> Self {
-        let beside = SIDE_CLEARANCE * share_of_size(&program.tools[operation.tool].solid);
-        Self { program, obstacles, operation, cc, beside }
+        let side_clearance = SIDE_CLEARANCE * share_of_size(&program.tools[operation.tool].solid);
+        Self { program, obstacles, operation, cc, side_clearance }
     }
 
     fn solid(&self) -> &ToolSolid {
@@ -331,7 +333,7 @@ impl<'a> TiltedPass<'a> {
 
     /// Required distance of the side of a ball, mm.
     fn side(&self) -> Option<f64> {
-        (tilts_away(self.operation, self.cc) && self.solid().cutter.ends_in_ball()).then_some(self.beside)
+        (tilts_away(self.operation, self.cc) && self.solid().cutter.ends_in_ball()).then_some(self.side_clearance)
     }
 
     /// Worst violation at a station, negative.
@@ -344,14 +346,14 @@ impl<'a> TiltedPass<'a> {
             Drive::Contact(SurfaceKind::Tip(_)) => true,
             _ => false,
         };
-        let beside = self.on_vane() && !(solid.cutter.ends_in_ball() && edge);
-        let inside = if beside || matches!(self.cc.drive, Drive::HubWithLead(..)) {
+        let may_cut_in = self.on_vane() && !(solid.cutter.ends_in_ball() && edge);
+        let inside = if may_cut_in || matches!(self.cc.drive, Drive::HubWithLead(..)) {
             self.obstacles.cutter_inside(solid, &p.tip, &p.axis)
         } else {
             None
         };
         let clearance = self.program.clearance.get();
-        let body = self.obstacles.body_lack(solid, &p.tip, &p.axis, clearance, self.side());
+        let body = self.obstacles.body_violation(solid, &p.tip, &p.axis, clearance, self.side());
         inside.into_iter().chain(body).reduce(f64::min)
     }
 
@@ -366,8 +368,8 @@ impl<'a> TiltedPass<'a> {
     /// Clear stations: by tilts alone, else turned to one side as well; with the usual distance beside the cutter, else with that of
     /// a thin one.
     fn cleared(&self, points: &[ClPoint]) -> Result<ClearedPass, Miss> {
-        if self.beside < SIDE_CLEARANCE {
-            let usual = Self { beside: SIDE_CLEARANCE, ..*self };
+        if self.side_clearance < SIDE_CLEARANCE {
+            let usual = Self { side_clearance: SIDE_CLEARANCE, ..*self };
             if let Ok(cleared) = usual.cleared_at(points) {
                 return Ok(cleared);
             }
@@ -384,7 +386,7 @@ impl<'a> TiltedPass<'a> {
         let both = [TurnSide::Along, TurnSide::Across].into_iter();
         let sides = || both.clone().flat_map(|side| SIDES.map(|degrees| SideTurn { side, degrees }));
         let by = |stations: &Vec<usize>| sides().find_map(|side| self.by_stations(stations, side).ok());
-        self.looked_at().iter().find_map(by).map_or(by_tilts, Ok)
+        self.station_sets().iter().find_map(by).map_or(by_tilts, Ok)
     }
 
     /// Clear stations by tilts alone.
@@ -394,7 +396,7 @@ impl<'a> TiltedPass<'a> {
             let mut tilt = None;
             let by =
                 |stations: &Vec<usize>| self.by_stations(stations, side).map_err(|unclear| tilt = unclear.tilt).ok();
-            return self.looked_at().iter().find_map(by).ok_or_else(|| self.miss_with(tilt, side));
+            return self.station_sets().iter().find_map(by).ok_or_else(|| self.miss_with(tilt, side));
         }
         let found = self.violations(points);
         let as_they_are = || ClearedPass { points: points.to_vec(), steepest: 0.0, side: 0.0 };
@@ -405,33 +407,33 @@ impl<'a> TiltedPass<'a> {
         points.iter().map(|p| self.violation(p)).collect()
     }
 
-    /// Stations that are looked at for clear tilts: few of them, which tell sooner which tilts are not clear, then all. A path through few
-    /// stations is found less often.
-    fn looked_at(&self) -> Vec<Vec<usize>> {
-        let few = self.few();
+    /// Sets of stations at which tilts are tried: few of them, where tilts that are not clear show sooner, then all. A path through
+    /// few stations is found less often.
+    fn station_sets(&self) -> Vec<Vec<usize>> {
+        let sparse = self.sparse();
         let all: Vec<usize> = (0..self.cc.points.len()).collect();
-        if few.len() == all.len() { vec![all] } else { vec![few, all] }
+        if sparse.len() == all.len() { vec![all] } else { vec![sparse, all] }
     }
 
     /// Some of the stations, in their order: each of the others is nearer to one of them than half the radius of the ball.
-    fn few(&self) -> Vec<usize> {
+    fn sparse(&self) -> Vec<usize> {
         let stations = &self.cc.points;
         let apart = 0.5 * self.solid().cutter.tip_radius();
-        let mut few: Vec<usize> = Vec::new();
+        let mut sparse: Vec<usize> = Vec::new();
         for next in 1..stations.len() {
             let far = |last: &usize| (stations[*last].position - stations[next].position).norm() > apart;
-            if few.last().is_none_or(far) {
-                few.push(next - 1);
+            if sparse.last().is_none_or(far) {
+                sparse.push(next - 1);
             }
         }
-        few.extend(stations.len().checked_sub(1));
-        few
+        sparse.extend(stations.len().checked_sub(1));
+        sparse
     }
 
     /// Clear stations: with the least tilt that clears all of them, else with tilts that change along the pass and are clear at those of
-    /// `few`.
-    fn by_stations(&self, few: &[usize], side: SideTurn) -> Result<ClearedPass, Unclear> {
-        let points = few.iter().map(|i| self.cc.points[*i]).collect();
+    /// `sparse`.
+    fn by_stations(&self, sparse: &[usize], side: SideTurn) -> Result<ClearedPass, Unclear> {
+        let points = sparse.iter().map(|i| self.cc.points[*i]).collect();
         let cc = CcPass { label: String::new(), drive: self.cc.drive, points, path: None };
         let pass = TiltedPass { cc: &cc, ..*self };
         // The contact is on the arc of a barrel and not on its tip.
@@ -443,7 +445,7 @@ impl<'a> TiltedPass<'a> {
             let Some(tilted) = pass.tilted(|_| *tilt, side) else { return Err(Unclear { tilt: None }) };
             let mut found = pass.violations(&tilted);
             if found.iter().all(Option::is_none) {
-                if few.len() == self.cc.points.len() {
+                if sparse.len() == self.cc.points.len() {
                     return Ok(ClearedPass { points: tilted, steepest: *tilt, side: side.degrees });
                 }
                 let Some(points) = self.tilted(|_| *tilt, side) else {
@@ -453,7 +455,7 @@ impl<'a> TiltedPass<'a> {
                 if all.iter().all(Option::is_none) {
                     return Ok(ClearedPass { points, steepest: *tilt, side: side.degrees });
                 }
-                found = worst_between(few, &all);
+                found = worst_between(sparse, &all);
             }
             let violation = -found.iter().flatten().copied().fold(0.0, f64::min);
             if least.is_none_or(|(_, least)| violation < least) {
@@ -461,7 +463,7 @@ impl<'a> TiltedPass<'a> {
             }
             clear.push(found.iter().map(Option::is_none).collect());
         }
-        self.varied(few, &tilts, &clear, side).ok_or(Unclear { tilt: least.map(|(tilt, _)| tilt) })
+        self.varied(sparse, &tilts, &clear, side).ok_or(Unclear { tilt: least.map(|(tilt, _)| tilt) })
     }
 
     /// The worst station with the same tilt everywhere, degrees.
@@ -471,13 +473,13 @@ impl<'a> TiltedPass<'a> {
         self.miss(&tilted, &self.violations(&tilted)).unwrap_or_else(nowhere)
     }
 
-    /// Clear stations with tilts that change along the pass and are clear at those of `few`.
-    fn varied(&self, few: &[usize], tilts: &[f64], clear: &[Vec<bool>], side: SideTurn) -> Option<ClearedPass> {
-        if few.len() < 2 {
+    /// Clear stations with tilts that change along the pass and are clear at those of `sparse`.
+    fn varied(&self, sparse: &[usize], tilts: &[f64], clear: &[Vec<bool>], side: SideTurn) -> Option<ClearedPass> {
+        if sparse.len() < 2 {
             return None;
         }
         let all = lengths(&self.cc.points.iter().map(|p| p.position).collect::<Vec<_>>());
-        let lengths: Vec<f64> = few.iter().map(|i| all[*i]).collect();
+        let lengths: Vec<f64> = sparse.iter().map(|i| all[*i]).collect();
         let clear = ClearTilts { lengths: &lengths, tilts, clear };
         let mut paths = clear.smooth_paths(2.0 * self.solid().cutter.tip_radius(), &all).filter_map(|path| {
             let steepest = path.iter().copied().fold(0.0, f64::max);
@@ -489,7 +491,7 @@ impl<'a> TiltedPass<'a> {
     /// Which part of the tool is too near, and what it has to keep.
     fn nearest_part(&self, miss: &Miss) -> String {
         let (solid, clearance) = (self.solid(), self.program.clearance.get());
-        let body = self.obstacles.body_lack(solid, &miss.at.tip, &miss.at.axis, clearance, None).unwrap_or(0.0);
+        let body = self.obstacles.body_violation(solid, &miss.at.tip, &miss.at.axis, clearance, None).unwrap_or(0.0);
         if -body >= miss.violation {
             return format!("required clearance of shank and holder {clearance:.2} mm");
         }

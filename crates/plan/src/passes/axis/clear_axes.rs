@@ -1,7 +1,7 @@
 //! Which tool axes are clear at a contact of the floor, with a proof between contacts.
 //!
 //! The ball of the tool stands on the floor, and the tool turns about the centre of the ball. Required distances: those
-//! of the contracts for shank and holder, and [`SIDE`] for the side of the cutter. The side counts from one diameter
+//! of the contracts for shank and holder, and [`SIDE_DISTANCE_MM`] for the side of the cutter. The side counts from one diameter
 //! over the tip on, where the contact no longer has any influence. Between two stations the tip runs straight and the
 //! rotary axes turn evenly. At the middle of a piece, each tool point is at most this far from all of its positions on
 //! the piece: half of the tip motion, plus half of the turn times its distance from the tip. Pieces are halved until
@@ -26,28 +26,28 @@ use wheel::operation::Allowances;
 use wheel::part::Clamping;
 
 /// Required distance of the side of the cutter from the part, from one diameter over the tip on, mm, for tools from
-/// [`WHOLE_SIDE`] on.
-const SIDE: f64 = 0.5;
+/// [`WHOLE_DISTANCE_DIAMETER_MM`] on.
+const SIDE_DISTANCE_MM: f64 = 0.5;
 
 /// Diameter of a ball, mm, below which the required distance of the side shrinks in proportion: a distance that suits a wheel
 /// of 100 mm is wider than the channels of one of 20 mm.
-const WHOLE_SIDE: f64 = 5.0;
+const WHOLE_DISTANCE_DIAMETER_MM: f64 = 5.0;
 
 /// Shares of the distance beside the cutter that are enough on a pass where no axes with the whole distance lead along it: between
 /// two blades, or round an edge. The distance only keeps the flutes free; cuts into the part are judged in verification.
-const LESS_BESIDE: [f64; 2] = [0.4, 0.1];
+const SIDE_DISTANCE_SHARES: [f64; 2] = [0.4, 0.1];
 
 /// Angles from the middle at which axes are tried, degrees.
 const RING_ANGLES_DEG: [f64; 9] = [2.5, 5.0, 8.0, 11.0, 15.0, 20.0, 26.0, 33.0, 41.0];
 
 /// Angles at which axes are tried where none of [`RING_ANGLES_DEG`] is clear, degrees: along a twisted channel the tool comes in over
 /// the inlet or over the outlet.
-const WIDER_RINGS: [f64; 3] = [50.0, 60.0, MOST_AWAY];
+const OUTER_RING_ANGLES_DEG: [f64; 3] = [50.0, 60.0, MAX_AWAY_DEG];
 
 /// Largest angle from the middle, degrees.
-const MOST_AWAY: f64 = 70.0;
+const MAX_AWAY_DEG: f64 = 70.0;
 
-/// Directions from which the search goes on where no axis on the rings is clear: those that lack least.
+/// Directions from which the search goes on where no axis on the rings is clear: those with the least violation.
 const STARTS: usize = 4;
 
 /// Steps of that search, degrees: the first one, and the least.
@@ -58,10 +58,10 @@ const AXES_PER_RING: usize = 16;
 
 /// Least tilt of a candidate, radians. Nearer to the pole, rotary axis 2 would turn through, and a pass keeps one
 /// branch.
-pub(super) const LEAST_TILT: f64 = 0.1;
+pub(super) const MIN_TILT: f64 = 0.1;
 
 /// Largest cone about an axis, as a tangent in the plane at height one.
-const REACH: f64 = 0.6;
+const MAX_CONE_TANGENT: f64 = 0.6;
 
 /// Distance of a contact from the centre of its ball below which they have no direction, mm.
 const NO_NORMAL: f64 = 1e-9;
@@ -70,7 +70,7 @@ const NO_NORMAL: f64 = 1e-9;
 const AT_THE_MIDDLE: f64 = 1e-6;
 
 /// Half axis of a cone that is wide enough: 1.7 deg.
-const WIDE: f64 = 0.03;
+const WIDE_CONE_HALF_AXIS: f64 = 0.03;
 
 /// Number of clear axes about which cones are tried until a cone is wide enough.
 const CONE_SEEDS: usize = 8;
@@ -113,9 +113,9 @@ pub(crate) struct ClearAxes<'a> {
     solid: &'a ToolSolid,
     clamping: &'a Clamping,
     /// Required distances of the side of the cutter, of shank and of holder, mm.
-    asked: [f64; 3],
+    required: [f64; 3],
     /// Largest angle between tool axis and Z within the travel of the rotary axes, radians.
-    most_lean: f64,
+    max_tilt: f64,
     program: &'a Program,
     /// Sectors in which the axes are to stay within their travel: one of them where all have equal positions of X, Y and Z.
     sectors: &'a [u32],
@@ -131,8 +131,8 @@ impl<'a> ClearAxes<'a> {
             obstacles,
             solid,
             clamping: &program.stock.clamping,
-            asked: [SIDE * share_of_size(solid), bound(Guarded::Shank), bound(Guarded::Holder)],
-            most_lean: program.machine.max_tilt(),
+            required: [SIDE_DISTANCE_MM * share_of_size(solid), bound(Guarded::Shank), bound(Guarded::Holder)],
+            max_tilt: program.machine.max_tilt(),
             program,
             sectors,
         }
@@ -142,15 +142,15 @@ impl<'a> ClearAxes<'a> {
         self.solid.cutter.tip_radius()
     }
 
-    /// The same with less and less distance beside the cutter.
-    pub(crate) fn with_less_beside(&self) -> [Self; 2] {
-        let [side, shank, holder] = self.asked;
-        LESS_BESIDE.map(|share| Self { asked: [share * side, shank, holder], ..*self })
+    /// The same with shorter and shorter required distances beside the cutter.
+    pub(crate) fn with_less_side_distance(&self) -> [Self; 2] {
+        let [side, shank, holder] = self.required;
+        SIDE_DISTANCE_SHARES.map(|share| Self { required: [share * side, shank, holder], ..*self })
     }
 
     /// Required distance beside the cutter, mm.
-    pub(crate) fn beside_cutter(&self) -> f64 {
-        self.asked[0]
+    pub(crate) fn side_distance(&self) -> f64 {
+        self.required[0]
     }
 
     /// A length that suits usual tools, less in proportion for thin ones: such tools finish small wheels.
@@ -161,7 +161,7 @@ impl<'a> ClearAxes<'a> {
     /// Distance of a point less the required distance; negative for a violation.
     fn slack(&self, rho: f64, s: f64) -> f64 {
         let from = 2.0 * self.radius();
-        let [side, shank, holder] = self.asked;
+        let [side, shank, holder] = self.required;
         let least = |sections: &[Section]| Section::least_distance(sections, rho, s);
         let cutter = if s >= from {
             self.solid.cutter_distance(rho, s)
@@ -177,10 +177,10 @@ impl<'a> ClearAxes<'a> {
     pub(crate) fn clear(&self, ball: &StandingBall, axis: &Vector3<f64>, cap: f64, margin: f64) -> bool {
         let StandingBall { centre, .. } = ball;
         let tip = centre - axis * self.radius();
-        self.leans_within_travel(axis, cap)
+        self.tilt_within_travel(axis, cap)
             && ball.above_the_middle(axis) + cap <= AT_THE_MIDDLE
             && self.in_linear_travel(&tip, axis, cap)
-            && self.over_clamping(centre, &leaning_by(axis, cap))
+            && self.over_clamping(centre, &tilted_by(axis, cap))
             && self.obstacles.keeps(
                 &tip,
                 axis,
@@ -190,15 +190,15 @@ impl<'a> ClearAxes<'a> {
             )
     }
 
-    /// True when shank and holder are over the clamping or beside it. The tool comes down as it leans, so that an axis which leans less
-    /// is over the clamping as well.
+    /// True when shank and holder are over the clamping or beside it. The tool comes down as it tilts: an axis with less tilt is over
+    /// the clamping as well.
     fn over_clamping(&self, centre: &Point3<f64>, axis: &Vector3<f64>) -> bool {
         self.clamping.clears_body(self.solid, &(centre - axis * self.radius()), axis)
     }
 
     /// True when every axis within the angle `cap`, radians, of this axis is within the travel of the rotary axes.
-    fn leans_within_travel(&self, axis: &Vector3<f64>, cap: f64) -> bool {
-        libm::atan2(libm::hypot(axis.x, axis.y), axis.z) + cap <= self.most_lean
+    fn tilt_within_travel(&self, axis: &Vector3<f64>, cap: f64) -> bool {
+        libm::atan2(libm::hypot(axis.x, axis.y), axis.z) + cap <= self.max_tilt
     }
 
     /// True when X, Y and Z stay within their travel too, in all sectors. An angle of `cap` moves them by about this angle times
@@ -218,7 +218,7 @@ impl<'a> ClearAxes<'a> {
 
     /// True when all axes of the machine stay within their travel, in all sectors.
     pub(crate) fn in_travel(&self, at: &ClPoint) -> bool {
-        self.leans_within_travel(&at.axis, 0.0) && self.in_linear_travel(&at.tip, &at.axis, 0.0)
+        self.tilt_within_travel(&at.axis, 0.0) && self.in_linear_travel(&at.tip, &at.axis, 0.0)
     }
 
     /// True when the tool is clear over a whole piece of motion.
@@ -233,30 +233,30 @@ impl<'a> ClearAxes<'a> {
         if !near.is_empty() {
             return near;
         }
-        let wider: Vec<Vector3<f64>> = rings(middle, &WIDER_RINGS).filter(clear).collect();
-        if wider.is_empty() { self.between_rings(ball, middle, margin) } else { wider }
+        let outer: Vec<Vector3<f64>> = rings(middle, &OUTER_RING_ANGLES_DEG).filter(clear).collect();
+        if outer.is_empty() { self.between_rings(ball, middle, margin) } else { outer }
     }
 
     /// True where [`Self::candidates`] finds an axis.
     pub(crate) fn has_candidates(&self, ball: &StandingBall, middle: &Vector3<f64>) -> bool {
-        let mut tried = around(middle).chain(rings(middle, &WIDER_RINGS));
+        let mut tried = around(middle).chain(rings(middle, &OUTER_RING_ANGLES_DEG));
         tried.any(|d| self.clear(ball, &d, 0.0, 0.0)) || !self.between_rings(ball, middle, 0.0).is_empty()
     }
 
-    /// Clear axes between those of the rings: from the axes that lack least, each step goes where the tool lacks less. Between
-    /// the walls of a twisted channel the clear axes are a narrow cone.
+    /// Clear axes between those of the rings. The search starts at the axes with the least violation, and each step reduces it.
+    /// Between the walls of a twisted channel the clear axes are a narrow cone.
     fn between_rings(&self, ball: &StandingBall, middle: &Vector3<f64>, margin: f64) -> Vec<Vector3<f64>> {
-        let lack = |d: &Vector3<f64>| self.lack(ball, d, margin);
+        let violation = |d: &Vector3<f64>| self.violation(ball, d, margin);
         let clear = |d: &Vector3<f64>| self.clear(ball, d, 0.0, margin);
-        let all = around(middle).chain(rings(middle, &WIDER_RINGS));
-        let mut starts: Vec<(f64, Vector3<f64>)> = all.map(|d| (lack(&d), d)).collect();
+        let all = around(middle).chain(rings(middle, &OUTER_RING_ANGLES_DEG));
+        let mut starts: Vec<(f64, Vector3<f64>)> = all.map(|d| (violation(&d), d)).collect();
         starts.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let cone = libm::cos(MOST_AWAY.to_radians());
-        for (mut least, mut axis) in starts.into_iter().take(STARTS).filter(|(lack, _)| lack.is_finite()) {
+        let cone = libm::cos(MAX_AWAY_DEG.to_radians());
+        for (mut least, mut axis) in starts.into_iter().take(STARTS).filter(|(violation, _)| violation.is_finite()) {
             let mut step = SEARCH_STEPS_DEG[0];
             while step >= SEARCH_STEPS_DEG[1] && least < 0.0 {
-                let beside = ring(&axis, step).filter(|d| d.dot(middle) >= cone).map(|d| (lack(&d), d));
-                match beside.max_by(|a, b| a.0.total_cmp(&b.0)) {
+                let neighbours = ring(&axis, step).filter(|d| d.dot(middle) >= cone).map(|d| (violation(&d), d));
+                match neighbours.max_by(|a, b| a.0.total_cmp(&b.0)) {
                     Some(better) if better.0 > least => (least, axis) = better,
                     _ => step *= 0.5,
                 }
@@ -268,8 +268,8 @@ impl<'a> ClearAxes<'a> {
         Vec::new()
     }
 
-    /// How much the tool lacks of the required distances, negative; 0 where it keeps them.
-    fn lack(&self, ball: &StandingBall, axis: &Vector3<f64>, margin: f64) -> f64 {
+    /// Worst violation of the required distances, negative; 0 where the tool keeps them.
+    fn violation(&self, ball: &StandingBall, axis: &Vector3<f64>, margin: f64) -> f64 {
         let tip = ball.centre - axis * self.radius();
         let reached = self.in_travel(&ClPoint { tip, axis: *axis, contact: None });
         if !reached || !self.over_clamping(&ball.centre, axis) {
@@ -325,11 +325,11 @@ impl<'a> ClearAxes<'a> {
         for about in axes.take(CONE_SEEDS) {
             let frame = frame_about(&about, &Vector3::z());
             let clear = |d: &Vector3<f64>, cap: f64| self.clear(ball, d, cap, margin);
-            let Some(cone) = inscribe(&frame, Vector2::zeros(), REACH, proof, &clear) else { continue };
+            let Some(cone) = inscribe(&frame, Vector2::zeros(), MAX_CONE_TANGENT, proof, &clear) else { continue };
             if best.is_none_or(|b| cone.half_axes[1] > b.half_axes[1]) {
                 best = Some(cone);
             }
-            if cone.half_axes[1] >= WIDE {
+            if cone.half_axes[1] >= WIDE_CONE_HALF_AXIS {
                 break;
             }
         }
@@ -349,11 +349,11 @@ impl<'a> ClearAxes<'a> {
         if let Some(diag) = self.no_travel(operation, tool, at, about) {
             return diag;
         }
-        let [side, shank, holder] = self.asked;
+        let [side, shank, holder] = self.required;
         Diag::error(
             orientation::NO_AXIS,
             format!(
-                "`{operation}`: no tool axis within {MOST_AWAY} deg of {direction} keeps {tool} clear of the part; \
+                "`{operation}`: no tool axis within {MAX_AWAY_DEG} deg of {direction} keeps {tool} clear of the part; \
                  required clearance {} mm at the side of the cutter, {shank} mm at the shank, {holder} mm at the holder",
                 trim(side, 3)
             ),
@@ -374,7 +374,8 @@ impl<'a> ClearAxes<'a> {
             };
             self.sectors.iter().filter_map(in_sector).max_by(|a, b| a.2.total_cmp(&b.2))
         };
-        let clear = around(about).chain(rings(about, &WIDER_RINGS)).filter(|d| anywhere.clear(&ball, d, 0.0, 0.0));
+        let clear =
+            around(about).chain(rings(about, &OUTER_RING_ANGLES_DEG)).filter(|d| anywhere.clear(&ball, d, 0.0, 0.0));
         let (k, position, beyond) = clear.filter_map(worst).min_by(|a, b| a.2.total_cmp(&b.2))?;
         if beyond <= 0.0 {
             return None;
@@ -397,25 +398,25 @@ impl<'a> ClearAxes<'a> {
     }
 }
 
-/// An axis that leans by an angle in radians more than another one, at most at a right angle to Z.
-fn leaning_by(axis: &Vector3<f64>, angle: f64) -> Vector3<f64> {
+/// An axis tilted against Z by an angle, radians, more than another one, at most at a right angle to Z.
+fn tilted_by(axis: &Vector3<f64>, angle: f64) -> Vector3<f64> {
     let level = libm::hypot(axis.x, axis.y);
     if angle == 0.0 || level < NO_NORMAL {
         return *axis;
     }
-    let lean = libm::atan2(level, axis.z);
-    let (sin, cos) = libm::sincos((lean + angle).min(FRAC_PI_2.max(lean)));
+    let tilt = libm::atan2(level, axis.z);
+    let (sin, cos) = libm::sincos((tilt + angle).min(FRAC_PI_2.max(tilt)));
     Vector3::new(axis.x / level * sin, axis.y / level * sin, cos)
 }
 
 /// Share to which distances beside a tool shrink with its diameter.
 pub(super) fn share_of_size(solid: &ToolSolid) -> f64 {
-    (2.0 * solid.cutter.tip_radius() / WHOLE_SIDE).min(1.0)
+    (2.0 * solid.cutter.tip_radius() / WHOLE_DISTANCE_DIAMETER_MM).min(1.0)
 }
 
 /// True when an axis is far enough from the pole.
 pub(crate) fn is_steep(axis: &Vector3<f64>) -> bool {
-    libm::hypot(axis.x, axis.y) >= libm::sin(LEAST_TILT)
+    libm::hypot(axis.x, axis.y) >= libm::sin(MIN_TILT)
 }
 
 /// Directions about `middle`: first `middle` itself, then ring by ring.
@@ -445,17 +446,17 @@ mod tests {
 
     /// A ball that touches a wall stands on its lower half while the tool leans away from the wall, not towards it.
     #[test]
-    fn the_side_of_a_tool_does_not_lean_into_its_contact() {
+    fn the_side_of_a_tool_does_not_tilt_into_its_contact() {
         let location = |axis: Vector3<f64>| ClPoint {
             tip: Point3::from(-axis * 2.0),
             axis,
             contact: Some(Point3::new(-2.0, 0.0, 0.0)),
         };
-        let leaning = |lean: f64| Vector3::new(libm::sin(lean), 0.0, libm::cos(lean));
-        for lean in [-0.3, 0.0, 0.3] {
-            let ball = StandingBall::at(&location(leaning(lean)), 2.0);
+        let tilted = |tilt: f64| Vector3::new(libm::sin(tilt), 0.0, libm::cos(tilt));
+        for tilt in [-0.3, 0.0, 0.3] {
+            let ball = StandingBall::at(&location(tilted(tilt)), 2.0);
             assert!((ball.normal.unwrap() - Vector3::x()).norm() < 1e-12);
-            assert!((ball.above_the_middle(&leaning(lean)) + lean).abs() < 1e-12, "{lean}");
+            assert!((ball.above_the_middle(&tilted(tilt)) + tilt).abs() < 1e-12, "{tilt}");
         }
         let free = StandingBall { centre: Point3::origin(), normal: None };
         assert!(free.above_the_middle(&Vector3::z()) < 0.0);

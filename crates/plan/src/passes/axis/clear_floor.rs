@@ -1,8 +1,8 @@
-//! Where the larger tool of a `channel` operation finds room: between the walls, and with clear tool axes.
+//! Where the larger tool of a `channel` operation fits: between the walls, and with clear tool axes.
 //!
-//! At places along the floor the tool stands on both outer lines and half way between them. It has room where it is clear
-//! of the part on all of them, and where the method of the operation finds a clear axis on each. Smaller tools finish all
-//! other places, so that a larger tool without room is a remark and no error.
+//! At places along the floor the tool stands on both outer lines and half way between them. It fits where it is clear of the
+//! part on all of them, and where the method of the operation finds a clear axis on each. Smaller tools finish all other
+//! places, so that a larger tool that fits nowhere is a remark and no error.
 
 use super::avoid_collision::TILTS;
 use super::clear_axes::{ClearAxes, StandingBall};
@@ -18,10 +18,10 @@ use wheel::method::AxisMethod;
 use wheel::operation::VaneAllowance;
 use wheel::part::Passage;
 
-/// Shares of the way from the first outer line to the second at which the tool is looked at.
+/// Shares of the distance from the first outer line to the second at which the tool is tried.
 const LINE_SHARES: [f64; 3] = [0.0, 0.5, 1.0];
 
-/// Finds the room of all larger tools.
+/// Finds the free space of all larger tools.
 ///
 /// # Errors
 /// None of its own; a cancelled run ends.
@@ -48,7 +48,7 @@ pub(crate) fn run<'a>(cx: &mut PassContext<'a>) -> Result<Middles<'a>, Aborted> 
     Ok(middles)
 }
 
-/// The middle of the floor between the outer lines that leave most room: each tool on its line keeps its distances.
+/// The middle of the floor between the outer lines that leave most free space: each tool on its line keeps its distances.
 fn widest<'a>(cx: &PassContext<'a>, operation: &Operation, passage: Passage, allowance: Mm) -> Option<Middle<'a>> {
     let program = cx.program;
     let mut all = Middle::all(program, operation, passage);
@@ -85,10 +85,10 @@ fn is_clear(cx: &PassContext<'_>, operation: &Operation, at: &ClPoint, allowance
     let keep = Keep { vane: VaneAllowance::even(allowance), hub: 0.0, clearance };
     cx.obstacles.walls_clear(solid, &at.tip, &at.axis, &keep)
         && cx.obstacles.cutter_inside(solid, &at.tip, &at.axis).is_none()
-        && cx.obstacles.body_lack(solid, &at.tip, &at.axis, clearance, None).is_none()
+        && cx.obstacles.body_violation(solid, &at.tip, &at.axis, clearance, None).is_none()
 }
 
-/// The middle of the floor with the stretches on which the tool has room. Where lines keep one tilt each, the tilt that
+/// The middle of the floor with the intervals in which the tool fits. Where lines keep one tilt each, the tilt that
 /// gives the tool most places decides.
 fn with_free_space<'a>(
     cx: &PassContext<'a>,
@@ -99,8 +99,8 @@ fn with_free_space<'a>(
     let (program, obstacles) = (cx.program, cx.obstacles);
     let places = middle.places(operation);
     let work = cx.progress.begin(format!("{}, room of the tool", operation.name), places.len());
-    let room: Vec<bool> =
-        places.par_iter().map(|u| work.do_step(|| middle.has_room(obstacles, *u)).unwrap_or(false)).collect();
+    let free: Vec<bool> =
+        places.par_iter().map(|u| work.do_step(|| middle.has_free_space(obstacles, *u)).unwrap_or(false)).collect();
     let clear = ClearAxes::new(program, obstacles, operation);
     let solid = &program.tools[operation.tool].solid;
     let radius = solid.cutter.tip_radius();
@@ -114,11 +114,11 @@ fn with_free_space<'a>(
             if turns {
                 return clear.has_candidate(&StandingBall::at(&p, radius), &p.axis, clear.scaled(CANDIDATE_MARGIN_MM));
             }
-            obstacles.body_lack(solid, &p.tip, &p.axis, program.clearance.get(), Some(SIDE_CLEARANCE)).is_none()
+            obstacles.body_violation(solid, &p.tip, &p.axis, program.clearance.get(), Some(SIDE_CLEARANCE)).is_none()
         })
     };
     let with = |tilt: AxisTilt| -> Vec<bool> {
-        places.par_iter().zip(&room).map(|(u, room)| *room && !work.is_cancelled() && fits(*u, tilt)).collect()
+        places.par_iter().zip(&free).map(|(u, free)| *free && !work.is_cancelled() && fits(*u, tilt)).collect()
     };
     let count = |fits: &Vec<bool>| fits.iter().filter(|fits| **fits).count();
     let found = match operation.kind.axis_method() {

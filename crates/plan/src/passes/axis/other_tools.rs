@@ -8,10 +8,10 @@ use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 
 /// Tools that are tried, at most.
-const MOST_TRIED: usize = 54;
+const MAX_TRIED: usize = 54;
 
-/// Describes the smallest changes of the tool of an operation with which each of these passes has axes, as `has_axes` tells for the
-/// clear axes of the changed tool, the program with it, and the pass with its index. At the places, each with the direction about which
+/// Describes the smallest changes of the tool of an operation with which each of these passes has axes. `has_axes` decides this for
+/// the clear axes of the changed tool, the program with it, and the pass with its index. At the places, each with the direction about which
 /// axes are tried, the tool has no axis: a changed tool with the same ball needs one there first.
 pub(super) fn remedy_for(
     cx: &PassContext<'_>,
@@ -22,7 +22,7 @@ pub(super) fn remedy_for(
 ) -> String {
     let tool = &cx.program.tools[operation.tool];
     let radius = ClearAxes::new(cx.program, cx.obstacles, operation).radius();
-    let work = cx.progress.begin(format!("{}, tools that would do", operation.name), MOST_TRIED);
+    let work = cx.progress.begin(format!("{}, tools that would do", operation.name), MAX_TRIED);
     remedy(&tool.solid, true, |solid| {
         work.advance(1);
         let program = cx.program.with_solid(operation.tool, solid);
@@ -31,14 +31,15 @@ pub(super) fn remedy_for(
             !cx.progress.is_cancelled()
                 && has_axes(&clear, &program, (*index, &with_ball(pass, [radius, clear.radius()])))
         };
-        let [_, least] = clear.with_less_beside();
-        let stands = |(centre, about): &(Point3<f64>, Vector3<f64>)| {
+        let [_, least] = clear.with_less_side_distance();
+        let has_axis = |(centre, about): &(Point3<f64>, Vector3<f64>)| {
             let ball = StandingBall { centre: *centre, normal: None };
             least.has_candidates(&ball, about)
         };
-        let hopeful = |(_, pass): &(usize, &ClPass)| has_candidates(&least, &with_ball(pass, [radius, clear.radius()]));
-        (clear.radius() != radius || places.par_iter().all(stands))
-            && passes.par_iter().all(hopeful)
+        let may_have_axes =
+            |(_, pass): &(usize, &ClPass)| has_candidates(&least, &with_ball(pass, [radius, clear.radius()]));
+        (clear.radius() != radius || places.par_iter().all(has_axis))
+            && passes.par_iter().all(may_have_axes)
             && passes.par_iter().all(tried)
     })
 }

@@ -24,7 +24,7 @@ pub(crate) fn lengths(centres: &[Point3<f64>]) -> Vec<f64> {
 }
 
 /// The interval of a table that contains a value, and the share of the value in the interval.
-pub(crate) fn stretch(table: &[f64], value: f64) -> (usize, f64) {
+pub(crate) fn interval_at(table: &[f64], value: f64) -> (usize, f64) {
     let i = table.partition_point(|x| *x <= value).clamp(1, table.len() - 1) - 1;
     let length = table[i + 1] - table[i];
     (i, if length > 0.0 { ((value - table[i]) / length).clamp(0.0, 1.0) } else { 0.0 })

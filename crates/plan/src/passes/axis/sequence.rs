@@ -2,7 +2,7 @@
 //! machine, `method xu` by the greedy choice of Xu 2013.
 
 use super::clear_axes::{ClearAxes, StandingBall, is_steep};
-use super::run::{lengths, rotary, stretch};
+use super::run::{interval_at, lengths, rotary};
 use axes::orient::inscribe::Proof;
 use axes::orient::{AxisCandidate, Costs, Energy, greedy};
 use base::progress::Work;
@@ -15,13 +15,13 @@ use nurbs::moving_least_squares::{Patch, curvature};
 use rayon::prelude::*;
 
 /// Distance at which two places of the chart count as one, mm.
-const SAME: f64 = 1e-6;
+const SAME_PLACE_MM: f64 = 1e-6;
 
 /// Distance of the stations of the shortest path, mm, for usual tools.
 pub(super) const STATION_SPACING_MM: f64 = 4.0;
 
 /// Most candidates of a station, the nearest to the direction of the channel first. The search compares pairs of pairs.
-const MOST_CANDIDATES: usize = 40;
+const MAX_CANDIDATES: usize = 40;
 
 /// Distance that candidates add to the required distance, mm: free space for the corridor about them.
 pub(super) const CANDIDATE_MARGIN_MM: f64 = 0.1;
@@ -33,7 +33,7 @@ const SMOOTHNESS: f64 = 40.0;
 pub(super) const MAX_STATION_TURN: f64 = 0.6;
 
 /// Cost of a radian away from the direction of the channel, s: of equal sequences the one in the middle wins.
-const AWAY: f64 = 0.02;
+const AWAY_COST: f64 = 0.02;
 
 /// Cost of the square of the angle, in radians, to the axis at the nearest place of earlier lines, s. It is far above
 /// the gain of one line from a jump, and small for a drift from line to line.
@@ -72,17 +72,17 @@ pub(crate) enum Gap {
     /// The clear axes are so near to the pole that rotary axis 2 would turn through.
     NearPole,
     /// The clear axes are too far from those of the station before.
-    Apart,
+    TooFar,
 }
 
 /// The ball at the stations of a pass, the length of its path to each, and the lengths at which axes are chosen.
-struct PassWay {
+struct PassPath {
     balls: Vec<StandingBall>,
     table: Vec<f64>,
     stops: Vec<f64>,
 }
 
-impl PassWay {
+impl PassPath {
     fn new(pass: &ClPass, radius: f64, step: f64) -> Self {
         let balls: Vec<StandingBall> = pass.points.iter().map(|p| StandingBall::at(p, radius)).collect();
         let table = lengths(&balls.iter().map(|ball| ball.centre).collect::<Vec<_>>());
@@ -97,7 +97,7 @@ impl PassWay {
     }
 
     fn ball(&self, length: f64) -> StandingBall {
-        let (i, t) = stretch(&self.table, length);
+        let (i, t) = interval_at(&self.table, length);
         self.balls[i].towards(&self.balls[i + 1], t)
     }
 
@@ -112,7 +112,7 @@ impl PassWay {
     /// All stations of the pass; between two stops the rotary axes are linear.
     fn between(&self, chain: &Chain, pass: &ClPass, angles: &[Angles], radius: f64) -> Vec<ClPoint> {
         let at = |length: f64| {
-            let (i, t) = stretch(&self.stops, length);
+            let (i, t) = interval_at(&self.stops, length);
             chain.tool_axis(between(angles[i], angles[i + 1], t))
         };
         let stations = pass.points.iter().zip(&self.balls).zip(&self.table);
@@ -126,8 +126,8 @@ impl PassWay {
 }
 
 /// Stations of a pass with their candidates.
-struct WayStations {
-    way: PassWay,
+struct PathStations {
+    path: PassPath,
     /// Clear axes of each station; empty where no axis is clear.
     candidates: Vec<Vec<AxisCandidate>>,
     /// The direction of the channel at each station.
@@ -142,7 +142,7 @@ fn candidates_of<'a>(
     axis: &'a Vector3<f64>,
     radius: f64,
 ) -> impl Iterator<Item = AxisCandidate> + 'a {
-    let penalty = AWAY * axis.angle(middle);
+    let penalty = AWAY_COST * axis.angle(middle);
     machine.chain.nearest(axis, 0.0).into_iter().map(move |rotary| {
         let joints = machine.joints(&(centre - axis * radius), rotary).all();
         AxisCandidate { joints, penalty }
@@ -154,29 +154,29 @@ fn axis_of(chain: &Chain, candidate: &AxisCandidate) -> Vector3<f64> {
     chain.tool_axis([candidate.joints[3], candidate.joints[4]])
 }
 
-impl WayStations {
+impl PathStations {
     /// Finds clear axes about the axes of a pass, which give the direction of the channel.
     fn new(clear: &ClearAxes<'_>, machine: &Machine, pass: &ClPass) -> Self {
         let radius = clear.radius();
-        let way = PassWay::new(pass, radius, clear.scaled(STATION_SPACING_MM));
+        let path = PassPath::new(pass, radius, clear.scaled(STATION_SPACING_MM));
         let middles: Vec<Vector3<f64>> =
-            way.stops.iter().map(|length| pass.points[stretch(&way.table, *length).0].axis).collect();
-        let stops = way.stops.iter().zip(&middles);
+            path.stops.iter().map(|length| pass.points[interval_at(&path.table, *length).0].axis).collect();
+        let stops = path.stops.iter().zip(&middles);
         let candidates = stops
             .map(|(length, middle)| {
-                let ball = way.ball(*length);
+                let ball = path.ball(*length);
                 let mut axes = clear.candidates(&ball, middle, clear.scaled(CANDIDATE_MARGIN_MM));
                 if axes.is_empty() {
                     axes = clear.candidates(&ball, middle, 0.0);
                 }
                 axes.iter()
                     .filter(|axis| is_steep(axis))
-                    .take(MOST_CANDIDATES)
+                    .take(MAX_CANDIDATES)
                     .flat_map(|axis| candidates_of(machine, &ball.centre, middle, axis, radius))
                     .collect()
             })
             .collect();
-        Self { way, candidates, middles }
+        Self { path, candidates, middles }
     }
 
     /// Adds to all candidates the cost of the angle to the axis chosen at the nearest place of earlier lines. Lines of
@@ -189,14 +189,14 @@ impl WayStations {
         on_floor: bool,
     ) {
         let chain = &machine.chain;
-        for ((length, candidates), middle) in self.way.stops.iter().zip(&mut self.candidates).zip(&self.middles) {
-            let ball = self.way.ball(*length);
+        for ((length, candidates), middle) in self.path.stops.iter().zip(&mut self.candidates).zip(&self.middles) {
+            let ball = self.path.ball(*length);
             let here = ball.centre;
             let far = |x: &(Point3<f64>, Vector3<f64>)| (x.0 - here).norm_squared();
             let Some((_, neighbour)) = chosen.iter().min_by(|p, q| far(p).total_cmp(&far(q))) else { continue };
             if on_floor {
                 let axes = clear.near(&ball, neighbour, 1, clear.scaled(CANDIDATE_MARGIN_MM));
-                candidates.truncate(2 * (MOST_CANDIDATES - axes.len()));
+                candidates.truncate(2 * (MAX_CANDIDATES - axes.len()));
                 let poses = |axis| candidates_of(machine, &here, middle, axis, clear.radius());
                 candidates.extend(axes.iter().filter(|axis| is_steep(axis)).flat_map(poses));
             }
@@ -218,7 +218,7 @@ impl WayStations {
             let nearest = self.candidates[from].iter().take(LEADING[1]);
             let mut axes: Vec<Vector3<f64>> = nearest.map(|c| axis_of(&machine.chain, c)).collect();
             for j in stations {
-                let (ball, middle) = (self.way.ball(self.way.stops[j]), self.middles[j]);
+                let (ball, middle) = (self.path.ball(self.path.stops[j]), self.middles[j]);
                 let about = axes.iter().flat_map(|to| clear.near(&ball, to, BRIDGE_RINGS, 0.0));
                 let mut leading: Vec<Vector3<f64>> = about.filter(is_steep).collect();
                 leading.sort_by(|a, b| a.angle(&middle).total_cmp(&b.angle(&middle)));
@@ -261,24 +261,24 @@ impl WayStations {
         clear: &ClearAxes<'_>,
         machine: &Machine,
         costs: &Costs,
-    ) -> Result<(PassWay, Vec<Vector3<f64>>), Blocked> {
+    ) -> Result<(PassPath, Vec<Vector3<f64>>), Blocked> {
         match self.cheapest(clear, machine, costs) {
             // The other branch gives the same motion of the tool: `link-moves` chooses the branch.
             Ok(choice) => {
                 let picked = choice.iter().zip(&self.candidates).map(|(k, station)| &station[*k]);
                 let axes = picked.map(|c| axis_of(&machine.chain, c)).collect();
-                Ok((self.way, axes))
+                Ok((self.path, axes))
             }
             Err(k) => {
-                let (about, length) = (self.middles[k], self.way.stops[k]);
+                let (about, length) = (self.middles[k], self.path.stops[k]);
                 let why = if !self.candidates[k].is_empty() {
-                    Gap::Apart
-                } else if clear.candidates(&self.way.ball(length), &about, 0.0).is_empty() {
+                    Gap::TooFar
+                } else if clear.candidates(&self.path.ball(length), &about, 0.0).is_empty() {
                     Gap::NoAxis
                 } else {
                     Gap::NearPole
                 };
-                Err(Blocked { at: self.way.centre(length), about, why })
+                Err(Blocked { at: self.path.centre(length), about, why })
             }
         }
     }
@@ -289,10 +289,10 @@ pub(super) fn has_candidates(clear: &ClearAxes<'_>, pass: &ClPass) -> bool {
     if pass.points.len() < 2 {
         return true;
     }
-    let way = PassWay::new(pass, clear.radius(), clear.scaled(STATION_SPACING_MM));
-    way.stops.iter().all(|length| {
-        let about = pass.points[stretch(&way.table, *length).0].axis;
-        clear.has_candidates(&way.ball(*length), &about)
+    let path = PassPath::new(pass, clear.radius(), clear.scaled(STATION_SPACING_MM));
+    path.stops.iter().all(|length| {
+        let about = pass.points[interval_at(&path.table, *length).0].axis;
+        clear.has_candidates(&path.ball(*length), &about)
     })
 }
 
@@ -309,9 +309,9 @@ pub(crate) fn shortest(
     on_floor: bool,
     work: &Work,
 ) -> Result<Vec<Vec<ClPoint>>, Vec<(usize, Blocked)>> {
-    let looked: Vec<Option<WayStations>> = passes
+    let stations_of_passes: Vec<Option<PathStations>> = passes
         .par_iter()
-        .map(|pass| work.do_step(|| (pass.points.len() > 1).then(|| WayStations::new(clear, machine, pass))).flatten())
+        .map(|pass| work.do_step(|| (pass.points.len() > 1).then(|| PathStations::new(clear, machine, pass))).flatten())
         .collect();
     let costs = Costs {
         speed: machine.speeds(),
@@ -321,7 +321,7 @@ pub(crate) fn shortest(
     };
     let (mut found, mut faults) = (Vec::with_capacity(passes.len()), Vec::new());
     let mut chosen: Vec<(Point3<f64>, Vector3<f64>)> = Vec::new();
-    for (i, (pass, stations)) in passes.iter().zip(looked).enumerate() {
+    for (i, (pass, stations)) in passes.iter().zip(stations_of_passes).enumerate() {
         if work.is_cancelled() {
             return Err(Vec::new());
         }
@@ -329,19 +329,19 @@ pub(crate) fn shortest(
             found.push(pass.points.clone());
             continue;
         };
-        let along = |clear: &ClearAxes<'_>, mut stations: WayStations| {
+        let along = |clear: &ClearAxes<'_>, mut stations: PathStations| {
             stations.tilt_towards(clear, machine, &chosen, on_floor);
             stations.axes(clear, machine, &costs)
         };
-        let with_less = || {
-            let tried = clear.with_less_beside();
-            tried.iter().find_map(|clear| along(clear, WayStations::new(clear, machine, pass)).ok())
+        let with_less_distance = || {
+            let tried = clear.with_less_side_distance();
+            tried.iter().find_map(|clear| along(clear, PathStations::new(clear, machine, pass)).ok())
         };
-        match along(clear, stations).or_else(|blocked| with_less().ok_or(blocked)) {
-            Ok((way, axes)) => {
-                chosen.extend(way.stops.iter().map(|s| way.centre(*s)).zip(axes.iter().copied()));
+        match along(clear, stations).or_else(|blocked| with_less_distance().ok_or(blocked)) {
+            Ok((path, axes)) => {
+                chosen.extend(path.stops.iter().map(|s| path.centre(*s)).zip(axes.iter().copied()));
                 let angles = rotary(&machine.chain, axes.into_iter());
-                found.push(way.between(&machine.chain, pass, &angles, clear.radius()));
+                found.push(path.between(&machine.chain, pass, &angles, clear.radius()));
             }
             Err(blocked) => faults.push((i, blocked)),
         }
@@ -361,27 +361,27 @@ pub(crate) fn greedy_axes(
     passes: &[ClPass],
 ) -> Result<Vec<Vec<ClPoint>>, Vec<(usize, Blocked)>> {
     let radius = clear.radius();
-    let ways: Vec<PassWay> = passes.iter().map(|pass| PassWay::new(pass, radius, CONTACTS)).collect();
-    let (curvatures_of_stops, mean) = curvatures(planned, &ways);
-    let contacts: Vec<Result<Vec<greedy::Contact>, Blocked>> = ways
+    let paths: Vec<PassPath> = passes.iter().map(|pass| PassPath::new(pass, radius, CONTACTS)).collect();
+    let (curvatures_of_stops, mean) = curvatures(planned, &paths);
+    let contacts: Vec<Result<Vec<greedy::Contact>, Blocked>> = paths
         .par_iter()
         .zip(passes.par_iter().zip(planned))
         .zip(&curvatures_of_stops)
-        .map(|((way, (pass, cc)), curvatures_of_stops)| {
-            let stops = way.stops.iter().zip(curvatures_of_stops);
+        .map(|((path, (pass, cc)), curvatures_of_stops)| {
+            let stops = path.stops.iter().zip(curvatures_of_stops);
             stops
                 .map(|(length, curvature)| {
-                    let ball = way.ball(*length);
-                    let station = stretch(&way.table, *length).0;
+                    let ball = path.ball(*length);
+                    let station = interval_at(&path.table, *length).0;
                     let normal = cc.points.get(station).map_or_else(Vector3::z, |p| p.normal);
                     let about = pass.points[station].axis;
                     // About the clear axis nearest to the normal. In a deep channel there is none near the normal, or
                     // only axes near the pole: then about the direction of the channel.
-                    let laid = |to: &Vector3<f64>, proof: Proof| clear.cone(&ball, to, proof, 0.0);
-                    let cone = laid(&normal, Proof::Covered)
+                    let cone_about = |to: &Vector3<f64>, proof: Proof| clear.cone(&ball, to, proof, 0.0);
+                    let cone = cone_about(&normal, Proof::Covered)
                         .filter(|cone| is_steep(&cone.axis()))
-                        .or_else(|| laid(&about, Proof::Covered))
-                        .or_else(|| laid(&about, Proof::Rays));
+                        .or_else(|| cone_about(&about, Proof::Covered))
+                        .or_else(|| cone_about(&about, Proof::Rays));
                     let weight = curvature.map_or(0.0, |k| greedy::weight(k, mean));
                     cone.map(|cone| greedy::Contact { normal, cone, weight }).ok_or(Blocked {
                         at: ball.centre,
@@ -398,7 +398,8 @@ pub(crate) fn greedy_axes(
         match row {
             Ok(row) => {
                 let mut before = rows.last().cloned().filter(|b: &Vec<Vector3<f64>>| b.len() == row.len());
-                if let Some(before) = before.as_mut().filter(|_| i > 0 && ways[i].starts_at_the_end_of(&ways[i - 1])) {
+                if let Some(before) = before.as_mut().filter(|_| i > 0 && paths[i].starts_at_the_end_of(&paths[i - 1]))
+                {
                     before.reverse();
                 }
                 let chosen = greedy::choose(&row, before.as_deref(), &ENERGY, CONTACTS);
@@ -413,30 +414,30 @@ pub(crate) fn greedy_axes(
     if !faults.is_empty() {
         return Err(faults);
     }
-    let points = |((way, pass), row): ((&PassWay, &ClPass), &Vec<Vector3<f64>>)| {
-        way.between(chain, pass, &rotary(chain, row.iter().copied()), radius)
+    let points = |((path, pass), row): ((&PassPath, &ClPass), &Vec<Vector3<f64>>)| {
+        path.between(chain, pass, &rotary(chain, row.iter().copied()), radius)
     };
-    Ok(ways.iter().zip(passes).zip(&rows).map(points).collect())
+    Ok(paths.iter().zip(passes).zip(&rows).map(points).collect())
 }
 
 /// Mean curvature at every stop of every pass, and the mean of the absolute values.
-fn curvatures(planned: &[CcPass], ways: &[PassWay]) -> (Vec<Vec<Option<f64>>>, f64) {
+fn curvatures(planned: &[CcPass], paths: &[PassPath]) -> (Vec<Vec<Option<f64>>>, f64) {
     let (mut points, mut chart, mut owner) = (Vec::new(), Vec::new(), Vec::new());
     // Azimuths count from the first contact: a channel spans less than half a turn.
     let first = planned.first().and_then(|p| p.points.first()).map_or(0.0, |p| libm::atan2(p.position.y, p.position.x));
-    for (i, (cc, way)) in planned.iter().zip(ways).enumerate() {
-        for (k, length) in way.stops.iter().enumerate() {
-            let Some(p) = cc.points.get(stretch(&way.table, *length).0) else { continue };
+    for (i, (cc, path)) in planned.iter().zip(paths).enumerate() {
+        for (k, length) in path.stops.iter().enumerate() {
+            let Some(p) = cc.points.get(interval_at(&path.table, *length).0) else { continue };
             let (r, azimuth) = (libm::hypot(p.position.x, p.position.y), libm::atan2(p.position.y, p.position.x));
             let place = [*length, r * nearest_turn(azimuth - first, 0.0)];
-            if chart.iter().all(|c: &[f64; 2]| libm::hypot(c[0] - place[0], c[1] - place[1]) > SAME) {
+            if chart.iter().all(|c: &[f64; 2]| libm::hypot(c[0] - place[0], c[1] - place[1]) > SAME_PLACE_MM) {
                 points.push(p.position);
                 chart.push(place);
                 owner.push((i, k));
             }
         }
     }
-    let mut curvatures_of_stops: Vec<Vec<Option<f64>>> = ways.iter().map(|w| vec![None; w.stops.len()]).collect();
+    let mut curvatures_of_stops: Vec<Vec<Option<f64>>> = paths.iter().map(|w| vec![None; w.stops.len()]).collect();
     let Ok(mesh) = Triangulation::delaunay(points, &chart, 4.0 * CONTACTS) else { return (curvatures_of_stops, 0.0) };
     let normals = mesh.normals();
     let (mut sum, mut count) = (0.0, 0.0_f64);

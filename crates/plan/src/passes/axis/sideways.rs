@@ -10,10 +10,10 @@ use nalgebra::{Point3, Vector3};
 const MIN_SQUARE_MOTION: f64 = 0.15;
 
 /// Least sine of the angle between axis and normal, everywhere on a pass that turns round an edge.
-const ROUND: f64 = 0.3;
+const MIN_EDGE_SINE: f64 = 0.3;
 
-/// Half of the way over which the direction of the motion is measured, as a share of the radius of the ball.
-const WAY: f64 = 0.25;
+/// Half of the distance over which the direction of the motion is measured, as a share of the radius of the ball.
+const HALF_STEP_SHARE: f64 = 0.25;
 
 /// A side to which the axes of a pass turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,13 +43,13 @@ pub(super) fn turned(points: &[ClPoint], radius: f64, to: TurnSide, angle: f64) 
 
 /// The direction of the motion square to the axis at each station.
 fn along(points: &[ClPoint], centres: &[Point3<f64>], radius: f64) -> Option<Vec<Vector3<f64>>> {
-    let apart = |i: usize, k: usize| nalgebra::distance(&centres[i], &centres[k]) >= WAY * radius;
+    let is_far = |i: usize, k: usize| nalgebra::distance(&centres[i], &centres[k]) >= HALF_STEP_SHARE * radius;
     let last = centres.len().checked_sub(1)?;
     let side = |i: usize| {
-        let before = (0..i).rev().find(|k| apart(i, *k)).unwrap_or(0);
-        let behind = (i + 1..=last).find(|k| apart(i, *k)).unwrap_or(last);
-        let way = (centres[behind] - centres[before]).try_normalize(0.0)?;
-        let square = way - points[i].axis * way.dot(&points[i].axis);
+        let before = (0..i).rev().find(|k| is_far(i, *k)).unwrap_or(0);
+        let behind = (i + 1..=last).find(|k| is_far(i, *k)).unwrap_or(last);
+        let motion = (centres[behind] - centres[before]).try_normalize(0.0)?;
+        let square = motion - points[i].axis * motion.dot(&points[i].axis);
         if square.norm() >= MIN_SQUARE_MOTION { square.try_normalize(0.0) } else { None }
     };
     (0..=last).map(side).collect()
@@ -59,7 +59,7 @@ fn along(points: &[ClPoint], centres: &[Point3<f64>], radius: f64) -> Option<Vec
 fn round(points: &[ClPoint], centres: &[Point3<f64>]) -> Option<Vec<Vector3<f64>>> {
     let side = |(p, centre): (&ClPoint, &Point3<f64>)| {
         let side = (centre - p.contact?).try_normalize(0.0)?.cross(&p.axis);
-        if side.norm() >= ROUND { side.try_normalize(0.0) } else { None }
+        if side.norm() >= MIN_EDGE_SINE { side.try_normalize(0.0) } else { None }
     };
     points.iter().zip(centres).map(side).collect()
 }

@@ -9,9 +9,9 @@
 //! last residuals. At the end each pass of the floor is turned towards the pass before it, as far as the proof allows, so
 //! that links between them turn little.
 
-use super::clear_axes::{ClearAxes, LEAST_TILT, StandingBall};
+use super::clear_axes::{ClearAxes, MIN_TILT, StandingBall};
 use super::other_tools::remedy_for;
-use super::run::{lengths, rotary, stretch};
+use super::run::{interval_at, lengths, rotary};
 use crate::passes::context::PassContext;
 use axes::orient::inscribe::Proof;
 use axes::orient::{Corridor, Residual, Weights};
@@ -34,7 +34,7 @@ const SMOOTH_LENGTH_MM: f64 = 6.0;
 const MIN_STATIONS: usize = 8;
 
 /// Times that the corridor is built about the last result; each widens the range that the result can reach.
-const LAYINGS: usize = 3;
+const CORRIDOR_ROUNDS: usize = 3;
 
 /// Times that all steps are repeated with a larger distance.
 const MAX_REPEATS: usize = 3;
@@ -51,7 +51,7 @@ const AT_POLE: f64 = 1e-9;
 /// Weights of the minimised terms.
 fn weights(chain: &Chain) -> Weights {
     let pole_at_zero = libm::sin(chain.polar_angle(0.0)) < AT_POLE;
-    Weights { first: 0.02, second: 1.0, third: 1.0, peak: 3.0, least_tilt: if pole_at_zero { LEAST_TILT } else { 0.0 } }
+    Weights { first: 0.02, second: 1.0, third: 1.0, peak: 3.0, least_tilt: if pole_at_zero { MIN_TILT } else { 0.0 } }
 }
 
 /// Why a pass was not smoothed.
@@ -79,7 +79,7 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
         }
         let clear = ClearAxes::new(program, cx.obstacles, operation);
         let work = cx.progress.begin(format!("{}, smooth axes", operation.name), oriented.passes.len());
-        let tried = [&[clear][..], &clear.with_less_beside()].concat();
+        let tried = [&[clear][..], &clear.with_less_side_distance()].concat();
         let smoothed = |pass| work.do_step(|| smooth_with_any(&tried, &program.machine.chain, pass, &work));
         let smoothed = oriented.passes.par_iter().map(smoothed).collect::<Option<Vec<_>>>().ok_or(Aborted)?;
         drop(work);
@@ -117,8 +117,8 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
         for (clear, count) in tried.iter().zip(nearer).skip(1).filter(|(_, count)| *count > 0) {
             oriented.notes.push(format!(
                 "on {count} passes the side of the cutter keeps {} mm from the part instead of {} mm",
-                trim(clear.beside_cutter(), 3),
-                trim(tried[0].beside_cutter(), 3)
+                trim(clear.side_distance(), 3),
+                trim(tried[0].side_distance(), 3)
             ));
         }
     }
@@ -163,9 +163,9 @@ fn turning(chain: &Chain, points: &[ClPoint]) -> [f64; 2] {
     let angles = rotary(chain, points.iter().map(|p| p.axis));
     let mut most = [0.0_f64; 2];
     for (pair, angle) in points.windows(2).zip(angles.windows(2)) {
-        let way = (pair[1].tip - pair[0].tip).norm();
-        if way > 1e-3 {
-            most = [0, 1].map(|k| most[k].max((angle[1][k] - angle[0][k]).abs() / way));
+        let length = (pair[1].tip - pair[0].tip).norm();
+        if length > 1e-3 {
+            most = [0, 1].map(|k| most[k].max((angle[1][k] - angle[0][k]).abs() / length));
         }
     }
     most
@@ -202,7 +202,7 @@ fn smooth(clear: &ClearAxes<'_>, chain: &Chain, pass: &ClPass, work: &Work) -> R
     }
     let angles = rotary(chain, pass.points.iter().map(|p| p.axis));
     let at = |s: f64| {
-        let (i, t) = stretch(&table, s);
+        let (i, t) = interval_at(&table, s);
         let angle = between(angles[i], angles[i + 1], t);
         (balls[i].towards(&balls[i + 1], t), angle)
     };
@@ -213,13 +213,13 @@ fn smooth(clear: &ClearAxes<'_>, chain: &Chain, pass: &ClPass, work: &Work) -> R
         let (places, start): (Vec<StandingBall>, Vec<Angles>) = (0..=count).map(|k| at(k as f64 * spacing)).unzip();
         let margin = clear.scaled(CONE_MARGIN_MM) * round as f64;
         let mut run = start;
-        for laying in 0..LAYINGS {
+        for corridor_round in 0..CORRIDOR_ROUNDS {
             if work.is_cancelled() {
                 return Err(fault);
             }
             match smooth_within_cones(clear, chain, &places, &run, spacing, margin) {
                 Ok(next) => run = next,
-                Err(found) if laying == 0 && round == 1 => return Err(found),
+                Err(found) if corridor_round == 0 && round == 1 => return Err(found),
                 // Later cones widen the range of a run; where they hold none, the run before is kept: in a later round it may be
                 // the sequence itself.
                 Err(_) => break,
@@ -298,7 +298,7 @@ fn on_curve(
 /// True where the axes of a pass become smooth, with the whole distance beside the cutter or with less.
 pub(super) fn has_smooth_axes(clear: &ClearAxes<'_>, chain: &Chain, pass: &ClPass) -> bool {
     let work = Progress::default().begin("", 1);
-    smooth_with_any(&[&[*clear][..], &clear.with_less_beside()].concat(), chain, pass, &work).is_ok()
+    smooth_with_any(&[&[*clear][..], &clear.with_less_side_distance()].concat(), chain, pass, &work).is_ok()
 }
 
 /// The error of an operation with passes that did not become smooth: the first of them, and tools with which all of them would.

@@ -3,7 +3,7 @@
 //! The corner touches the floor in front; the heel, behind, is above the floor. Across the lines the cutter is as flat as a
 //! much larger ball: the radius of its curvature there is (R - r) / sin(lead) + r.
 
-use crate::passes::context::{ChannelChart, LEAST_OUTWARD};
+use crate::passes::context::{ChannelChart, MIN_OUTWARD};
 use crate::passes::lines::CutterPose;
 use ir::CcPoint;
 use nalgebra::{Matrix2, Point3, SymmetricEigen, Vector2, Vector3};
@@ -98,7 +98,7 @@ pub(super) fn axis(chart: &ChannelChart<'_>, u: f64, w: f64, azimuth: f64, lead:
 /// The least lead angle, radians, with which no part of the end of a bull nose cuts into the hub; `None` where there is none.
 fn least(chart: &ChannelChart<'_>, cutter: &Cutter) -> Option<f64> {
     // With less, the axis would come near the pole of the table where the floor lies flat.
-    let from = libm::asin(LEAST_OUTWARD);
+    let from = libm::asin(MIN_OUTWARD);
     let at = |step: usize| from + (MOST_LEAD - from) * step as f64 / LEADS as f64;
     // A larger lead angle lifts the heel.
     if !clears(chart, cutter, at(LEADS)) {

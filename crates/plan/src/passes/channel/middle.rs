@@ -147,7 +147,7 @@ impl<'a> Middle<'a> {
 
     /// True where the outer lines of a ball leave floor between them, and the ball is clear of the part on both. A bull nose
     /// is looked at with its axis.
-    pub(crate) fn has_room(&self, obstacles: &Obstacles, u: f64) -> bool {
+    pub(crate) fn has_free_space(&self, obstacles: &Obstacles, u: f64) -> bool {
         let radius = self.floor.radius;
         let ball = ToolSolid {
             cutter: Cutter::lollipop(radius),

@@ -8,11 +8,11 @@ use wheel::part::{Across, FaceLine, FaceSurface, Part, PassageId, Surface as _};
 /// Least outward tilt of tool axes in the channel, as the sine of the angle to the axis of rotation (11.5 deg). Where
 /// the rulings stand upright, the axis would otherwise come near the pole of a tilting table, and rotary axis 2 would
 /// have to turn through.
-pub(crate) const LEAST_OUTWARD: f64 = 0.2;
+pub(crate) const MIN_OUTWARD: f64 = 0.2;
 
 /// Share of the opposite wall's ruling in the axis at a wall. If the axis were parallel to the ruling, the side of the
 /// cutter would rest on the twisted wall far above the tip, and the tip could not reach the root.
-const AWAY_FROM_WALL: f64 = 0.12;
+const OPPOSITE_RULING_SHARE: f64 = 0.12;
 
 /// Step of differences of the map, as a share of the channel.
 const DIFFERENCE_STEP: f64 = 1e-3;
@@ -173,14 +173,14 @@ impl Crossing<'_> {
     }
 
     /// Tool axis at (v, w) for a tool whose axis is `edge` away from a wall that it touches. At a wall the axis is
-    /// parallel to its ruling except for the share [`AWAY_FROM_WALL`]; between the walls it is blended.
+    /// parallel to its ruling except for the share [`OPPOSITE_RULING_SHARE`]; between the walls it is blended.
     ///
-    /// At each wall the axis leans away from it by an angle more, `tilts`; in the middle it does not.
+    /// At each wall the axis tilts away from it by a further angle, `tilts`; in the middle it does not.
     pub(crate) fn axis(&self, v: f64, w: f64, edge: f64, tilts: [f64; 2]) -> Vector3<f64> {
         // A channel narrower than the tool cannot blend; the axis of the middle is the best choice.
         let e = (edge / self.width(v)).min(0.49);
         let across = ((w - e) / (1.0 - 2.0 * e)).clamp(0.0, 1.0);
-        let axis = self.tilted_ruling(w, AWAY_FROM_WALL + (1.0 - 2.0 * AWAY_FROM_WALL) * across);
+        let axis = self.tilted_ruling(w, OPPOSITE_RULING_SHARE + (1.0 - 2.0 * OPPOSITE_RULING_SHARE) * across);
         let [first, second] = tilts.map(libm::tan);
         let walls = &self.middle().walls;
         let to_second = walls.point(w + AXIS_STEP) - walls.point(w - AXIS_STEP);
@@ -188,7 +188,7 @@ impl Crossing<'_> {
         (axis + to_second * (first * (1.0 - across) - second * across)).normalize()
     }
 
-    /// Blended ruling with an outward tilt, along the channel, of at least [`LEAST_OUTWARD`].
+    /// Blended ruling with an outward tilt, along the channel, of at least [`MIN_OUTWARD`].
     fn tilted_ruling(&self, w: f64, blend: f64) -> Vector3<f64> {
         let middle = self.middle();
         let ruling = blended(&middle.rulings, blend);
@@ -196,7 +196,7 @@ impl Crossing<'_> {
         let outward = Vector3::new(at.x, at.y, 0.0).normalize();
         let along = (middle.behind.point(w) - middle.before.point(w)).normalize();
         let along = (along - ruling * along.dot(&ruling)).normalize();
-        let missing = LEAST_OUTWARD - ruling.dot(&outward);
+        let missing = MIN_OUTWARD - ruling.dot(&outward);
         let soft = 0.5 * (missing + libm::hypot(missing, TILT_SOFTNESS));
         // At the inlet the channel does not run outward, but there the tilt is large enough.
         (ruling + along * (soft / along.dot(&outward).max(0.3))).normalize()

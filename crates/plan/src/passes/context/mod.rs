@@ -9,7 +9,7 @@ mod obstacles;
 mod remedy;
 mod tilt;
 
-pub(crate) use channel_chart::{ChannelChart, Crossing, LEAST_OUTWARD};
+pub(crate) use channel_chart::{ChannelChart, Crossing, MIN_OUTWARD};
 pub(crate) use maximal_ranges::maximal_ranges;
 pub(crate) use milling_direction::{from_outlet, leads_at_ends};
 pub(crate) use obstacles::{Ends, Keep};

@@ -19,7 +19,7 @@ const SAMPLE_SPACING_MM: f64 = 0.4;
 const WHOLE_SPACING: f64 = 0.8;
 
 /// Least share of the spacing that a thin tool may demand.
-const LEAST_SCALE: f64 = 0.1;
+const MIN_SCALE: f64 = 0.1;
 
 /// Most samples for which the spacing shrinks: some hundred megabytes.
 const MAX_SAMPLES: f64 = 4e6;
@@ -31,7 +31,7 @@ const EDGE_MARGIN: f64 = 0.08;
 
 /// The same reserve for tools with a tip radius of at least 2.5 spacings.
 const ROUND_MARGIN: f64 = 0.02;
-const ROUND: f64 = 2.5 * SAMPLE_SPACING_MM;
+const ROUND_TIP_RADIUS_MM: f64 = 2.5 * SAMPLE_SPACING_MM;
 
 /// Halvings of a piece of motion after which its clearance counts as not proved: the pieces are then some micrometres
 /// long.
@@ -54,11 +54,11 @@ pub struct Keep {
     pub clearance: f64,
 }
 
-/// Spacing of the samples of table and fixtures, mm; wider for large solids, by [`MOST_CARRIED`].
-const CARRIED_SPACING: f64 = 1.0;
+/// Spacing of the samples of table and fixtures, mm; wider for large solids, by [`MAX_ROTATING_SAMPLES`].
+const ROTATING_SPACING_MM: f64 = 1.0;
 
 /// Most samples of a rotating obstacle.
-const MOST_CARRIED: f64 = 1e5;
+const MAX_ROTATING_SAMPLES: f64 = 1e5;
 
 /// Bound of a motion: no tool point moves by more than `shift` plus `turn` times its distance from `about`.
 #[derive(Clone, Copy, Debug)]
@@ -78,7 +78,7 @@ pub struct Obstacles {
     heights: Vec<f64>,
     hub: Cloud,
     /// Samples of table and fixtures, with the largest distance from a point of their surface to a sample.
-    carried: Vec<(Cloud, f64)>,
+    rotating: Vec<(Cloud, f64)>,
     chain: Chain,
     /// Spacing of the samples of the part as a share of the usual one.
     scale: f64,
@@ -93,7 +93,7 @@ impl Obstacles {
         let radii = program.operations.iter().map(|(_, o)| radius(&program.tools[o.tool].solid));
         let thinnest = radii.fold(WHOLE_SPACING, f64::min);
         let finest = (sample::estimate(&program.part, SAMPLE_SPACING_MM) / MAX_SAMPLES).sqrt();
-        let scale = (thinnest / WHOLE_SPACING).max(finest).clamp(LEAST_SCALE, 1.0);
+        let scale = (thinnest / WHOLE_SPACING).max(finest).clamp(MIN_SCALE, 1.0);
         let mut obstacles = Self::sampled(&program.part, &program.machine, scale);
         let vane = |kind: &OperationKind| kind.roughing().map_or(0.0, |kept| kept.vane.growth());
         if program.operations.iter().any(|(_, o)| vane(&o.kind) > 0.0) {
@@ -122,15 +122,15 @@ impl Obstacles {
             let turns = (0..part.vane_count).map(|k| part.sector_rotation(k).inverse() * Point3::new(x, y, 0.0));
             turns.map(|p| [p.x, p.y]).collect()
         };
-        let most = MOST_CARRIED / places.len() as f64;
+        let most = MAX_ROTATING_SAMPLES / places.len() as f64;
         let sampled = |solid: &Carried, place: [f64; 2]| {
-            let (points, spacing) = revolved(&solid.profile, place, CARRIED_SPACING, most);
+            let (points, spacing) = revolved(&solid.profile, place, ROTATING_SPACING_MM, most);
             (Cloud::new(points), spacing * FRAC_1_SQRT_2)
         };
-        let carried = machine.carried.iter().flat_map(|solid| places.iter().map(move |place| (solid, *place)));
-        let carried = carried.map(|(solid, place)| sampled(solid, place)).collect();
+        let rotating = machine.carried.iter().flat_map(|solid| places.iter().map(move |place| (solid, *place)));
+        let rotating = rotating.map(|(solid, place)| sampled(solid, place)).collect();
         let heights = Vec::new();
-        Self { walls: Cloud::new(walls), heights, hub: Cloud::new(hub), carried, chain: machine.chain, scale }
+        Self { walls: Cloud::new(walls), heights, hub: Cloud::new(hub), rotating, chain: machine.chain, scale }
     }
 
     /// Share to which distances shrink that suit usual tools: 1 for them, less where the job has thinner ones.
@@ -145,7 +145,8 @@ impl Obstacles {
 
     /// Reserve of a cutter, mm.
     fn margin(&self, solid: &ToolSolid) -> f64 {
-        self.scale * if solid.cutter.tip_radius() >= self.scale * ROUND { ROUND_MARGIN } else { EDGE_MARGIN }
+        self.scale
+            * if solid.cutter.tip_radius() >= self.scale * ROUND_TIP_RADIUS_MM { ROUND_MARGIN } else { EDGE_MARGIN }
     }
 
     /// True when the tool keeps its distances over a motion. `slack` takes the distance of a point from the tool axis,
@@ -170,7 +171,7 @@ impl Obstacles {
         let of_walls = |i: usize, p: &Point3<f64>| of_part(p, self.allowance(kept.vane, i));
         !self.walls.any_below_of(|p| of_part(p, kept.vane.root().get()), of_walls, 0.0)
             && !self.hub.any_below(|p| of_part(p, kept.hub.get()), 0.0)
-            && !self.carried.iter().any(|(cloud, beside)| cloud.any_below(|p| value(p, 0.0, *beside), 0.0))
+            && !self.rotating.iter().any(|(cloud, margin)| cloud.any_below(|p| value(p, 0.0, *margin), 0.0))
     }
 
     /// True when the tool keeps its distances, as in [`Self::keeps`], over a whole piece of motion in which the tip
@@ -243,7 +244,7 @@ impl Obstacles {
         cutoff: f64,
     ) -> impl Iterator<Item = (f64, Point3<f64>)> + 'a {
         let part = [(&self.walls, self.edge_margin()), (&self.hub, self.edge_margin())];
-        let all = part.into_iter().chain(self.carried.iter().map(|(cloud, beside)| (cloud, *beside)));
+        let all = part.into_iter().chain(self.rotating.iter().map(|(cloud, margin)| (cloud, *margin)));
         all.filter_map(move |(cloud, margin)| {
             let (least, index) = cloud.nearest(tip, axis, &distance, cutoff + margin)?;
             Some((least - margin, cloud.points()[index].position))
@@ -253,7 +254,7 @@ impl Obstacles {
     /// Worst violation of the clearance of shank and holder to part, table and fixtures, negative; `None` where the
     /// clearance is kept. The side of the cutter keeps the distance `side`, if given, from a radius above the middle of
     /// its ball on.
-    pub fn body_lack(
+    pub fn body_violation(
         &self,
         solid: &ToolSolid,
         tip: &Point3<f64>,

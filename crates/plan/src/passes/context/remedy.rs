@@ -24,7 +24,7 @@ pub(crate) fn remedy(solid: &ToolSolid, cutter_free: bool, works: impl Fn(&ToolS
         change(&mut other);
         works(&other)
     };
-    let mut ways = Vec::new();
+    let mut changes = Vec::new();
     let lengths = || (1..=16).map(|k| 5.0 * f64::from(k));
     let raised = |sections: &mut [Section], more: f64| {
         for section in sections {
@@ -41,7 +41,7 @@ pub(crate) fn remedy(solid: &ToolSolid, cutter_free: bool, works: impl Fn(&ToolS
         })
     });
     if let Some(more) = longer {
-        ways.push(format!("a reach of {:.0} mm", from + more));
+        changes.push(format!("a reach of {:.0} mm", from + more));
     }
     // When a longer reach is not enough, the shank collides as well as the holder.
     let longer_flutes = lengths().filter(|_| longer.is_none()).find(|more| {
@@ -52,13 +52,13 @@ pub(crate) fn remedy(solid: &ToolSolid, cutter_free: bool, works: impl Fn(&ToolS
         })
     });
     if let Some(more) = longer_flutes {
-        ways.push(format!("flutes of {:.0} mm with a reach of {:.0} mm", solid.flute_length + more, from + more));
+        changes.push(format!("flutes of {:.0} mm with a reach of {:.0} mm", solid.flute_length + more, from + more));
     }
     if let Some(share) = share(2, &|share| works_with(&|s| slimmed(&mut s.holder, share))) {
-        ways.push(format!("a holder of at most {:.1} mm diameter", 2.0 * widest(&solid.holder) * share));
+        changes.push(format!("a holder of at most {:.1} mm diameter", 2.0 * widest(&solid.holder) * share));
     }
     if let Some(share) = share(3, &|share| works_with(&|s| slimmed(&mut s.shank, share))) {
-        ways.push(format!("a shank of at most {:.1} mm diameter", 2.0 * widest(&solid.shank) * share));
+        changes.push(format!("a shank of at most {:.1} mm diameter", 2.0 * widest(&solid.shank) * share));
     }
     let smaller = |share: f64| {
         works_with(&|s| {
@@ -67,14 +67,14 @@ pub(crate) fn remedy(solid: &ToolSolid, cutter_free: bool, works: impl Fn(&ToolS
         })
     };
     if let Some(share) = cutter_free.then(|| share(3, &smaller)).flatten() {
-        ways.push(format!("a cutter and shank of {:.1} mm diameter", 2.0 * solid.radius() * share));
+        changes.push(format!("a cutter and shank of {:.1} mm diameter", 2.0 * solid.radius() * share));
     }
-    match ways.as_slice() {
+    match changes.as_slice() {
         [] => {
             "neither a longer reach nor a slimmer holder nor a smaller cutter is enough by itself; use a wider channel"
                 .to_owned()
         }
-        [way] => format!("{way} is enough"),
-        ways => format!("any one of these changes is enough: {}", ways.join("; or ")),
+        [change] => format!("{change} is enough"),
+        changes => format!("any one of these changes is enough: {}", changes.join("; or ")),
     }
 }

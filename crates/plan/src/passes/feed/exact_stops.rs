@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use wheel::contract::ContractKind;
 
 /// Most rounds in which the run is simulated again with the new stops.
-const MOST_RUNS: usize = 64;
+const MAX_RUNS: usize = 64;
 
 /// Sets the stops.
 pub(crate) fn run(program: &Program, progress: &Progress, motion: &mut Motion) {
@@ -33,7 +33,7 @@ pub(crate) fn run(program: &Program, progress: &Progress, motion: &mut Motion) {
         at_joins(moves);
         let allowed = allowed(program, operation.operation);
         let mut lines = linuxcnc::lines(machine, moves.iter().map(|m| (m.joints, m.time, m.stop)));
-        for _ in 0..MOST_RUNS {
+        for _ in 0..MAX_RUNS {
             // The caller ends a cancelled run.
             if progress.is_cancelled() || !at_corners(&settings, allowed, moves, &mut lines) {
                 break;

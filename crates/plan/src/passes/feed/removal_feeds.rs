@@ -22,7 +22,7 @@ const STEP_LENGTH_MM: f64 = 0.5;
 
 /// Cells in the radius of the smallest cutter, and the largest cell, mm.
 const CELLS: f64 = 8.0;
-const MOST_CELL: f64 = 0.5;
+const MAX_CELL_MM: f64 = 0.5;
 
 /// Way over which a section is measured, in cells.
 const WINDOW: f64 = 4.0;
@@ -102,7 +102,7 @@ fn field(program: &Program, sink: &mut Sink) -> Result<Field, Aborted> {
         let solid = &program.tools[o.tool].solid;
         solid.cutter.widest_below(solid.flute_length)
     });
-    let cell = radii.fold(MOST_CELL * CELLS, f64::min) / CELLS;
+    let cell = radii.fold(MAX_CELL_MM * CELLS, f64::min) / CELLS;
     let found = program.stock.field(cell).or_else(|error| match error {
         FieldError::TooFine { least_cell, .. } => program.stock.field(least_cell.max(cell)),
         _ => Err(error),
@@ -142,12 +142,12 @@ fn sections(program: &Program, moves: &[JointMove], solid: &ToolSolid, field: &m
     );
     let window = WINDOW * field.cell();
     let mut sections = vec![0.0_f64; moves.len()];
-    let (mut start, mut way, mut volume) = (0, 0.0, 0.0);
+    let (mut start, mut length, mut volume) = (0, 0.0, 0.0);
     for end in 0..steps_of.len() {
-        way += steps_of[end].1;
+        length += steps_of[end].1;
         volume += volumes[end];
-        while start < end && way - steps_of[start].1 >= window {
-            way -= steps_of[start].1;
+        while start < end && length - steps_of[start].1 >= window {
+            length -= steps_of[start].1;
             volume -= volumes[start];
             start += 1;
         }
@@ -155,7 +155,7 @@ fn sections(program: &Program, moves: &[JointMove], solid: &ToolSolid, field: &m
             continue;
         }
         // Before a window is full, and where the tip stands while the axis turns, the section is that over a window.
-        let section = volume / way.max(window);
+        let section = volume / length.max(window);
         for (i, _) in &steps_of[start..=end] {
             sections[*i] = sections[*i].max(section);
         }
@@ -173,12 +173,12 @@ fn steps<'a>(program: &'a Program, pair: &[JointMove], index: usize) -> impl Ite
         MoveKind::Rapid => StepKind::Rapid,
     };
     let tip = machine.forward(&from).tip;
-    let way = machine.forward(&to).tip - tip;
+    let length = machine.forward(&to).tip - tip;
     let turn = machine.turn(from.rotary, to.rotary);
-    let count = (turn / stock::MAX_STEP_TURN).max(way.norm() / STEP_LENGTH_MM).ceil().max(1.0);
+    let count = (turn / stock::MAX_STEP_TURN).max(length.norm() / STEP_LENGTH_MM).ceil().max(1.0);
     (0..count as usize).map(move |k| {
         let [a, b] = [k as f64 / count, (k + 1) as f64 / count];
         let axes = [a, 0.5 * (a + b), b].map(|t| machine.chain.tool_axis(between(from.rotary, to.rotary, t)));
-        (index, Step { block: 0, kind, tips: [tip + way * a, tip + way * b], axes })
+        (index, Step { block: 0, kind, tips: [tip + length * a, tip + length * b], axes })
     })
 }

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 const STATION_TURN: f64 = 2.0 * std::f64::consts::PI / 180.0;
 
 /// Most stations of a move.
-const MOST_STATIONS: f64 = 1000.0;
+const MAX_STATIONS: f64 = 1000.0;
 
 /// Feed unit of the texts, mm/min: feeds are rounded down to it so that a post never has to round up.
 const FEED_STEP: f64 = 1e-3;
@@ -78,7 +78,7 @@ fn reached_feeds(machine: &Machine, length: f64, rounding: &Rounding, moves: &[J
     for (i, pair) in moves.windows(2).enumerate() {
         let (from, to) = (&pair[0].joints, &pair[1].joints);
         let next = machine.forward(to).tip;
-        let count = (machine.turn(from.rotary, to.rotary) / STATION_TURN).ceil().clamp(1.0, MOST_STATIONS);
+        let count = (machine.turn(from.rotary, to.rotary) / STATION_TURN).ceil().clamp(1.0, MAX_STATIONS);
         for k in 1..=count as usize {
             let t = k as f64 / count;
             let at = tip + (next - tip) * t;
@@ -102,8 +102,8 @@ fn reached_feeds(machine: &Machine, length: f64, rounding: &Rounding, moves: &[J
     let profile = feedrate::plan(&stations, &limits, rounding);
     let mut feeds = vec![None; moves.len()];
     for (i, (segment, of)) in profile.segments.iter().zip(of).enumerate().skip(1) {
-        let way = (Point3::from(stations[i].tip) - Point3::from(stations[i - 1].tip)).norm();
-        let feed = way / stations[i].time * segment.share * 60.0;
+        let distance = (Point3::from(stations[i].tip) - Point3::from(stations[i - 1].tip)).norm();
+        let feed = distance / stations[i].time * segment.share * 60.0;
         if feed > feeds[of].unwrap_or(0.0) {
             feeds[of] = Some(feed);
         }
