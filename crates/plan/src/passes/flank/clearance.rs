@@ -16,21 +16,21 @@ use wheel::contract::Guarded;
 const CHECKED_STATIONS: usize = STATIONS;
 
 /// Stations of a lead that are checked.
-const LOOKS_ON_LINE: usize = 30;
+const LINE_STATIONS: usize = 30;
 
 /// Reserve beyond each clearance, for places between samples and between stations, mm.
-const SPARE: f64 = 0.05;
+const RESERVE_MM: f64 = 0.05;
 
 /// Reserve of the travel of rotary axis 1, radians.
-const TILT_KEPT: f64 = 1e-3;
+const TILT_RESERVE: f64 = 1e-3;
 
 /// Points with less than this distance to their limit join the bounds of the path, mm: about as far as a change of the
 /// path moves a point.
 const NEAR: f64 = 1.0;
 
-/// Ratio by which these bounds give way further than the bounds on the face while the path is searched. They may be
-/// violated by much at first; when the bounds on the face hold, these hold as well.
-const FREELY: f64 = 100.0;
+/// Ratio by which these bounds give way further than the bounds on the face during the search. They may be violated by much
+/// at first; when the bounds on the face hold, these hold as well.
+const GIVE_RATIO: f64 = 100.0;
 
 /// Clearances and travel of an operation.
 pub(crate) struct Clearances<'a> {
@@ -38,7 +38,7 @@ pub(crate) struct Clearances<'a> {
     /// Shank and holder with the clearance of each section, mm.
     body: Vec<(Section, f64)>,
     /// Largest angle between tool axis and Z, radians.
-    most_tilt: f64,
+    max_tilt: f64,
 }
 
 /// Result of a check of a path.
@@ -52,11 +52,11 @@ pub(crate) struct ClearanceCheck {
 impl<'a> Clearances<'a> {
     pub(crate) fn new(program: &Program, operation: OperationId, obstacles: &'a Obstacles) -> Self {
         let solid = &program.tools[program.operations[operation].tool].solid;
-        let asked = |body: Guarded| program.clearance_asked(body).unwrap_or(0.0).max(program.clearance.get());
-        let [shank, holder] = [Guarded::Shank, Guarded::Holder].map(asked);
+        let required = |body: Guarded| program.clearance_asked(body).unwrap_or(0.0).max(program.clearance.get());
+        let [shank, holder] = [Guarded::Shank, Guarded::Holder].map(required);
         let shank = solid.shank.iter().map(|s| (*s, shank));
         let body = shank.chain(solid.holder.iter().map(|s| (*s, holder))).collect();
-        Self { obstacles, body, most_tilt: program.machine.max_tilt() - TILT_KEPT }
+        Self { obstacles, body, max_tilt: program.machine.max_tilt() - TILT_RESERVE }
     }
 
     /// Shank and holder with the clearance of each section, mm.
@@ -66,12 +66,12 @@ impl<'a> Clearances<'a> {
 
     /// Distance of shank and holder from a point in tool coordinates, less the clearance, mm.
     fn spare(&self, rho: f64, s: f64) -> f64 {
-        self.body.iter().map(|(section, asked)| section.distance(rho, s) - asked).fold(f64::INFINITY, f64::min)
+        self.body.iter().map(|(section, required)| section.distance(rho, s) - required).fold(f64::INFINITY, f64::min)
     }
 
     /// True when shank and holder are clear while the tool moves along a line.
     pub(crate) fn kept_on(&self, [from, to]: &[Point3<f64>; 2], axis: &Vector3<f64>) -> bool {
-        let stations = (0..=LOOKS_ON_LINE).map(|i| from + (to - from) * (i as f64 / LOOKS_ON_LINE as f64));
+        let stations = (0..=LINE_STATIONS).map(|i| from + (to - from) * (i as f64 / LINE_STATIONS as f64));
         let clear =
             |tip: Point3<f64>| self.obstacles.nearest(&tip, axis, |rho, s| self.spare(rho, s), 0.0).next().is_none();
         stations.into_iter().all(clear)
@@ -88,11 +88,12 @@ impl<'a> Clearances<'a> {
                 let (rho, s) = tool_coordinates(&point, &at.lower, &at.axis);
                 // The samples make the distance of an obstacle too large by this amount.
                 let unseen = self.spare(rho, s) - spare;
-                (spare, Target { of: Of::Body, give: [FREELY; 2], ..Target::clear(point, unseen + SPARE) })
+                (spare, Target { of: Of::Body, give: [GIVE_RATIO; 2], ..Target::clear(point, unseen + RESERVE_MM) })
             });
-            let tilt = LEVER * (self.most_tilt - libm::atan2(libm::hypot(at.axis.x, at.axis.y), at.axis.z));
-            let of = Of::Tilt { t, most: self.most_tilt };
-            let tilt = (tilt < NEAR).then(|| (tilt, Target { of, give: [FREELY; 2], ..Target::clear(at.lower, 0.0) }));
+            let tilt = LEVER * (self.max_tilt - libm::atan2(libm::hypot(at.axis.x, at.axis.y), at.axis.z));
+            let of = Of::Tilt { t, most: self.max_tilt };
+            let tilt =
+                (tilt < NEAR).then(|| (tilt, Target { of, give: [GIVE_RATIO; 2], ..Target::clear(at.lower, 0.0) }));
             bodies.chain(tilt).collect::<Vec<_>>()
         };
         let found: Vec<(f64, Target)> = (0..=CHECKED_STATIONS).into_par_iter().flat_map_iter(station).collect();

@@ -6,7 +6,7 @@
 //! `minimax` also finds the path of the tool axis, since contacts and axis together determine the error of the face.
 //! `two-point` and `one-point` place each ruling by itself, and leave the axis to `orient-tool`.
 
-use super::refusals::{MOST_STRIPS, NEARLY, fitting, never, no_ball, out_of_tolerance};
+use super::refusals::{MAX_STRIPS, NEARLY, fitting, never, no_ball, out_of_tolerance};
 use super::strip::{self, LEAVE, Strip, Surroundings, WorstError};
 use super::sweep::{self, NO_VIOLATION, StripPath, StripTask};
 use crate::passes::context::{
@@ -23,14 +23,14 @@ use wheel::method::{FaceOrder, Flank, FlankMethod};
 use wheel::part::{FaceId, Part, Surface, SurfaceKind};
 
 /// Rounds that even out the errors of strips by their heights.
-const EVENINGS: usize = 3;
+const EVENING_ROUNDS: usize = 3;
 
 /// Ratio of error to tolerance budget above which neither further evening of heights nor the number of strips by the
 /// cube law will succeed.
-const HOPEFUL: f64 = 1.5;
+const MAX_ERROR_RATIO: f64 = 1.5;
 
 /// A further strip is tried when the last one has reduced the missing clearance or travel to at most this share.
-const WORTH: f64 = 0.8;
+const MAX_MISSING_SHARE: f64 = 0.8;
 
 /// A strip of a face.
 struct PlannedStrip {
@@ -137,7 +137,7 @@ fn strip_paths(task: &StripTask<'_>, around: &Surroundings<'_>, side: FaceId, cu
         // A single strip has no heights to even out.
         Some(1) => return Some(StripPaths::Found(vec![task.sweep(&Strip::new(around, side, [0.0, 1.0], cutter))?])),
         Some(strips) => {
-            return sweeps(&strip::strips_of(around, side, strips, cutter, EVENINGS)?).map(StripPaths::Found);
+            return sweeps(&strip::strips_of(around, side, strips, cutter, EVENING_ROUNDS)?).map(StripPaths::Found);
         }
         None => {}
     }
@@ -146,20 +146,20 @@ fn strip_paths(task: &StripTask<'_>, around: &Surroundings<'_>, side: FaceId, cu
     let needed = 0.5 * (below + above);
     // The cube law gives the least number of strips that can succeed.
     let may = |(fewer, error): (u32, f64), strips: u32| {
-        error * (f64::from(fewer) / f64::from(strips)).powi(3) <= HOPEFUL * needed
+        error * (f64::from(fewer) / f64::from(strips)).powi(3) <= MAX_ERROR_RATIO * needed
     };
     let mut last: Option<(u32, f64)> = None;
     // Strips that keep the bounds but violate clearances or travel, and the violation.
     let mut crowded: Option<(Vec<StripPath>, f64)> = None;
-    for strips in 1..=MOST_STRIPS {
+    for strips in 1..=MAX_STRIPS {
         if last.is_some_and(|last| !may(last, strips)) {
             continue;
         }
         let mut divided = strip::strips_of(around, side, strips, cutter, usize::from(strips > 1))?;
         let mut error = strip::worst(&divided)?.error;
         last = Some((strips, error));
-        if strips > 1 && error > needed && error < HOPEFUL * needed {
-            divided = strip::strips_of(around, side, strips, cutter, EVENINGS)?;
+        if strips > 1 && error > needed && error < MAX_ERROR_RATIO * needed {
+            divided = strip::strips_of(around, side, strips, cutter, EVENING_ROUNDS)?;
             error = strip::worst(&divided)?.error;
         }
         if error > NEARLY * needed {
@@ -169,24 +169,24 @@ fn strip_paths(task: &StripTask<'_>, around: &Surroundings<'_>, side: FaceId, cu
         if found.iter().any(|s| s.violation > NO_VIOLATION) {
             continue;
         }
-        let misses = found.iter().map(|s| s.crowded).fold(0.0, f64::max);
-        if misses == 0.0 {
+        let missing = found.iter().map(|s| s.crowded).fold(0.0, f64::max);
+        if missing == 0.0 {
             return Some(StripPaths::Found(found));
         }
         // More strips of less height may tilt further, which may reduce the violation.
         let before = crowded.as_ref().map_or(f64::INFINITY, |c| c.1);
-        if misses < before {
-            crowded = Some((found, misses));
+        if missing < before {
+            crowded = Some((found, missing));
         }
-        if misses > WORTH * before {
+        if missing > MAX_MISSING_SHARE * before {
             break;
         }
     }
     if let Some((found, _)) = crowded {
         return Some(StripPaths::Found(found));
     }
-    let worst = strip::least_error(around, side, MOST_STRIPS, cutter, 1)?;
-    Some(StripPaths::Never { worst, needed, fitting: fitting(around, side, cutter, &[1, MOST_STRIPS], needed) })
+    let worst = strip::least_error(around, side, MAX_STRIPS, cutter, 1)?;
+    Some(StripPaths::Never { worst, needed, fitting: fitting(around, side, cutter, &[1, MAX_STRIPS], needed) })
 }
 
 /// Strips of both faces with paths that keep the contracts or violate them least.

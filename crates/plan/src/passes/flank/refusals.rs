@@ -1,4 +1,4 @@
-//! What flank milling refuses, with what would do.
+//! Refusals of flank milling, with their remedies.
 
 use super::strip::{self, Surroundings, WorstError};
 use super::sweep::StripTask;
@@ -15,7 +15,7 @@ use wheel::part::{FaceId, SurfaceKind};
 pub(crate) const NEARLY: f64 = 1.1;
 
 /// Largest number of strips that `strips auto` tries.
-pub(crate) const MOST_STRIPS: u32 = 8;
+pub(crate) const MAX_STRIPS: u32 = 8;
 
 /// The law behind the help of both diagnostics.
 const LAW: &str =
@@ -64,7 +64,7 @@ pub(crate) fn never(
     let diag = Diag::error(
         planning::NOT_FLANK_MILLABLE,
         format!(
-            "{MOST_STRIPS} strips with {} leave a deviation of {} on the {} face; the tolerance budget is {} on each side",
+            "{MAX_STRIPS} strips with {} leave a deviation of {} on the {} face; the tolerance budget is {} on each side",
             tool.name,
             length(worst.error),
             side.name(),

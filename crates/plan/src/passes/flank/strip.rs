@@ -18,10 +18,10 @@ use wheel::part::{
 };
 
 /// Difference of radii (mm) or of shares of the height that is rounding.
-const SAME: f64 = 1e-9;
+const ROUNDING: f64 = 1e-9;
 
 /// Least error that is divided by, mm.
-const LEAST_ERROR: f64 = 1e-6;
+const MIN_ERROR_MM: f64 = 1e-6;
 
 /// Control points of a guide curve: 14 are enough for the paper's vane (algorithms reference, 1.4).
 pub const CONTROL: usize = 14;
@@ -41,8 +41,8 @@ const NEIGHBOUR: [usize; 2] = [30, 8];
 
 /// Height between the lower edge and the top of a strip of the point whose offset is on the axis of a start, and the same of further
 /// starts, as shares.
-const AIMED: f64 = 0.85;
-const AIMED_AS_WELL: [f64; 2] = [0.6, 1.0];
+const AIM: f64 = 0.85;
+const FURTHER_AIMS: [f64; 2] = [0.6, 1.0];
 
 /// A part with the charts of its surfaces, computed once.
 pub struct Surroundings<'a> {
@@ -115,7 +115,7 @@ impl<'a> Strip<'a> {
 
     /// True when this pass also makes the fillet: the ball of the cutter has the radius of the fillet.
     fn makes_fillet(&self) -> bool {
-        let same = |f: Mm| (f.get() - self.cutter.tip_radius()).abs() < SAME;
+        let same = |f: Mm| (f.get() - self.cutter.tip_radius()).abs() < ROUNDING;
         self.span[0] == 0.0 && self.around.part.fillet(self.side).and_then(Fillet::constant).is_some_and(same)
     }
 
@@ -138,9 +138,9 @@ impl<'a> Strip<'a> {
             }
             if chart.kind == SurfaceKind::Face(self.side) {
                 // At the border of two strips, the ball leaves the face within a few tenths of a millimetre.
-                const BESIDE: [f64; 7] = [-0.05, -0.025, -0.01, 0.0, 0.01, 0.025, 0.05];
+                const BORDER_OFFSETS: [f64; 7] = [-0.05, -0.025, -0.01, 0.0, 0.01, 0.025, 0.05];
                 let inner = self.span.iter().filter(|e| **e > 0.0 && **e < 1.0);
-                heights.extend(inner.flat_map(|e| BESIDE.iter().map(move |b| e + b)));
+                heights.extend(inner.flat_map(|e| BORDER_OFFSETS.iter().map(move |b| e + b)));
             }
             for y in heights {
                 let mut before = None;
@@ -200,16 +200,16 @@ impl<'a> Strip<'a> {
         let place = chart.place(x, y);
         // At a sharp root the ball reaches down only to its contact with the hub.
         let reached = || {
-            let asked = part.fillet(self.side).is_none() && chart.kind == SurfaceKind::Face(self.side);
-            asked.then(|| part.fillet_tangent(self.side, x, self.cutter.tip_radius())).flatten()
+            let touches_face = part.fillet(self.side).is_none() && chart.kind == SurfaceKind::Face(self.side);
+            touches_face.then(|| part.fillet_tangent(self.side, x, self.cutter.tip_radius())).flatten()
         };
-        let touched = |asked: bool| match asked {
+        let touched = |touches_face: bool| match touches_face {
             true => Target::touched(place.position),
             false => Target::clear(place.position, 0.0),
         };
         let target = match chart.kind {
             SurfaceKind::Face(side) if side == self.side => {
-                let in_band = (low - SAME..=high + SAME).contains(&y);
+                let in_band = (low - ROUNDING..=high + ROUNDING).contains(&y);
                 touched(in_band && reached().is_none_or(|v| place.parameters[1] >= v))
             }
             // The targets continue beyond the part, so that the pass is as smooth at its ends as in the middle.
@@ -278,15 +278,15 @@ impl<'a> Strip<'a> {
         Some((fit, near.swap_remove(chosen)))
     }
 
-    /// Where the optimisation may start: with axes through several heights of the strip. Over a low strip such an axis may lean into a
-    /// hollow or twisted face above the strip; the last start leans as for the whole face.
+    /// Starts of the optimisation: with axes through several heights of the strip. Over a low strip such an axis may tilt into a hollow
+    /// or twisted face above the strip; the last start has the tilt of the whole face.
     fn starts(&self) -> Vec<DualCurve> {
         let top = self.span[1];
-        let mut aims = vec![(AIMED, top)];
+        let mut aims = vec![(AIM, top)];
         // The start of a barrel aims at no height.
         if self.cutter.barrel_arc().is_none() {
-            aims.extend(AIMED_AS_WELL.map(|share| (share, top)));
-            aims.extend((top < 1.0).then_some((AIMED, 1.0)));
+            aims.extend(FURTHER_AIMS.map(|share| (share, top)));
+            aims.extend((top < 1.0).then_some((AIM, 1.0)));
         }
         aims.into_iter().filter_map(|(share, top)| self.start_below(share, top)).collect()
     }
@@ -303,7 +303,7 @@ impl<'a> Strip<'a> {
             (0..=8).map(|i| f64::from(i) / 8.0).map(|u| face.surface.point(u, 1.0) - face.surface.point(u, 0.0));
         let length = length.map(|r| r.norm_squared().sqrt()).fold(0.0, f64::max);
         let touches = self.cutter.tip_radius();
-        let radius = |height: f64| self.cutter.radius_at(height.max(SAME));
+        let radius = |height: f64| self.cutter.radius_at(height.max(ROUNDING));
         let [low, high] = self.span;
         let [from, to] = self.extent();
         let pairs: Option<Vec<[Point3<f64>; 2]>> = (0..=POINTS)
@@ -399,7 +399,7 @@ pub fn strips_of<'a>(
     for _ in 0..rounds {
         // Heights that make all errors equal by the cubic law.
         let even = |(strip, w): &(Strip<'_>, WorstError)| {
-            (strip.span[1] - strip.span[0]) * libm::pow(w.error.max(LEAST_ERROR), -1.0 / 3.0)
+            (strip.span[1] - strip.span[0]) * libm::pow(w.error.max(MIN_ERROR_MM), -1.0 / 3.0)
         };
         let heights: Vec<f64> = best.iter().map(even).collect();
         let whole: f64 = heights.iter().sum();
@@ -457,7 +457,7 @@ pub fn fitting(around: &Surroundings<'_>, side: FaceId, strips: u32, cutter: Cut
             break;
         }
         // Aims a little below the bound; never up to what was too large.
-        let aimed = share * (0.98 * error / found.error.max(SAME)).clamp(0.2, 1.5);
+        let aimed = share * (0.98 * error / found.error.max(ROUNDING)).clamp(0.2, 1.5);
         share = aimed.min(1.0);
         if share < SMALLEST {
             break;

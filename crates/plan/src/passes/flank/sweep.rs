@@ -24,7 +24,7 @@ const GAIN: f64 = 2e-3;
 /// Largest number of rounds in which violated points between the others join the search.
 const EXCHANGES: usize = 12;
 
-/// Steps of easing in the first rounds; in later rounds the path only returns to its bounds.
+/// Steps of easing in the first rounds. In later rounds the path only returns to its bounds.
 const EASING: [usize; 3] = [20, 3, 3];
 
 /// Density of the points of the last check, relative to the spacing of the search; and the distance from a bound, mm,
@@ -46,7 +46,7 @@ const PATH_SPANS: usize = 4;
 const STARTS: usize = 300;
 
 /// Largest number of rounds in which obstacles of a path join its bounds.
-const CLEARINGS: usize = 6;
+const CLEARANCE_ROUNDS: usize = 6;
 
 /// Weight of accelerations against speeds in the motion of the rotary axes, as a length of path, mm.
 const REACH: f64 = 3.0;
@@ -84,7 +84,7 @@ pub(crate) struct StripTask<'a> {
 
 /// Density of the last check of a path.
 #[derive(Clone, Copy, PartialEq)]
-enum LastLook {
+enum LastCheck {
     /// Between the points of the search.
     Between,
     /// On crests as well, which arise where the envelope folds. A path that is shifted along itself comes near to that.
@@ -103,7 +103,7 @@ struct BoundedPath {
 /// Points that bound a path.
 struct StripPoints {
     /// Points in the constraints of the programs.
-    looked_at: Vec<Target>,
+    constrained: Vec<Target>,
     /// Points among which violations are searched.
     all: Vec<Target>,
     /// Points of the last check, with their places.
@@ -162,7 +162,7 @@ impl StripTask<'_> {
         };
         let dense = strip.near(&start, strip.targets(DENSE), |p| p.target);
         let mut points = StripPoints {
-            looked_at: coarse.iter().map(bounded).collect(),
+            constrained: coarse.iter().map(bounded).collect(),
             all: fine.iter().map(bounded).collect(),
             dense: dense.iter().map(|p| (bounded(p), *p)).collect(),
         };
@@ -170,12 +170,12 @@ impl StripTask<'_> {
         let tool = Mounted { body: clearances.body(), ..strip.tool() };
         let start = least.clone().map_or(start, |l| l.0);
         let BoundedPath { path, violation, .. } =
-            self.within_bounds(start, strip, &tool, &bounded, &mut points, LastLook::Between);
+            self.within_bounds(start, strip, &tool, &bounded, &mut points, LastCheck::Between);
         let mut clear = || {
             self.cleared(&path, &clearances, |path, near| {
-                points.looked_at.extend(near);
+                points.constrained.extend(near);
                 points.all.extend(near);
-                self.within_bounds(path, strip, &tool, &bounded, &mut points, LastLook::OnCrests)
+                self.within_bounds(path, strip, &tool, &bounded, &mut points, LastCheck::OnCrests)
             })
         };
         let (path, crowded) = match if violation > NO_VIOLATION { Ok(path.clone()) } else { clear() } {
@@ -213,7 +213,7 @@ impl StripTask<'_> {
     ) -> Result<DualCurve, f64> {
         let mut path = path.clone();
         let mut violation = 0.0;
-        for _ in 0..CLEARINGS {
+        for _ in 0..CLEARANCE_ROUNDS {
             if self.progress.is_cancelled() {
                 break;
             }
@@ -238,7 +238,7 @@ impl StripTask<'_> {
         tool: &Mounted<'_>,
         bounded: &impl Fn(&Placed) -> Target,
         points: &mut StripPoints,
-        look: LastLook,
+        check: LastCheck,
     ) -> BoundedPath {
         let mut violation = 0.0;
         let mut broken = Vec::new();
@@ -246,12 +246,12 @@ impl StripTask<'_> {
             if self.progress.is_cancelled() {
                 break;
             }
-            let guarded = self.guarded(path, tool, &points.looked_at);
-            let mut best = minimax(&guarded, tool, &points.looked_at, GAIN);
+            let guarded = self.guarded(path, tool, &points.constrained);
+            let mut best = minimax(&guarded, tool, &points.constrained, GAIN);
             if round == 0 && best.widening > NO_VIOLATION {
                 // Finer knots may achieve what more strips would.
-                (best, points.looked_at) = {
-                    let found = finest(&guarded, tool, &points.looked_at, &points.all, GAIN);
+                (best, points.constrained) = {
+                    let found = finest(&guarded, tool, &points.constrained, &points.all, GAIN);
                     (found.best, found.targets)
                 };
             }
@@ -260,7 +260,7 @@ impl StripTask<'_> {
             path = match EASING.get(round) {
                 Some(steps) => {
                     let chain = &self.program.machine.chain;
-                    let widened: Vec<Target> = points.looked_at.iter().map(give).collect();
+                    let widened: Vec<Target> = points.constrained.iter().map(give).collect();
                     ease(&best.curve, tool, &widened, &|axis| chain.gradients(axis), REACH, SLACK, *steps).curve
                 }
                 None => best.curve,
@@ -282,7 +282,7 @@ impl StripTask<'_> {
                 near.sort_by(|a, b| b.0.total_cmp(&a.0));
                 let crests: Vec<Placed> = near.iter().take(CRESTS).map(|x| x.1.1).collect();
                 let mut finer: Vec<Target> = near.iter().map(|x| x.1.0).collect();
-                if look == LastLook::OnCrests {
+                if check == LastCheck::OnCrests {
                     finer.extend(strip.about(&crests, DENSE).iter().map(bounded));
                 }
                 broken = broken_of(&finer);
@@ -292,7 +292,7 @@ impl StripTask<'_> {
             if broken.is_empty() {
                 break;
             }
-            points.looked_at.extend(&broken);
+            points.constrained.extend(&broken);
         }
         let increase = Measured::new(&path, tool, &broken).widening(&broken) - violation;
         BoundedPath { path, violation, increase: increase.max(0.0) }
@@ -342,7 +342,7 @@ fn leads(
     clearances: &Clearances<'_>,
 ) -> ([Vector3<f64>; 2], [bool; 2]) {
     /// Shares of the normals of face and hub that are tried, from straight on to steeply away.
-    const BENDS: [[f64; 2]; 8] =
+    const LEAD_SLOPES: [[f64; 2]; 8] =
         [[0.0, 0.0], [0.05, 0.05], [0.15, 0.0], [0.0, 0.15], [0.15, 0.15], [0.4, 0.15], [0.4, 0.4], [0.8, 0.8]];
     let tool = strip.tool();
     let found = [0, 1].map(|end| {
@@ -365,7 +365,7 @@ fn leads(
             });
             cuts_nothing && clearances.kept_on(&line, &at.axis)
         };
-        BENDS.iter().map(direction).find(clear).ok_or(straight)
+        LEAD_SLOPES.iter().map(direction).find(clear).ok_or(straight)
     });
     (found.map(|d| d.unwrap_or_else(|straight| straight)), found.map(|d| d.is_err()))
 }

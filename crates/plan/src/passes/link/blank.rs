@@ -1,4 +1,4 @@
-//! A tool beside the turned blank.
+//! Distances of a tool from the turned blank and its clamping.
 
 use ir::ClPoint;
 use nalgebra::{Point3, Vector3};
@@ -57,8 +57,12 @@ impl<'a> Blank<'a> {
             let r = libm::hypot(p.x, p.y);
             let over = p.z - self.clamping.below.get();
             let clamping = self.clamping.radius.map_or(over, |radius| {
-                let beside = r - radius.get();
-                if over < 0.0 && beside < 0.0 { over.max(beside) } else { libm::hypot(over.max(0.0), beside.max(0.0)) }
+                let outside = r - radius.get();
+                if over < 0.0 && outside < 0.0 {
+                    over.max(outside)
+                } else {
+                    libm::hypot(over.max(0.0), outside.max(0.0))
+                }
             });
             found.clamping = found.clamping.min(clamping - around);
             // The sphere decides for most of a long tool.

@@ -8,10 +8,10 @@ use std::f64::consts::TAU;
 const AT_LIMIT: f64 = 1e-10;
 
 /// Number of windings below which all of them are tried.
-const MOST_TURNS: f64 = 8.0;
+const MAX_TRIED_TURNS: f64 = 8.0;
 
 /// Largest number of whole turns of an axis without limits.
-const MANY_TURNS: f64 = 1e6;
+const MAX_TURNS: f64 = 1e6;
 
 /// Why a sequence has no joints within travel.
 pub(crate) struct OutOfTravel {
@@ -42,7 +42,7 @@ impl OnBranch {
     /// Numbers of whole turns to choose from, behind these angles of axis 2: all of a short travel, else those near the angles.
     fn choices(&self, before: impl Iterator<Item = f64>) -> Vec<f64> {
         let [fewest, most] = self.turns;
-        let mut choices: Vec<f64> = if most - fewest < MOST_TURNS {
+        let mut choices: Vec<f64> = if most - fewest < MAX_TRIED_TURNS {
             (0..=(most - fewest) as u32).map(|k| fewest + f64::from(k)).collect()
         } else {
             before.map(|at| self.nearest_turns(at)).collect()
@@ -103,8 +103,8 @@ pub(crate) fn on_branches(
         let Some(ends) = angles.first().zip(angles.last()).map(|(first, last)| [*first, *last]) else { break };
         let [low, high] = range(&angles, 1);
         let turns = [
-            ((second.min - AT_LIMIT - low) / TAU).ceil().max(-MANY_TURNS),
-            ((second.max + AT_LIMIT - high) / TAU).floor().min(MANY_TURNS),
+            ((second.min - AT_LIMIT - low) / TAU).ceil().max(-MAX_TURNS),
+            ((second.max + AT_LIMIT - high) / TAU).floor().min(MAX_TURNS),
         ];
         let miss = |turns: f64| {
             let turned: Vec<Angles> = angles.iter().map(|a| [a[0], a[1] + turns * TAU]).collect();
@@ -148,9 +148,9 @@ pub(crate) fn shortest(machine: &Machine, runs: &[&[OnBranch]], at: Angles) -> V
         for on_branch in *run {
             for turns in on_branch.choices(last.iter().map(|choice| choice.end[1])) {
                 let first = on_branch.end(0, turns);
-                let ways =
+                let times =
                     last.iter().enumerate().map(|(before, choice)| (choice.time + time(&choice.end, &first), before));
-                let Some((time, before)) = ways.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
+                let Some((time, before)) = times.min_by(|a, b| a.0.total_cmp(&b.0)) else { continue };
                 let winding = Winding { branch: on_branch.branch, turns };
                 layer.push(Choice { winding, end: on_branch.end(1, turns), time, before });
             }
@@ -224,9 +224,9 @@ mod tests {
     use nalgebra::{Point3, Vector3};
     use proptest::prelude::*;
 
-    fn place(lean: f64, azimuth: f64) -> ClPoint {
+    fn place(tilt: f64, azimuth: f64) -> ClPoint {
         let (sin, cos) = libm::sincos(azimuth);
-        let axis = Vector3::new(libm::sin(lean) * cos, libm::sin(lean) * sin, libm::cos(lean));
+        let axis = Vector3::new(libm::sin(tilt) * cos, libm::sin(tilt) * sin, libm::cos(tilt));
         ClPoint { tip: Point3::origin(), axis, contact: None }
     }
 
@@ -255,7 +255,7 @@ mod tests {
             let machine = Machine { rotary: [a, c], ..Machine::unlimited(Chain::tilting_table()) };
             let runs: Vec<Vec<ClPoint>> = runs
                 .iter()
-                .map(|((lean, azimuth), (to, turn))| vec![place(*lean, *azimuth), place(0.5 * (lean + to), azimuth + 0.5 * turn), place(*to, azimuth + turn)])
+                .map(|((tilt, azimuth), (to, turn))| vec![place(*tilt, *azimuth), place(0.5 * (tilt + to), azimuth + 0.5 * turn), place(*to, azimuth + turn)])
                 .collect();
             let found: Vec<Vec<OnBranch>> =
                 runs.iter().map(|run| on_branches(&machine, run, 0.0, [0.0, at]).ok().unwrap()).collect();

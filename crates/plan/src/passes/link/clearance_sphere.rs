@@ -33,10 +33,10 @@ impl ClearanceSphere {
         let sections = tool.shank.iter().chain(&tool.holder);
         let corners = sections.flat_map(|x| [(x.radius_from, x.from), (x.radius_to, x.to)]);
         let cutter = [(tool.cutter.widest_below(tool.flute_length), 0.0)];
-        let wide = corners.chain(cutter).map(|(r, s)| ((far + r + BODY_GAP).powi(2) - s * s).max(0.0).sqrt());
+        let radii = corners.chain(cutter).map(|(r, s)| ((far + r + BODY_GAP).powi(2) - s * s).max(0.0).sqrt());
         // Chords between steps lie inside of the sphere.
-        let wide = wide.fold(0.0, f64::max) / libm::cos(0.5 * SPHERE_STEP);
-        Self { centre, radius: wide.max(far + SPHERE_GAP) }
+        let radius = radii.fold(0.0, f64::max) / libm::cos(0.5 * SPHERE_STEP);
+        Self { centre, radius: radius.max(far + SPHERE_GAP) }
     }
 
     /// Distance from a point along a direction until it is outside and the direction no longer points inward.
@@ -60,7 +60,7 @@ impl ClearanceSphere {
     }
 
     /// Length of the path from one outside point to another.
-    pub(crate) fn way(&self, from: &Point3<f64>, to: &Point3<f64>) -> f64 {
+    pub(crate) fn path_length(&self, from: &Point3<f64>, to: &Point3<f64>) -> f64 {
         let (a, b) = (from - self.centre, to - self.centre);
         let (ra, rb) = (a.norm(), b.norm());
         libm::hypot(ra - rb, a.angle(&b) * 0.5 * (ra + rb))

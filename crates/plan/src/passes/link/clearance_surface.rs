@@ -1,4 +1,4 @@
-//! The clearance surface: a distance outside of blank and clamping, and the ways at rapid from one place on it to another.
+//! The clearance surface: a distance outside of blank and clamping, and the paths at rapid from one place on it to another.
 //!
 //! Blank and clamping are turned about Z, so that a turn of the table keeps their distances to the tool. The tool leaves
 //! along its axis until all of it is on this surface or outside of it. Then all axes go evenly to the place over the next
@@ -16,19 +16,19 @@ use tool_stock::collide::ToolSolid;
 const RAPID_DISTANCE_MM: f64 = 2.0;
 const MIN_DISTANCE_MM: f64 = 1.0;
 
-/// Distances by which the tool goes out farther where the way is not free, mm.
+/// Distances by which the tool goes out farther where the path is not free, mm.
 const RAISES: [f64; 5] = [0.0, 3.0, 8.0, 18.0, 40.0];
 
-/// Deviation of the chord from the way of the tip round the part over a step, mm, and longest turn of a step, radians.
+/// Deviation of the chord from the path of the tip round the part over a step, mm, and longest turn of a step, radians.
 const PATH_CHORD: f64 = 0.5;
-const MOST_STEP: f64 = 0.35;
+const MAX_STEP_TURN: f64 = 0.35;
 
-/// Places that are looked at: largest turn between two of them, radians, and longest way of the linear axes, mm.
-const LOOK_TURN: f64 = 0.04;
-const LOOK_WAY: f64 = 2.0;
+/// Places that are checked: largest turn between two of them, radians, and longest motion of the linear axes, mm.
+const CHECK_TURN: f64 = 0.04;
+const CHECK_DISTANCE_MM: f64 = 2.0;
 
 /// Accuracy of the height of a place over a pass, mm.
-const HEIGHT: f64 = 0.1;
+const HEIGHT_ERROR_MM: f64 = 0.1;
 
 /// The clearance surface of a tool.
 pub(super) struct ClearanceSurface<'a> {
@@ -53,7 +53,7 @@ impl<'a> ClearanceSurface<'a> {
         while height > 0.0 {
             // No point of the tool comes nearer by more than the tool moves.
             let free = self.blank.distance(&at(height), &from.axis).least() - RAPID_DISTANCE_MM;
-            if free <= HEIGHT {
+            if free <= HEIGHT_ERROR_MM {
                 break;
             }
             height = (height - free).max(0.0);
@@ -63,7 +63,7 @@ impl<'a> ClearanceSurface<'a> {
 
     /// Places from a place outside to one from which the tool rises along Z of the machine to any height, without the first
     /// and with the last: out along the tool axis, and where that is not enough, over the clearance sphere.
-    pub(super) fn way_to_rise(&self, from: &RotaryPose) -> Vec<RotaryPose> {
+    pub(super) fn path_to_rise(&self, from: &RotaryPose) -> Vec<RotaryPose> {
         let to_part = self.machine.part_to_machine(from.rotary).inverse();
         let (up, axis) = (to_part * Vector3::z(), self.axis(from));
         let exit = self.sphere.exit(&from.tip, &axis);
@@ -78,20 +78,20 @@ impl<'a> ClearanceSurface<'a> {
         }
         let out = raised(from, exit, &axis);
         let over = RotaryPose { tip: self.sphere.above(&axis, &up), ..*from };
-        let way = self.sphere.around(&self.machine.chain, &out, &over);
-        [out].into_iter().chain(way).chain([over]).collect()
+        let path = self.sphere.around(&self.machine.chain, &out, &over);
+        [out].into_iter().chain(path).chain([over]).collect()
     }
 
-    /// About the time of the way over the surface from one pose to another, s. On the surface the tool goes at rapid, below
+    /// Approximate time of the path over the surface from one pose to another, s. On the surface the tool goes at rapid, below
     /// it with a feed, mm/min.
     pub(super) fn time(&self, from: &ClPoint, to: &ClPoint, feed: f64) -> f64 {
         let [out, back] = [from, to].map(|p| self.lifted(p).tip);
         ((out - from.tip).norm() + (back - to.tip).norm()) / (feed / 60.0)
-            + self.sphere.way(&out, &back) / self.machine.rapid
+            + self.sphere.path_length(&out, &back) / self.machine.rapid
     }
 
-    /// Places on the way from one place outside to another, without both.
-    pub(super) fn way_round(&self, from: &RotaryPose, to: &RotaryPose) -> Vec<RotaryPose> {
+    /// Places on the path from one place outside to another, without both.
+    pub(super) fn path_over(&self, from: &RotaryPose, to: &RotaryPose) -> Vec<RotaryPose> {
         let raised = |p: &RotaryPose, height: f64| RotaryPose { tip: p.tip + self.axis(p) * height, ..*p };
         let exits = [from, to].map(|p| self.sphere.exit(&p.tip, &self.axis(p)));
         for raise in RAISES {
@@ -116,7 +116,7 @@ impl<'a> ClearanceSurface<'a> {
     fn evenly(&self, [from, to]: &[RotaryPose; 2]) -> Vec<RotaryPose> {
         let xyz = [from, to].map(|p| self.machine.joints(&p.tip, p.rotary).xyz);
         let radius = [from, to].map(|p| p.tip.coords.norm()).into_iter().fold(0.0, f64::max);
-        let step = (8.0 * PATH_CHORD / radius.max(PATH_CHORD)).sqrt().min(MOST_STEP);
+        let step = (8.0 * PATH_CHORD / radius.max(PATH_CHORD)).sqrt().min(MAX_STEP_TURN);
         let count = (most_turn(from.rotary, to.rotary) / step).ceil() as usize;
         (1..count)
             .map(|i| {
@@ -130,7 +130,7 @@ impl<'a> ClearanceSurface<'a> {
             .collect()
     }
 
-    /// True when the tool keeps its distances on the straight ways between places. Beside a clamping it may be as near as
+    /// True when the tool keeps its distances on the straight paths between places. Beside a clamping it may be as near as
     /// half of its distance at the ends.
     fn is_free(&self, path: &[RotaryPose]) -> bool {
         let distance = |p: &RotaryPose| self.blank.distance(&p.tip, &self.axis(p));
@@ -140,10 +140,10 @@ impl<'a> ClearanceSurface<'a> {
             && path.windows(2).all(|w| {
                 let turn = most_turn(w[0].rotary, w[1].rotary);
                 let xyz = [0, 1].map(|k: usize| self.machine.joints(&w[k].tip, w[k].rotary).xyz);
-                let way = (xyz[1] - xyz[0]).norm();
-                let looks = (turn / LOOK_TURN).max(way / LOOK_WAY).ceil().max(1.0) as usize;
-                (0..=looks).all(|k| {
-                    let found = distance(&w[0].towards(&w[1], k as f64 / looks as f64));
+                let length = (xyz[1] - xyz[0]).norm();
+                let checks = (turn / CHECK_TURN).max(length / CHECK_DISTANCE_MM).ceil().max(1.0) as usize;
+                (0..=checks).all(|k| {
+                    let found = distance(&w[0].towards(&w[1], k as f64 / checks as f64));
                     found.blank >= MIN_DISTANCE_MM && found.clamping >= clamping
                 })
             })

@@ -1,7 +1,7 @@
 //! Space without material, known from the blank and from the cuts before it.
 //!
 //! Rays of the stock miss an edge of material that is thinner than a cell. Where the middle of an end without teeth goes
-//! down along the axis, such an edge stands in its way. The blank is known exactly, and so are the poses of all cuts: a
+//! down along the axis, such an edge would be hit. The blank is known exactly, and so are the poses of all cuts: a
 //! point is free when it lies outside of the blank or inside of a cutter at one of these poses.
 
 use super::stock_steps::PathPoint;
@@ -12,13 +12,13 @@ use std::f64::consts::{PI, TAU};
 use tool_stock::collide::ToolSolid;
 
 /// Height over the tip from which material counts, mm: floors of cuts beside one another differ by less.
-const LAYER: f64 = 0.02;
+const MIN_HEIGHT_MM: f64 = 0.02;
 
 /// Points on a rim, and rings of points in the middle of the end.
 const ON_RIM: usize = 12;
 const RINGS: usize = 3;
 
-/// Distance of the heights at which points are looked at, as a share of the radius of the middle.
+/// Distance of the heights at which points are checked, as a share of the radius of the middle.
 const RADIUS_HEIGHT_STEP: f64 = 0.5;
 
 /// Poses of cuts, sector by sector.
@@ -28,7 +28,7 @@ pub(super) struct Cleared {
     cuts: BTreeMap<u32, Vec<CutPose>>,
 }
 
-/// CutPose of a cutter.
+/// Pose of a cutter in a cut.
 struct CutPose {
     tip: Point3<f64>,
     axis: Vector3<f64>,
@@ -55,14 +55,14 @@ impl Cleared {
         let outside = |p: &Point3<f64>| profile.distance([libm::hypot(p.x, p.y), p.z]);
         let step = RADIUS_HEIGHT_STEP * radius;
         let count = (height / step).ceil() as usize;
-        let height = |k: usize| LAYER + k as f64 * step;
+        let height = |k: usize| MIN_HEIGHT_MM + k as f64 * step;
         let in_blank = |k: &usize| outside(&(at.tip + at.axis * height(*k))) <= libm::hypot(radius, step);
         let Some(top) = (0..=count).rev().find(in_blank) else { return true };
         let across = at.axis.cross(&Vector3::ith(at.axis.iamin(), 1.0)).normalize();
-        let beside = at.axis.cross(&across);
+        let other = at.axis.cross(&across);
         let point = |radius: f64, k: usize, height: f64| {
             let (sin, cos) = libm::sincos(TAU * k as f64 / ON_RIM as f64);
-            at.tip + (across * cos + beside * sin) * radius + at.axis * height
+            at.tip + (across * cos + other * sin) * radius + at.axis * height
         };
         let near = self.near(sector, at, radius);
         // Cutters are convex: a cutter that holds the polygons about both ends of the cylinder holds the cylinder.
@@ -88,8 +88,8 @@ impl Cleared {
             let d = pose.tip - at.tip;
             let cutter = &self.cutters[pose.cutter];
             // A pose with another axis comes nearer higher up.
-            let leans = (pose.axis - at.axis).norm() * cutter.flute_length;
-            (d - at.axis * d.dot(&at.axis)).norm() <= cutter.radius() + radius + leans
+            let tilted = (pose.axis - at.axis).norm() * cutter.flute_length;
+            (d - at.axis * d.dot(&at.axis)).norm() <= cutter.radius() + radius + tilted
         };
         self.cuts.get(&sector).map_or_else(Vec::new, |poses| poses.iter().rev().filter(meets).collect())
     }

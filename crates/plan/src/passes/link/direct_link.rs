@@ -36,19 +36,19 @@ const RIDGE: f64 = 0.1;
 const MAX_LINK_TURN: f64 = 0.35;
 
 /// Largest turn of a rotary axis on a straight link through air, radians.
-const MOST_STRAIGHT_TURN: f64 = 1.5;
+const MAX_STRAIGHT_TURN: f64 = 1.5;
 
-/// Least way of the tip on a link, mm, ten steps of the words of NC text; and the largest turn per mm, radians: a feed is a
-/// speed of the tip.
-const MIN_LINK_WAY: f64 = 1e-3;
-const MOST_TURN_OF_WAY: f64 = 35.0;
+/// Least motion of the tip on a link, mm, ten steps of the words of NC text; and the largest turn per mm, radians: a feed is
+/// a speed of the tip.
+const MIN_LINK_LENGTH_MM: f64 = 1e-3;
+const MAX_TURN_PER_MM: f64 = 35.0;
 
 /// Height that the tool lifts by between two places that are nearer to each other, mm.
 const SAME_PLACE_LIFT: f64 = 0.5;
 
-/// True where a block at feed can have a way of the tip with a turn.
-fn is_a_way(way: f64, turn: f64) -> bool {
-    way > MIN_LINK_WAY && turn <= MOST_TURN_OF_WAY * way
+/// True where a block at feed can have a tip motion of this length with this turn.
+fn can_be_block(length: f64, turn: f64) -> bool {
+    length > MIN_LINK_LENGTH_MM && turn <= MAX_TURN_PER_MM * length
 }
 
 /// Direct links between passes of an operation.
@@ -58,7 +58,7 @@ pub(crate) struct DirectLinks<'a> {
     solid: &'a ToolSolid,
     blank: Blank<'a>,
     /// Required distances of cutter, shank and holder to the part, mm.
-    asked: [f64; 3],
+    required: [f64; 3],
     /// Distance from the part beyond which there is no stock, mm; `None` where no contract bounds it.
     free: Option<f64>,
 }
@@ -66,7 +66,7 @@ pub(crate) struct DirectLinks<'a> {
 impl<'a> DirectLinks<'a> {
     pub(crate) fn new(program: &'a Program, obstacles: &'a Obstacles, operation: &Operation) -> Self {
         let least = program.clearance.get();
-        let clearance = |body: Guarded| program.clearance_asked(body).map_or(least, |asked| asked.max(least));
+        let clearance = |body: Guarded| program.clearance_asked(body).map_or(least, |required| required.max(least));
         let rest = program.contracts.iter().filter(|c| c.kind == ContractKind::Rest && c.scope.is_whole());
         let solid = &program.tools[operation.tool].solid;
         Self {
@@ -74,7 +74,7 @@ impl<'a> DirectLinks<'a> {
             obstacles,
             solid,
             blank: Blank::new(&program.stock, solid),
-            asked: [CUTTER * obstacles.scale(), clearance(Guarded::Shank), clearance(Guarded::Holder)],
+            required: [CUTTER * obstacles.scale(), clearance(Guarded::Shank), clearance(Guarded::Holder)],
             free: rest.map(|c| c.bound.value() + OVER_REST).reduce(f64::min),
         }
     }
@@ -93,8 +93,8 @@ impl<'a> DirectLinks<'a> {
             return None;
         }
         let turn = self.machine.turn(start, end);
-        let moves = is_a_way((to.tip - from.tip).norm(), turn);
-        if !moves && turn <= MIN_LINK_WAY {
+        let moves = can_be_block((to.tip - from.tip).norm(), turn);
+        if !moves && turn <= MIN_LINK_LENGTH_MM {
             if from.tip == to.tip && from.axis == to.axis {
                 return Some(Vec::new());
             }
@@ -105,9 +105,9 @@ impl<'a> DirectLinks<'a> {
         LIFTS.iter().find_map(|lift| {
             let over = [from, to].map(|p| ClPoint { tip: p.tip + p.axis * *lift, axis: p.axis, contact: None });
             let ends: Ends = [0, 1].map(|k| RotaryPose { tip: over[k].tip, rotary: angles[k] });
-            let way = (over[1].tip - over[0].tip).norm();
-            let moves = is_a_way(way, turn);
-            let thin = || self.ridge(way, turn, height) <= RIDGE;
+            let length = (over[1].tip - over[0].tip).norm();
+            let moves = can_be_block(length, turn);
+            let thin = || self.ridge(length, turn, height) <= RIDGE;
             let clear = |least: f64| self.keeps(&ends, Allowances::even(least));
             let near = || thin() && clear(0.0);
             let free = || self.free.is_some_and(clear);
@@ -122,8 +122,8 @@ impl<'a> DirectLinks<'a> {
         let angles = rotary(&self.machine.chain, [from.axis, to.axis].into_iter());
         let ends: Ends = [(from, angles[0]), (to, angles[1])].map(|(p, rotary)| RotaryPose { tip: p.tip, rotary });
         let turns = [0, 1].map(|k: usize| (angles[1][k] - angles[0][k]).abs());
-        let moves = is_a_way((to.tip - from.tip).norm(), self.machine.turn(angles[0], angles[1]));
-        moves && turns.iter().all(|turn| *turn <= MOST_STRAIGHT_TURN) && self.keeps(&ends, kept)
+        let moves = can_be_block((to.tip - from.tip).norm(), self.machine.turn(angles[0], angles[1]));
+        moves && turns.iter().all(|turn| *turn <= MAX_STRAIGHT_TURN) && self.keeps(&ends, kept)
     }
 
     /// True when the tool keeps its distances, each at least the allowance, over a motion.
@@ -133,20 +133,20 @@ impl<'a> DirectLinks<'a> {
 
     /// Distance of a point less the required distance, each at least `least`; negative for a violation.
     fn slack(&self, rho: f64, s: f64, least: f64) -> f64 {
-        let [cutter, shank, holder] = self.asked.map(|asked| asked.max(least));
+        let [cutter, shank, holder] = self.required.map(|required| required.max(least));
         let of = |sections: &[Section]| Section::least_distance(sections, rho, s);
         (self.solid.cutter_distance(rho, s) - cutter)
             .min(of(&self.solid.shank) - shank)
             .min(of(&self.solid.holder) - holder)
     }
 
-    /// Thickest ridge, up to a height over the tip, between two places of the tool whose tips are `way` apart and whose
+    /// Thickest ridge, up to a height over the tip, between two places of the tool whose tips are `length` apart and whose
     /// axes turn by at most `turn`.
-    fn ridge(&self, way: f64, turn: f64, height: f64) -> f64 {
+    fn ridge(&self, length: f64, turn: f64, height: f64) -> f64 {
         let sections = self.solid.shank.iter().chain(&self.solid.holder).filter(|x| x.from < height);
         let body = sections.map(|x| (x.radius_from.min(x.radius_to), x.to));
         let cutter = (self.solid.radius(), self.solid.flute_length);
-        let moved = |s: f64| way + turn * s.min(height);
+        let moved = |s: f64| length + turn * s.min(height);
         body.chain([cutter]).map(|(r, s)| moved(s).powi(2) / (8.0 * r)).fold(0.0, f64::max)
     }
 }

@@ -15,8 +15,8 @@ use std::ops::Range;
 /// Distance of the tool from the blank beyond which it runs at link feed, mm.
 const OFF_BLANK: f64 = 0.5;
 
-/// Shortest way at link feed, mm: on a shorter way the change of feed gains no time.
-const MIN_SLOW_WAY_MM: f64 = 1.0;
+/// Shortest path at link feed, mm: on a shorter one the change of feed gains no time.
+const MIN_AIR_LENGTH_MM: f64 = 1.0;
 
 /// Bisection steps for the place where a lead leaves the blank: a lead of 100 mm divided by 2^14 is less than 0.01 mm.
 const BLANK_BISECTIONS: usize = 14;
@@ -38,12 +38,12 @@ fn mark(blank: &Blank<'_>, chain: &Chain, pass: &mut ClPass) {
     let outside = |p: &ClPoint| blank.clear(p, OFF_BLANK);
     let Some(first) = pass.points.iter().position(|p| !outside(p)) else { return };
     let Some(last) = pass.points.iter().rposition(|p| !outside(p)) else { return };
-    let way = |points: &[ClPoint]| points.windows(2).map(|w| (w[1].tip - w[0].tip).norm()).sum::<f64>();
-    // The place where a lead leaves the blank, for a lead that then has a way worth it.
+    let length = |points: &[ClPoint]| points.windows(2).map(|w| (w[1].tip - w[0].tip).norm()).sum::<f64>();
+    // The place where a lead leaves the blank, for a lead that is then long enough.
     let leaves = |inside: usize, out: usize, lead: Range<usize>| {
         let place = leaving(&outside, chain, [pass.points[inside], pass.points[out]]);
-        let way = (place.tip - pass.points[out].tip).norm() + way(&pass.points[lead]);
-        (way >= MIN_SLOW_WAY_MM).then_some(place)
+        let length = (place.tip - pass.points[out].tip).norm() + length(&pass.points[lead]);
+        (length >= MIN_AIR_LENGTH_MM).then_some(place)
     };
     let behind = if last + 1 < count { leaves(last, last + 1, last + 1..count) } else { None };
     let before = if first > 0 { leaves(first, first - 1, 0..first) } else { None };

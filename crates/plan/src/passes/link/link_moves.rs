@@ -27,13 +27,13 @@ use std::ops::Range;
 
 /// Time that the changes from feed to rapid and back cost, s: the axes nearly stop at both ends, and start and stop with the
 /// jerk of usual axes. With a third of it, links round the edges of the small job go to rapid and save nothing.
-const CHANGES: f64 = 0.3;
+const FEED_CHANGES_S: f64 = 0.3;
 
 /// Passes with the direct links between neighbours, and the sphere for all other links.
 struct Links<'a> {
     passes: &'a [ClPass],
     /// For each pass and its successor the places between them on the direct link, if there is one.
-    short: Vec<Option<Vec<ClPoint>>>,
+    direct: Vec<Option<Vec<ClPoint>>>,
     surface: ClearanceSurface<'a>,
 }
 
@@ -112,7 +112,7 @@ impl<'a> Links<'a> {
         let surface = ClearanceSurface::new(program, &program.tools[operation.tool].solid);
         let direct_links = DirectLinks::new(program, cx.obstacles, operation);
         let progress = cx.progress;
-        let short = passes
+        let direct = passes
             .par_windows(2)
             .map(|pair| {
                 // The caller ends a cancelled run.
@@ -126,10 +126,10 @@ impl<'a> Links<'a> {
                 let length = |points: &[ClPoint]| points.windows(2).map(|w| (w[1].tip - w[0].tip).norm()).sum::<f64>();
                 let feed = operation.link_feed.get();
                 let path: Vec<ClPoint> = [*from].into_iter().chain(link.iter().copied()).chain([*to]).collect();
-                (length(&path) / (feed / 60.0) <= surface.time(from, to, feed) + CHANGES).then_some(link)
+                (length(&path) / (feed / 60.0) <= surface.time(from, to, feed) + FEED_CHANGES_S).then_some(link)
             })
             .collect();
-        Self { passes, short, surface }
+        Self { passes, direct, surface }
     }
 
     /// Sequences of passes with direct links between them; passes without points are left out.
@@ -137,7 +137,7 @@ impl<'a> Links<'a> {
         let mut runs: Vec<Range<usize>> = Vec::new();
         for index in (0..self.passes.len()).filter(|i| !self.passes[*i].points.is_empty()) {
             match runs.last_mut() {
-                Some(run) if run.end == index && self.short[index - 1].is_some() => run.end = index + 1,
+                Some(run) if run.end == index && self.direct[index - 1].is_some() => run.end = index + 1,
                 _ => runs.push(index..index + 1),
             }
         }
@@ -198,18 +198,18 @@ impl<'a> Links<'a> {
             let (Some(first), Some(last)) = (points.first(), points.last()) else { continue };
             let pass = u32::try_from(index).unwrap_or(u32::MAX);
             let start = ClPoint { contact: None, ..*first };
-            match index.checked_sub(1).and_then(|before| self.short[before].as_ref()) {
+            match index.checked_sub(1).and_then(|before| self.direct[before].as_ref()) {
                 Some(over) if index > run.start => {
                     let before = self.passes[index - 1].points.last();
-                    let stays = before.is_some_and(|p| p.tip == start.tip && p.axis == start.axis);
-                    let places = over.iter().copied().chain((!stays).then_some(start));
+                    let same_place = before.is_some_and(|p| p.tip == start.tip && p.axis == start.axis);
+                    let places = over.iter().copied().chain((!same_place).then_some(start));
                     moves.extend(places.map(|to| LinkMove { kind: MoveKind::Link, to, pass }));
                 }
-                _ => pieces::way_in(&self.surface, first, pass, &mut moves),
+                _ => pieces::approach(&self.surface, first, pass, &mut moves),
             }
             pieces::along(&self.passes[index], pass, 1..=points.len() - 1, &mut moves);
             if index + 1 == run.end {
-                pieces::way_out(&self.surface, last, pass, &mut moves);
+                pieces::retract(&self.surface, last, pass, &mut moves);
             }
         }
         moves
@@ -222,8 +222,8 @@ impl<'a> Links<'a> {
     }
 }
 
-/// With a head that leans, Z moves the tool across its axis: it goes out first until it is clear of the blank on its way to
-/// the retract height, and comes back the same way.
+/// With a head that tilts, Z moves the tool across its axis. The tool goes out first until it is clear of the blank up to the
+/// retract height, and comes back on the same path.
 fn rise(machine: &Machine, surface: &ClearanceSurface<'_>, moves: &mut Vec<JointMove>) {
     if !machine.chain.has_head() {
         return;
@@ -231,7 +231,7 @@ fn rise(machine: &Machine, surface: &ClearanceSurface<'_>, moves: &mut Vec<Joint
     let (Some(first), Some(last)) = (moves.first().copied(), moves.last().copied()) else { return };
     let over = |m: &JointMove| {
         let from = RotaryPose { tip: machine.forward(&m.joints).tip, rotary: m.joints.rotary };
-        let places = surface.way_to_rise(&from).into_iter().map(|place| machine.joints(&place.tip, place.rotary));
+        let places = surface.path_to_rise(&from).into_iter().map(|place| machine.joints(&place.tip, place.rotary));
         let pass = m.pass;
         let rapid = move |joints| JointMove { kind: MoveKind::Rapid, joints, feed: None, time: 0.0, pass, stop: false };
         places.map(rapid).collect::<Vec<_>>()
@@ -253,11 +253,11 @@ fn add_stations(machine: &Machine, length: f64, moves: &mut Vec<JointMove>) {
     moves.push(over(last));
 }
 
-/// Way down of an operation that cuts nothing, mm: a reader of NC text knows an operation by its moves.
-const DOWN: f64 = 1.0;
+/// Height of the motion down of an operation that cuts nothing, mm: a reader of NC text knows an operation by its moves.
+const DOWN_MM: f64 = 1.0;
 
-/// The moves of an operation that cuts nothing: both stations, where the operation before ended, with a short way down
-/// between them.
+/// The moves of an operation that cuts nothing: both stations, where the operation before ended, with a short motion
+/// down between them.
 fn aloft(program: &Program, length: f64, before: Option<&MotionOperation>, rotary: Angles) -> Vec<JointMove> {
     let machine = &program.machine;
     let before = before.and_then(|o| {
@@ -272,7 +272,7 @@ fn aloft(program: &Program, length: f64, before: Option<&MotionOperation>, rotar
         let joints = machine.joints_at(&Vector3::new(x, y, z), rotary, length);
         JointMove { kind: MoveKind::Rapid, joints, feed: None, time: 0.0, pass: 0, stop: false }
     };
-    vec![at(machine.retract), at(machine.retract - DOWN), at(machine.retract)]
+    vec![at(machine.retract), at(machine.retract - DOWN_MM), at(machine.retract)]
 }
 
 /// Appends the moves of a sequence, preceded by the link over the clearance surface.
@@ -300,7 +300,7 @@ fn append(
     };
     if let Some(last) = out.last().map(|m| m.joints).filter(|_| first.kind == MoveKind::Rapid) {
         let from = RotaryPose { tip: machine.forward(&last).tip, rotary: last.rotary };
-        for place in surface.way_round(&from, &RotaryPose { tip: first.to.tip, rotary: start }) {
+        for place in surface.path_over(&from, &RotaryPose { tip: first.to.tip, rotary: start }) {
             push(first, &place.tip, place.rotary, out);
         }
     }

@@ -25,8 +25,8 @@ pub(super) struct Solved {
     pub(super) rotary: Vec<Angles>,
 }
 
-/// The way to a place from the clearance surface along the tool axis.
-pub(super) fn way_in(surface: &ClearanceSurface<'_>, to: &ClPoint, pass: u32, moves: &mut Vec<LinkMove>) {
+/// The moves to a place from the clearance surface along the tool axis.
+pub(super) fn approach(surface: &ClearanceSurface<'_>, to: &ClPoint, pass: u32, moves: &mut Vec<LinkMove>) {
     let over = surface.lifted(to);
     moves.push(LinkMove { kind: MoveKind::Rapid, to: over, pass });
     if over.tip != to.tip {
@@ -34,8 +34,8 @@ pub(super) fn way_in(surface: &ClearanceSurface<'_>, to: &ClPoint, pass: u32, mo
     }
 }
 
-/// The way from a place along the tool axis to the clearance surface.
-pub(super) fn way_out(surface: &ClearanceSurface<'_>, from: &ClPoint, pass: u32, moves: &mut Vec<LinkMove>) {
+/// The moves from a place along the tool axis to the clearance surface.
+pub(super) fn retract(surface: &ClearanceSurface<'_>, from: &ClPoint, pass: u32, moves: &mut Vec<LinkMove>) {
     let out = surface.lifted(from);
     if out.tip != from.tip {
         moves.push(LinkMove { kind: MoveKind::Link, to: out, pass });
@@ -111,9 +111,9 @@ impl PassWithin<'_> {
     fn solved(&self, from: usize, to: usize, at: Angles) -> Option<Solved> {
         let Self { surface, pass, index, .. } = self;
         let mut moves = Vec::new();
-        way_in(surface, &pass.points[from], *index, &mut moves);
+        approach(surface, &pass.points[from], *index, &mut moves);
         along(pass, *index, from + 1..=to, &mut moves);
-        way_out(surface, &pass.points[to], *index, &mut moves);
+        retract(surface, &pass.points[to], *index, &mut moves);
         let places: Vec<ClPoint> = moves.iter().map(|m| m.to).collect();
         branch::solve(self.machine, &places, self.length, at).ok().map(|rotary| Solved { moves, rotary })
     }

@@ -15,7 +15,7 @@
 use super::clearance_surface::ClearanceSurface;
 use super::cleared::Cleared;
 use super::direct_link::DirectLinks;
-use super::stock_steps::{PathPoint, error_between_rays, rounding, stations, steps, way};
+use super::stock_steps::{PathPoint, error_between_rays, path_length, rounding, stations, steps};
 use super::{stock_links, stock_order, strokes};
 use crate::passes::context::Obstacles;
 use crate::spacing;
@@ -28,15 +28,15 @@ use tool_stock::collide::ToolSolid;
 use tool_stock::stock::{self, Collision, Field, FieldError, Step, StepKind, Touched};
 
 /// Largest cell, mm, where a thick rest would allow larger ones: the cell of the usual verification.
-const MOST_CELL: f64 = 1.0;
+const MAX_CELL_MM: f64 = 1.0;
 
 /// Largest cell for `rough`, mm: its passes end where the stock ends, so that its error is time in air. On a part of more
-/// than [`USUAL`] radius, cells grow in proportion, as its passes do.
-const MOST_CELL_ROUGH: f64 = 0.5;
-const USUAL: f64 = 60.0;
+/// than [`USUAL_RADIUS_MM`] radius, cells grow in proportion, as its passes do.
+const MAX_ROUGH_CELL_MM: f64 = 0.5;
+const USUAL_RADIUS_MM: f64 = 60.0;
 
 /// Largest cell for `plunge`, as a share of the distance of its strokes: what a stroke cuts is no wider.
-const OF_STEP: f64 = 0.25;
+const CELL_PER_STEP: f64 = 0.25;
 
 /// Steps between two updates of the progress.
 const PIECE: usize = 1 << 11;
@@ -52,8 +52,8 @@ pub fn run(
     progress: &Progress,
     sink: &mut Sink,
 ) -> Result<(), Aborted> {
-    let asks = |o: &ClOperation| follows_stock(&program.operations[o.operation]);
-    let Some(last) = cl.operations.iter().rposition(asks) else { return Ok(()) };
+    let uses_stock = |o: &ClOperation| follows_stock(&program.operations[o.operation]);
+    let Some(last) = cl.operations.iter().rposition(uses_stock) else { return Ok(()) };
     let mut field = field(program, sink)?;
     let mut cleared = Cleared::default();
     let mut failed = false;
@@ -128,13 +128,13 @@ fn nothing_left(operation: &Operation, thickness: f64) -> Diag {
 /// The stock before the first operation, with cells for the operation that needs the smallest.
 fn field(program: &Program, sink: &mut Sink) -> Result<Field, Aborted> {
     let outlet = program.part.hub.meridian(1.0).point.x;
-    let most_rough = (MOST_CELL_ROUGH * (outlet / USUAL).max(1.0)).min(MOST_CELL);
-    let asked = program.operations.iter().filter_map(|(_, o)| {
+    let most_rough = (MAX_ROUGH_CELL_MM * (outlet / USUAL_RADIUS_MM).max(1.0)).min(MAX_CELL_MM);
+    let cells = program.operations.iter().filter_map(|(_, o)| {
         let cutter = &program.tools[o.tool].solid;
         let most = match o.kind.strategy() {
             Some(RoughingStrategy::Rough { .. }) => most_rough,
-            Some(RoughingStrategy::Plunge { stepover }) => most_rough.min(OF_STEP * stepover.get()),
-            Some(RoughingStrategy::Groove { .. } | RoughingStrategy::Expand { .. }) | None => MOST_CELL,
+            Some(RoughingStrategy::Plunge { stepover }) => most_rough.min(CELL_PER_STEP * stepover.get()),
+            Some(RoughingStrategy::Groove { .. } | RoughingStrategy::Expand { .. }) | None => MAX_CELL_MM,
         };
         // The error between the rays is an eighth of what a loop takes: a loop that were not seen would be left out.
         let thinnest = [o.rest.map(|t| t.get()), spacing::loop_distance(program, o).map(|d| 0.25 * d)];
@@ -142,8 +142,8 @@ fn field(program: &Program, sink: &mut Sink) -> Result<Field, Aborted> {
         let cell = thinnest.into_iter().flatten().map(seen).fold(most, f64::min);
         follows_stock(o).then_some((cell, o))
     });
-    let (cell, operation) = asked.min_by(|a, b| a.0.total_cmp(&b.0)).ok_or(Aborted)?;
-    program.stock.field(cell.min(MOST_CELL)).map_err(|error| {
+    let (cell, operation) = cells.min_by(|a, b| a.0.total_cmp(&b.0)).ok_or(Aborted)?;
+    program.stock.field(cell.min(MAX_CELL_MM)).map_err(|error| {
         let reason = match error {
             FieldError::TooFine { rays, least_cell } => {
                 format!("cells of {cell:.3} mm need {rays:.1e} rays; on this stock {least_cell:.3} mm are possible")
@@ -195,14 +195,15 @@ fn reduce(
     let grown_by = error_between_rays(field, solid);
     let grown = solid.cutter_alone(grown_by);
     // For a rapid, the engine reports what the cutter meets and removes nothing.
-    let looks = steps(&program.machine, &planned.passes, StepKind::Rapid, grown_by);
-    let met = send(field, &grown, looks, work);
+    let queries = steps(&program.machine, &planned.passes, StepKind::Rapid, grown_by);
+    let met = send(field, &grown, queries, work);
     if work.is_cancelled() {
         return Err(Aborted);
     }
     let deep = met.iter().filter(|c| c.what == Touched::Cutter && c.depth > thickness);
     let mut deep = deep.map(|c| c.block as usize).peekable();
-    let ways = Ways { operation, whole: !leaves_along_axis(solid), surface: ClearanceSurface::new(program, solid) };
+    let limits =
+        PassLimits { operation, whole: !leaves_along_axis(solid), surface: ClearanceSurface::new(program, solid) };
     let (mut kept, mut before, mut length) = (Vec::new(), 0, [0.0; 2]);
     for pass in &planned.passes {
         let stations = stations(&program.machine, pass);
@@ -212,9 +213,9 @@ fn reduce(
             cuts[n - before] = true;
         }
         before += steps;
-        let runs = ways.runs(&stations, &cuts);
-        length[0] += runs.iter().map(|r| way(&stations[r.start..=r.end])).sum::<f64>();
-        length[1] += way(&stations);
+        let runs = limits.runs(&stations, &cuts);
+        length[0] += runs.iter().map(|r| path_length(&stations[r.start..=r.end])).sum::<f64>();
+        length[1] += path_length(&stations);
         let several = runs.len() > 1;
         for (k, run) in runs.into_iter().enumerate() {
             let label = if several { format!("{} rest {}", pass.label, k + 1) } else { pass.label.clone() };
@@ -248,15 +249,15 @@ fn leaves_along_axis(solid: &ToolSolid) -> bool {
     solid.shank.iter().chain(&solid.holder).all(|s| s.radius_from.min(s.radius_to) >= widest)
 }
 
-/// Data for the decision where a pass is left and entered.
-struct Ways<'a> {
+/// Where the tool may leave and enter a pass.
+struct PassLimits<'a> {
     operation: &'a Operation,
     /// True when the tool may leave a pass only at its ends.
     whole: bool,
     surface: ClearanceSurface<'a>,
 }
 
-impl Ways<'_> {
+impl PassLimits<'_> {
     /// Parts of a pass that remain, by their first and last station; `cuts` is true for each step that cuts.
     fn runs(&self, stations: &[PathPoint], cuts: &[bool]) -> Vec<Range<usize>> {
         let last = cuts.len();
@@ -289,6 +290,6 @@ impl Ways<'_> {
     fn pays(&self, stations: &[PathPoint], gap: Range<usize>) -> bool {
         let (from, to) = (&stations[gap.start].point, &stations[gap.end].point);
         self.surface.time(from, to, self.operation.link_feed.get())
-            < way(&stations[gap.start..=gap.end]) / (self.operation.feed.get() / 60.0)
+            < path_length(&stations[gap.start..=gap.end]) / (self.operation.feed.get() / 60.0)
     }
 }

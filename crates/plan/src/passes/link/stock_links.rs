@@ -1,7 +1,7 @@
 //! Links of finishing, grooving and expanding through the air of the simulated stock.
 //!
 //! Before: the passes of an operation in all sectors. After: a link for each pass that the tool reaches from the end of the
-//! pass before on straight ways through air, clear of the part; of several the quickest one. A link may go through the
+//! pass before on straight paths through air, clear of the part; of several the quickest one. A link may go through the
 //! channel, over the shroud or round the outside of the blades: the stock and the part decide this, not a rule. Links
 //! between neighbouring lines, which direct links prove without any stock, are left to them.
 //!

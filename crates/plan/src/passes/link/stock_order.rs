@@ -2,11 +2,11 @@
 //!
 //! Before: the passes of a `rough` operation in all sectors. After: passes that cut, from the first contact with the
 //! stock to the last, with their leads. On leads and between two cuts the tool runs through air at link feed. Where the
-//! tool reaches the start of a pass from the end of the pass before on straight ways through air, clear of the part, the
+//! tool reaches the start of a pass from the end of the pass before on straight paths through air, clear of the part, the
 //! pass has this link.
 //!
-//! After rest machining a pass keeps only the stretches on which more than the thickness of the job is left. Where air
-//! is far from the end of a stretch, the tool ramps in from above or beside the pass.
+//! After rest machining a pass keeps only the intervals in which more than the thickness of the job is left. Where air is far
+//! from the end of an interval, the tool ramps in from above or beside the pass.
 //!
 //! A tool comes down along its axis to the start of a pass. Where the middle of its end has no teeth, the start lies where
 //! the middle finds no material: outside of the blank, or where the tool has cut before. The lead goes back to such a place.
@@ -17,7 +17,7 @@
 use super::clearance_sphere::ClearanceSphere;
 use super::cleared::Cleared;
 use super::direct_link::DirectLinks;
-use super::stock_steps::{PathPoint, stations, steps_of, way};
+use super::stock_steps::{PathPoint, path_length, stations, steps_of};
 use super::through_air::ThroughAir;
 use crate::passes::context::maximal_ranges;
 use base::progress::Work;
@@ -28,25 +28,25 @@ use tool_stock::collide::ToolSolid;
 use tool_stock::stock::{self, Field, StepKind};
 use wheel::operation::Allowances;
 
-/// Least way at cutting feed before a cut and behind it, mm; the steps of the stock make it longer.
-const BESIDE_CUT: f64 = 0.2;
+/// Least length at cutting feed before a cut and behind it, mm; the steps of the stock make it longer.
+const CUT_MARGIN_MM: f64 = 0.2;
 
 /// Least length of a run through air, mm: on a shorter one the change of feed gains no time.
-const LEAST_AIR: f64 = 0.4;
+const MIN_AIR_MM: f64 = 0.4;
 
-/// Shortest way over a thin rest for which the tool leaves the rest, mm: more than two ramps.
-const LEAST_PAUSE: f64 = 8.0;
+/// Shortest path over a thin rest for which the tool leaves the rest, mm: more than two ramps.
+const MIN_PAUSE_MM: f64 = 8.0;
 
-/// Way over a thin rest to the air that the tool takes rather than a ramp, mm.
-const NEAR_AIR: f64 = 2.0;
+/// Longest path over a thin rest to the air that the tool takes rather than a ramp, mm.
+const NEAR_AIR_MM: f64 = 2.0;
 
 /// Least length of a ramp along the pass, mm, and the distances over or beside the pass at which it begins.
 const MIN_RAMP_MM: f64 = 1.0;
 const RAMP_LIFTS: [f64; 3] = [0.5, 1.0, 2.0];
 
-/// Part of the reserve for samples that a ramp need not keep, mm; less with thin tools. The reserve of a way is the larger
+/// Part of the reserve for samples that a ramp need not keep, mm; less with thin tools. The reserve of a link is the larger
 /// one, for sharp edges; passes of rounded cutters, which a ramp begins or ends on, have a smaller one.
-const RESERVE: f64 = 0.05;
+const RESERVE_MM: f64 = 0.05;
 
 /// Passes of one operation, reduced one after the other.
 struct Reduction<'a> {
@@ -187,16 +187,16 @@ impl Reduction<'_> {
         let sector = pass.sector;
         let mut parts: Vec<Reduced> = Vec::new();
         let mut done = 0;
-        while let Some(stretch) = self.stretches(&line[done..], &depths[done..]).first() {
-            let stretch = stretch.start + done..stretch.end + done;
-            let start = self.end_of(sector, &line, &depths, stretch.start, false, field);
+        while let Some(interval) = self.cut_intervals(&line[done..], &depths[done..]).first() {
+            let interval = interval.start + done..interval.end + done;
+            let start = self.end_of(sector, &line, &depths, interval.start, false, field);
             let first = start.ramp.first().unwrap_or(&line[start.station]).point;
             let link = before.and_then(|end| self.air.link(&end, &first, field));
             let mut part = start.ramp;
             let mut found = self.air.depths(&part, field).unwrap_or_default();
             self.cut(sector, &part, field);
             part.pop();
-            let end = self.cut_to_end(sector, &line, start.station, stretch.end, &mut depths, field);
+            let end = self.cut_to_end(sector, &line, start.station, interval.end, &mut depths, field);
             let finish = self.end_of(sector, &line, &depths, end, true, field);
             self.cut(sector, &line[end..=finish.station], field);
             part.extend_from_slice(&line[start.station..=finish.station]);
@@ -267,18 +267,18 @@ impl Reduction<'_> {
 
     /// Ranges of stations between which the tool has to cut. A tool without rest machining cuts from the first contact
     /// to the last.
-    fn stretches(&self, line: &[PathPoint], depths: &[f64]) -> Vec<Range<usize>> {
+    fn cut_intervals(&self, line: &[PathPoint], depths: &[f64]) -> Vec<Range<usize>> {
         let least = self.least();
-        let mut stretches: Vec<Range<usize>> = Vec::new();
+        let mut cut_intervals: Vec<Range<usize>> = Vec::new();
         for deep in maximal_ranges(depths.len(), |i| depths[i] > least) {
-            match stretches.last_mut() {
-                Some(last) if self.thickness == 0.0 || way(&line[last.end..=deep.start]) < LEAST_PAUSE => {
+            match cut_intervals.last_mut() {
+                Some(last) if self.thickness == 0.0 || path_length(&line[last.end..=deep.start]) < MIN_PAUSE_MM => {
                     last.end = deep.end;
                 }
-                _ => stretches.push(deep),
+                _ => cut_intervals.push(deep),
             }
         }
-        stretches
+        cut_intervals
     }
 
     /// Where a part of a pass begins or ends: in air, where air is near; else over its first or last station, so that the
@@ -295,15 +295,15 @@ impl Reduction<'_> {
         let steps = steps_from(station, depths.len(), at_end);
         let beyond = |step: usize| if at_end { step + 1 } else { step };
         let to_air = steps.iter().position(|i| depths[*i] <= self.air.slivers);
-        let way_to_air: f64 = steps[..to_air.unwrap_or(steps.len())].iter().map(|i| length(line, *i)).sum();
+        let length_to_air: f64 = steps[..to_air.unwrap_or(steps.len())].iter().map(|i| length(line, *i)).sum();
         if self.thickness > 0.0
-            && way_to_air > NEAR_AIR
+            && length_to_air > NEAR_AIR_MM
             && let Some(place) = self.ramp_end(line, &steps, station, at_end, beyond, field)
             && (at_end || self.holds(sector, &place))
         {
             let here = ClPoint { contact: None, ..line[station].point };
             let ends = if at_end { [here, place] } else { [place, here] };
-            return PassEnd { station, ramp: self.air.straight_way(ends) };
+            return PassEnd { station, ramp: self.air.straight_path(ends) };
         }
         let station = self.lead(line, depths, station, at_end);
         PassEnd { station: if at_end { station } else { self.entry(sector, line, station) }, ramp: Vec::new() }
@@ -330,7 +330,7 @@ impl Reduction<'_> {
             }
             last = if at_end { step + 1 } else { step };
             // Along a cut that the tool has made before, a lead at cutting feed is needless.
-            if lead >= if depths[step] > 0.0 { required.min(BESIDE_CUT) } else { required } {
+            if lead >= if depths[step] > 0.0 { required.min(CUT_MARGIN_MM) } else { required } {
                 break;
             }
         }
@@ -352,7 +352,7 @@ impl Reduction<'_> {
         let steepest = self.program.tools[self.operation.tool].ramp.get();
         let may = |place: &ClPoint| at_end || descent(place, here) <= steepest;
         let kept = self.operation.kind.roughing().unwrap_or(Allowances::NONE);
-        let kept = kept.plus(-RESERVE * self.direct.scale());
+        let kept = kept.plus(-RESERVE_MM * self.direct.scale());
         for lift in RAMP_LIFTS {
             let over = |i: usize| {
                 let from = line[beyond(i)].point;
@@ -368,8 +368,8 @@ impl Reduction<'_> {
             };
             let along = (here.tip - line[beyond(top.0)].point.tip).normalize();
             let side = top.1.axis.cross(&along);
-            for beside in [0.0, lift, -lift] {
-                let place = ClPoint { tip: top.1.tip + side * beside, ..top.1 };
+            for offset in [0.0, lift, -lift] {
+                let place = ClPoint { tip: top.1.tip + side * offset, ..top.1 };
                 let above =
                     ClPoint { tip: place.tip + place.axis * self.sphere.exit(&place.tip, &place.axis), ..place };
                 if self.air.is_free(&[above, place], 0.0, field) && self.direct.straight(&place, here, kept) {
@@ -384,10 +384,10 @@ impl Reduction<'_> {
 /// Angle at which a tool goes down from one place to another, against the plane of its end, radians; the larger one of both
 /// ends.
 fn descent(from: &ClPoint, to: &ClPoint) -> f64 {
-    let way = to.tip - from.tip;
+    let motion = to.tip - from.tip;
     let angle = |axis: &Vector3<f64>| {
-        let down = -way.dot(axis);
-        libm::atan2(down, (way + axis * down).norm())
+        let down = -motion.dot(axis);
+        libm::atan2(down, (motion + axis * down).norm())
     };
     angle(&from.axis).max(angle(&to.axis))
 }
@@ -430,22 +430,22 @@ fn length(line: &[PathPoint], step: usize) -> f64 {
     (line[step + 1].point.tip - line[step].point.tip).norm()
 }
 
-/// For each step whether the tool runs through air at link feed: leads and gaps between cuts, less the way beside cuts.
+/// For each step whether the tool runs through air at link feed: leads and gaps between cuts, less the margins beside cuts.
 fn through_air(line: &[PathPoint], depths: &[f64]) -> Vec<bool> {
     let mut fast = vec![false; depths.len()];
     for Range { start, end } in maximal_ranges(depths.len(), |i| depths[i] == 0.0) {
         let (mut from, mut to) = (start, end);
-        let mut beside = 0.0;
-        while start > 0 && from < to && beside < BESIDE_CUT {
-            beside += length(line, from);
+        let mut margin = 0.0;
+        while start > 0 && from < to && margin < CUT_MARGIN_MM {
+            margin += length(line, from);
             from += 1;
         }
-        beside = 0.0;
-        while end < depths.len() && from < to && beside < BESIDE_CUT {
+        margin = 0.0;
+        while end < depths.len() && from < to && margin < CUT_MARGIN_MM {
             to -= 1;
-            beside += length(line, to);
+            margin += length(line, to);
         }
-        if (from..to).map(|i| length(line, i)).sum::<f64>() >= LEAST_AIR {
+        if (from..to).map(|i| length(line, i)).sum::<f64>() >= MIN_AIR_MM {
             fast[from..to].fill(true);
         }
     }

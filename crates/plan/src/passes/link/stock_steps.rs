@@ -34,14 +34,14 @@ pub(super) fn stations(machine: &Machine, pass: &ClPass) -> Vec<PathPoint> {
         let before = found.last().map_or(0.0, |s| s.rotary[1]);
         let to = PathPoint { point: *point, rotary: machine.chain.unwound(&point.axis, 0, before), planned: true };
         if let Some(from) = found.last().copied() {
-            let way = to.point.tip - from.point.tip;
+            let motion = to.point.tip - from.point.tip;
             let turn = machine.turn(from.rotary, to.rotary);
-            let count = (turn / STEP_TURN).max(way.norm() / STEP_LENGTH_MM).ceil().max(1.0);
+            let count = (turn / STEP_TURN).max(motion.norm() / STEP_LENGTH_MM).ceil().max(1.0);
             found.extend((1..count as usize).map(|k| {
                 let t = k as f64 / count;
                 let rotary = between(from.rotary, to.rotary, t);
                 let axis = machine.chain.tool_axis(rotary);
-                let point = ClPoint { tip: from.point.tip + way * t, axis, contact: None };
+                let point = ClPoint { tip: from.point.tip + motion * t, axis, contact: None };
                 PathPoint { point, rotary, planned: false }
             }));
         }
@@ -89,7 +89,7 @@ pub(super) fn steps_of<'a>(
 }
 
 /// Length of the path of the tip, mm.
-pub(super) fn way(stations: &[PathPoint]) -> f64 {
+pub(super) fn path_length(stations: &[PathPoint]) -> f64 {
     stations.windows(2).map(|w| (w[1].point.tip - w[0].point.tip).norm()).sum()
 }
 

@@ -20,11 +20,11 @@ use tool_stock::collide::{Cutter, ToolSolid};
 use tool_stock::stock::{self, Field, StepKind};
 use wheel::operation::Allowances;
 
-/// Way by which a stroke moves off the material that it has cut, as a share of the radius, and its largest value, mm.
-const WITHDRAWAL: f64 = 0.1;
-const MOST_OFF: f64 = 0.3;
+/// Distance by which a stroke moves off the material that it has cut, as a share of the radius, and its largest value, mm.
+const WITHDRAWAL_SHARE: f64 = 0.1;
+const MAX_WITHDRAWAL_MM: f64 = 0.3;
 
-/// Directions across the axis that are tried for this way.
+/// Directions across the axis that are tried for this motion.
 const DIRECTIONS: usize = 12;
 
 /// Depth of material in the middle of the end that counts as air, mm: teeth rise from the rim towards the middle, and the
@@ -43,8 +43,8 @@ struct StrokeReduction<'a> {
     cutter: ToolSolid,
     /// The middle of the end without teeth; `None` for a tool that cuts at its centre.
     middle: Option<ToolSolid>,
-    /// Way off the material, mm.
-    off: f64,
+    /// Motion off the material, mm.
+    withdrawal: f64,
     thickness: f64,
 }
 
@@ -68,7 +68,7 @@ pub(super) fn reduce(
         air: ThroughAir::new(program, direct, &tool.solid, field),
         middle: (toothless > 0.0).then(|| ToolSolid { cutter: Cutter::flat(toothless), ..cutter.clone() }),
         cutter,
-        off: (WITHDRAWAL * radius).min(MOST_OFF),
+        withdrawal: (WITHDRAWAL_SHARE * radius).min(MAX_WITHDRAWAL_MM),
         thickness: operation.rest.map_or(0.0, |t| t.get()),
     };
     let mut kept: Vec<ClPass> = Vec::new();
@@ -114,7 +114,7 @@ impl StrokeCount {
 }
 
 impl StrokeReduction<'_> {
-    /// A stroke that cuts, with its way out and its link; its cut is removed from the stock.
+    /// A stroke that cuts, with its retraction and its link; its cut is removed from the stock.
     fn cut(
         &self,
         pass: &ClPass,
@@ -134,7 +134,7 @@ impl StrokeReduction<'_> {
             count.short += 1;
             count.highest = count.highest.max(missing);
         }
-        // The way down begins above the first contact.
+        // The motion down begins above the first contact.
         let lead = self.operation.lead_in.get();
         let start = (0..first).rev().find(|i| length(&line[*i], &line[first]) >= lead).unwrap_or(0);
         let link = before.and_then(|end| self.air.link(&end, &line[start].point, field));
@@ -147,8 +147,8 @@ impl StrokeReduction<'_> {
         stock::simulate(field, &self.cutter, steps_of(&self.program.machine, &path, StepKind::Cut, 0.0));
         let (out, aside) = self.out(&line[start].point, &line[last].point, field);
         count.straight += usize::from(!aside);
-        for way in out {
-            path.extend_from_slice(&way[1..]);
+        for part in out {
+            path.extend_from_slice(&part[1..]);
             found.resize(path.len() - 1, 0.0);
         }
         count.linked += usize::from(link.is_some());
@@ -182,16 +182,16 @@ impl StrokeReduction<'_> {
         short
     }
 
-    /// The way from the end of a stroke to the height of its start: off the material and up, or straight up. True for the
+    /// The path from the end of a stroke to the height of its start: off the material and up, or straight up. True for the
     /// first.
     fn out(&self, start: &ClPoint, end: &ClPoint, field: &mut Field) -> (Vec<Vec<PathPoint>>, bool) {
-        let ways = |places: &[ClPoint]| -> Vec<Vec<PathPoint>> {
-            places.windows(2).map(|w| self.air.straight_way([w[0], w[1]])).collect()
+        let paths = |places: &[ClPoint]| -> Vec<Vec<PathPoint>> {
+            places.windows(2).map(|w| self.air.straight_path([w[0], w[1]])).collect()
         };
         if let Some([aside, up]) = self.aside(start, end, field) {
-            return (ways(&[*end, aside, up]), true);
+            return (paths(&[*end, aside, up]), true);
         }
-        (ways(&[*end, *start]), false)
+        (paths(&[*end, *start]), false)
     }
 
     /// A place beside the end of a stroke, away from the material that it has cut, and the place above it, where the tool
@@ -201,7 +201,7 @@ impl StrokeReduction<'_> {
         let across = end.axis.cross(&Vector3::ith(end.axis.iamin(), 1.0)).normalize();
         let rise = (start.tip - end.tip).norm();
         let places = |direction: Vector3<f64>| {
-            let aside = ClPoint { tip: end.tip + direction * self.off, ..*end };
+            let aside = ClPoint { tip: end.tip + direction * self.withdrawal, ..*end };
             [aside, ClPoint { tip: aside.tip + end.axis * rise, ..aside }]
         };
         let kept = self.operation.kind.roughing().unwrap_or(Allowances::NONE);

@@ -1,7 +1,7 @@
-//! Ways of the tool through the air of the simulated stock.
+//! Paths of the tool through the air of the simulated stock.
 //!
 //! A cutter that is enlarged by the error between the rays of the stock decides where it is in air; its shank and holder
-//! count as well. A link is a straight way or a smooth curve that leaves the end of a pass along the tool axis and comes
+//! count as well. A link is a straight path or a smooth curve that leaves the end of a pass along the tool axis and comes
 //! down along the tool axis at the start of the next. It keeps a distance to the known stock and is clear of the part.
 
 use super::direct_link::DirectLinks;
@@ -29,14 +29,14 @@ const LONGEST_LINK: f64 = 80.0;
 /// Heights that the tool lifts by on a link, mm.
 const LIFTS: [f64; 8] = [0.5, 1.0, 2.0, 4.0, 6.0, 10.0, 18.0, 30.0];
 
-/// Time that a corner between straight ways costs, s: the tool stops there, since finishing rounds corners within the chord
+/// Time that a corner between straight paths costs, s: the tool stops there, since finishing rounds corners within the chord
 /// tolerance only. Some 50 ms with the jerk of usual axes.
 const CORNER_TIME_S: f64 = 0.05;
 
 /// Straight pieces of a curved link: a turn of less than 30 deg lies between two of them.
 const LINK_PIECES: usize = 12;
 
-/// Looks for air around the tool of an operation.
+/// Finds air around the tool of an operation.
 pub(super) struct ThroughAir<'a> {
     machine: &'a Machine,
     direct: &'a DirectLinks<'a>,
@@ -74,14 +74,14 @@ impl<'a> ThroughAir<'a> {
         }
     }
 
-    /// Places between the end of a pass and the start of the next, with straight ways through air between them, clear of
+    /// Places between the end of a pass and the start of the next, with straight paths through air between them, clear of
     /// the part; none where the tool needs no lift.
     pub(super) fn link(&self, end: &ClPoint, start: &ClPoint, field: &mut Field) -> Option<Vec<ClPoint>> {
         if (start.tip - end.tip).norm() > LONGEST_LINK {
             return None;
         }
-        let stays = start.tip == end.tip && start.axis == end.axis;
-        if stays || self.clear(&[*end, *start], field) {
+        let same_place = start.tip == end.tip && start.axis == end.axis;
+        if same_place || self.clear(&[*end, *start], field) {
             return Some(Vec::new());
         }
         LIFTS
@@ -89,7 +89,7 @@ impl<'a> ThroughAir<'a> {
             .find_map(|lift| self.curve(end, start, *lift, field).or_else(|| self.lifted(end, start, *lift, field)))
     }
 
-    /// As [`Self::link`], on straight ways only: the quickest of all lifts, for a feed of the tip in mm/s.
+    /// As [`Self::link`], on straight paths only: the quickest of all lifts, for a feed of the tip in mm/s.
     pub(super) fn quickest(
         &self,
         end: &ClPoint,
@@ -100,8 +100,8 @@ impl<'a> ThroughAir<'a> {
         if (start.tip - end.tip).norm() > LONGEST_LINK {
             return None;
         }
-        let stays = start.tip == end.tip && start.axis == end.axis;
-        if stays || self.clear(&[*end, *start], field) {
+        let same_place = start.tip == end.tip && start.axis == end.axis;
+        if same_place || self.clear(&[*end, *start], field) {
             return Some(Vec::new());
         }
         let angles = rotary(&self.machine.chain, [end.axis, start.axis].into_iter());
@@ -109,12 +109,12 @@ impl<'a> ThroughAir<'a> {
         let turns = turn(0).max(turn(1));
         let time = |places: &Vec<ClPoint>| {
             let path: Vec<ClPoint> = [*end].into_iter().chain(places.iter().copied()).chain([*start]).collect();
-            // The way on which the axes turn takes as long as they need.
-            let ways = path.windows(2).map(|w| {
-                let way = (w[1].tip - w[0].tip).norm() / feed;
-                if w[0].axis == w[1].axis { way } else { way.max(turns) }
+            // The motion during which the axes turn takes as long as they need.
+            let times = path.windows(2).map(|w| {
+                let time = (w[1].tip - w[0].tip).norm() / feed;
+                if w[0].axis == w[1].axis { time } else { time.max(turns) }
             });
-            ways.sum::<f64>() + places.len() as f64 * CORNER_TIME_S
+            times.sum::<f64>() + places.len() as f64 * CORNER_TIME_S
         };
         let found = LIFTS.iter().filter_map(|lift| self.lifted(end, start, *lift, field));
         let mut timed: Vec<(f64, Vec<ClPoint>)> = found.map(|places| (time(&places), places)).collect();
@@ -140,17 +140,17 @@ impl<'a> ThroughAir<'a> {
         let (first, last) = (places.first()?, places.last()?);
         let leaves = [[*end, *first], [*last, *start]];
         let clear = places.windows(2).all(|w| self.clear(&[w[0], w[1]], field))
-            && leaves.iter().all(|way| {
-                self.direct.straight(&way[0], &way[1], THROUGH_AIR) && self.is_free(way, self.slivers, field)
+            && leaves.iter().all(|ends| {
+                self.direct.straight(&ends[0], &ends[1], THROUGH_AIR) && self.is_free(ends, self.slivers, field)
             });
         clear.then_some(places)
     }
 
     /// The places of a link straight up, across and straight down. A place over one of both ends is enough where the tool
-    /// can rise or come down on its way.
+    /// can rise or come down on its path.
     fn lifted(&self, end: &ClPoint, start: &ClPoint, lift: f64, field: &mut Field) -> Option<Vec<ClPoint>> {
         let [up, down] = [end, start].map(|p| ClPoint { tip: p.tip + p.axis * lift, axis: p.axis, contact: None });
-        // The way up along the axis lies in the space that the tool has just cut.
+        // The path up along the axis lies in the space that the tool has just cut.
         if !self.clear(&[up, down], field) || !self.is_free(&[down, *start], self.slivers, field) {
             return None;
         }
@@ -165,18 +165,18 @@ impl<'a> ThroughAir<'a> {
 
     /// True when the tool goes straight from one place to another through air, clear of the part.
     fn clear(&self, places: &[ClPoint; 2], field: &mut Field) -> bool {
-        let line = || self.straight_way(*places);
+        let line = || self.straight_path(*places);
         self.direct.straight(&places[0], &places[1], THROUGH_AIR)
             && self.depths_of(&self.linking, &line(), field).is_none_or(|depths| depths.iter().all(|d| *d <= 0.0))
     }
 
-    /// True when the tool meets no stock deeper than `most` on a straight way.
+    /// True when the tool meets no stock deeper than `most` on a straight path.
     pub(super) fn is_free(&self, places: &[ClPoint; 2], most: f64, field: &mut Field) -> bool {
-        self.depths(&self.straight_way(*places), field).is_none_or(|depths| depths.iter().all(|d| *d <= most))
+        self.depths(&self.straight_path(*places), field).is_none_or(|depths| depths.iter().all(|d| *d <= most))
     }
 
-    /// Stations of a straight way.
-    pub(super) fn straight_way(&self, ends: [ClPoint; 2]) -> Vec<PathPoint> {
+    /// Stations of a straight path.
+    pub(super) fn straight_path(&self, ends: [ClPoint; 2]) -> Vec<PathPoint> {
         let pass = ClPass { label: String::new(), sector: 0, points: ends.into(), air: Vec::new(), link: None };
         stations(self.machine, &pass)
     }
