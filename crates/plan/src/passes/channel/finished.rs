@@ -8,12 +8,12 @@ use nurbs::angle::nearest_turn;
 /// both tools, which are never the same.
 const FINISHED_STEPS: f64 = 0.45;
 
-/// A stretch of floor between two edges.
+/// An interval of the floor between two edges.
 pub(super) struct Finished {
     /// u of both ends; infinite where the lines run out of the part.
     range: [f64; 2],
     /// u at x = 0 and x = 1 of the metric.
-    stretch: [f64; 2],
+    ends: [f64; 2],
     metric: BandMetric,
     /// Azimuth at the stations of the metric.
     edges: [Vec<f64>; 2],
@@ -22,20 +22,20 @@ pub(super) struct Finished {
 impl Finished {
     /// What lines between two outer ones finish, given at the stations of the metric of their ball. Lines that begin at an
     /// end that is not open finish less than half a step there.
-    pub(super) fn new(metric: BandMetric, stretch: [f64; 2], open: [bool; 2], outer: [&[f64]; 2]) -> Self {
+    pub(super) fn new(metric: BandMetric, ends: [f64; 2], open: [bool; 2], outer: [&[f64]; 2]) -> Self {
         let edges = [metric.front(outer[0], -FINISHED_STEPS), metric.front(outer[1], FINISHED_STEPS)];
-        let length = stretch[1] - stretch[0];
+        let length = ends[1] - ends[0];
         let range = [0, 1].map(|i: usize| {
             let inward = if i == 0 { 1.0 } else { -1.0 };
             let along = [0, 1].map(|k: usize| metric.form(i as f64, metric.at(outer[k], i as f64))[0]);
-            if open[i] { -inward * f64::INFINITY } else { stretch[i] + inward * length * 0.5 / along[0].min(along[1]) }
+            if open[i] { -inward * f64::INFINITY } else { ends[i] + inward * length * 0.5 / along[0].min(along[1]) }
         });
-        Self { range, stretch, metric, edges }
+        Self { range, ends, metric, edges }
     }
 
     /// Azimuths of both edges at a place of the meridian.
     fn at(&self, u: f64) -> Option<[f64; 2]> {
-        let x = (u - self.stretch[0]) / (self.stretch[1] - self.stretch[0]);
+        let x = (u - self.ends[0]) / (self.ends[1] - self.ends[0]);
         (self.range[0]..=self.range[1]).contains(&u).then(|| [0, 1].map(|k: usize| self.metric.at(&self.edges[k], x)))
     }
 }

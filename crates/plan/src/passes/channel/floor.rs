@@ -49,7 +49,7 @@ impl ChannelFloor<'_> {
         along.max(across)
     }
 
-    /// Lower bound of the length of lines over a stretch of u, beside what is finished, for the largest step at each u.
+    /// Lower bound of the length of lines over an interval of u, beside what is finished, for the largest step at each u.
     pub(super) fn least_length_over(
         &self,
         [from, to]: [f64; 2],
@@ -101,7 +101,7 @@ impl DriveSurface for ChannelFloor<'_> {
         });
         // Lines follow the corners of their walls before an edge.
         let count =
-            ((hub_length(self.part) / METRIC_APART).ceil() as usize).clamp(METRIC_STATIONS, MOST_METRIC_STATIONS);
+            ((hub_length(self.part) / METRIC_SPACING_MM).ceil() as usize).clamp(METRIC_STATIONS, MAX_METRIC_STATIONS);
         BandMetric::new(-beyond[0], 1.0 + beyond[1], count + 1, |u| {
             let m = hub.meridian(u);
             let [along, across] = self.steps(u, height);
@@ -164,8 +164,8 @@ fn least_wall(part: &Part, wall: FaceId, along: FloorBorder) -> f64 {
 const BORDER_SPACING_MM: f64 = 0.02;
 
 /// Largest distance of the stations of the metric along the hub, mm, and the most of them.
-const METRIC_APART: f64 = 0.15;
-const MOST_METRIC_STATIONS: usize = 4000;
+const METRIC_SPACING_MM: f64 = 0.15;
+const MAX_METRIC_STATIONS: usize = 4000;
 
 /// Fewest and most of these places, minus one.
 const MIN_PLACES: usize = 4000;
@@ -177,7 +177,7 @@ const CORNER_RADIUS_SHARE: f64 = 0.4;
 /// The same radius as a share of the step between lines. Before the edge the lines of both passages leave a place between them
 /// and the last line of the fillet. A point there is at most a quarter of the radius away from each of the three, which is
 /// less than half a step.
-pub(super) const TURN_OFF: f64 = 1.5;
+pub(super) const TURN_OFF_STEPS: f64 = 1.5;
 
 /// The least line above a border, as azimuths, on which a disc of a radius rolls: without the corners that the disc does not
 /// reach from above. `along` has the length of the meridian and the radius about Z at each place, mm.

@@ -1,4 +1,4 @@
-//! A bull nose on the floor: its axis leans ahead of the normal by a constant lead angle, along the channel towards the outlet.
+//! A bull nose on the floor: its axis tilts ahead of the normal by a constant lead angle, along the channel towards the outlet.
 //!
 //! The corner touches the floor in front; the heel, behind, is above the floor. Across the lines the cutter is as flat as a
 //! much larger ball: the radius of its curvature there is (R - r) / sin(lead) + r.
@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 use tool_stock::collide::Cutter;
 
 /// Largest lead angle, radians: beyond it a bull nose is hardly flatter than a ball.
-const MOST_LEAD: f64 = std::f64::consts::FRAC_PI_4;
+const MAX_LEAD: f64 = std::f64::consts::FRAC_PI_4;
 
 /// Steps from the least to the largest lead angle.
 const LEADS: usize = 64;
@@ -20,7 +20,7 @@ const LEADS: usize = 64;
 /// Places along the floor at which the cutter is compared with the hub, minus one.
 const FLOOR_INTERVALS: usize = 120;
 
-/// Shares of the way from the first wall to the second at which it is compared.
+/// Shares of the distance from the first wall to the second at which it is compared.
 const WALL_SHARES: [f64; 3] = [0.0, 0.5, 1.0];
 
 /// Directions around the tool.
@@ -36,7 +36,7 @@ const DEPTH_ROUNDING_MM: f64 = 1e-6;
 #[derive(Clone, Copy)]
 pub(super) struct BullNose {
     cutter: Cutter,
-    /// Angle by which its axis leans ahead of the normal, radians.
+    /// Angle by which its axis tilts ahead of the normal, radians.
     pub(super) lead: f64,
 }
 
@@ -99,7 +99,7 @@ pub(super) fn axis(chart: &ChannelChart<'_>, u: f64, w: f64, azimuth: f64, lead:
 fn least(chart: &ChannelChart<'_>, cutter: &Cutter) -> Option<f64> {
     // With less, the axis would come near the pole of the table where the floor lies flat.
     let from = libm::asin(MIN_OUTWARD);
-    let at = |step: usize| from + (MOST_LEAD - from) * step as f64 / LEADS as f64;
+    let at = |step: usize| from + (MAX_LEAD - from) * step as f64 / LEADS as f64;
     // A larger lead angle lifts the heel.
     if !clears(chart, cutter, at(LEADS)) {
         return None;

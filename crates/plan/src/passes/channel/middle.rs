@@ -1,7 +1,6 @@
 //! The middle of the floor, which a ball larger than that of the fillets finishes, or a bull nose.
 //!
-//! Its outer lines keep the allowance of the job from vanes and fillets. Where walls or tool leave no room for the tool,
-//! lines end: they come down and rise on arcs along the direction of the channel, in which the walls go apart least.
+//! Its outer lines keep the allowance of the job from vanes and fillets. Where the tool does not fit, lines end: they come down and rise on arcs along the direction of the channel, in which the walls go apart least.
 
 use super::axes::hub_points;
 use super::finished::{Finished, edges};
@@ -18,25 +17,25 @@ use std::collections::BTreeMap;
 use tool_stock::collide::{Cutter, ToolSolid};
 use wheel::part::{FloorBorder, Passage, PassageId, Rolling};
 
-/// Places along the floor and its leads where the room of the tool is looked at.
+/// Places along the floor and its leads at which the tool is tried.
 const FLOOR_PLACES: usize = 240;
 
 /// Height of the place beside a wall, as a share of the vane, up to which a wall counts as continued. A ball may be
 /// higher than a vane.
 const TOP: f64 = 2.0;
 
-/// Least width of a stretch at its widest place, mm. Less is a single line.
-const LEAST_WIDTH: f64 = 0.1;
+/// Least width of an interval at its widest place, mm. Less is a single line.
+const MIN_WIDTH_MM: f64 = 0.1;
 
 /// Layers of the metric of a bull nose, from the first outer line to the second.
 const METRIC_LAYERS: usize = 25;
 
-/// Places along a stretch at which the range of azimuths is looked at, minus one.
+/// Places along an interval at which the range of azimuths is measured, minus one.
 const AZIMUTH_INTERVALS: usize = 60;
 
 /// A part of the floor along which the tool fits.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct FloorStretch {
+pub(super) struct FloorInterval {
     /// u of both ends.
     pub(super) ends: [f64; 2],
     /// True at an end where lines run out of the part.
@@ -46,15 +45,15 @@ pub(super) struct FloorStretch {
 /// Where the larger tool of an operation finishes the floor.
 pub(crate) struct Middle<'a> {
     pub(super) floor: ChannelFloor<'a>,
-    pub(super) stretches: Vec<FloorStretch>,
+    pub(super) intervals: Vec<FloorInterval>,
     chart: ChannelChart<'a>,
     /// `None` for a ball.
     bull_nose: Option<BullNose>,
 }
 
 /// How far the outer lines of a bull nose lie from the place where its corner is beside the fillet, as shares of its radius:
-/// the side of the tool does not lean with the walls as that of a ball does. The least one is for the errors of samples.
-const BESIDE_CORNER: [f64; 11] = [0.02, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
+/// the side of the tool does not tilt with the walls as that of a ball does. The least one is for the errors of samples.
+const CORNER_DISTANCE_SHARES: [f64; 11] = [0.02, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
 
 /// The larger tools of a program, by operation and passage. One that touches vane and hub nowhere is missing.
 pub(crate) type Middles<'a> = BTreeMap<(OperationId, PassageId), Middle<'a>>;
@@ -66,8 +65,8 @@ pub(super) fn before(program: &Program, id: OperationId) -> impl Iterator<Item =
 }
 
 impl<'a> Middle<'a> {
-    /// The floor between the outer lines of the tool, without stretches, with the outer lines at each of the distances that
-    /// come into question. Nothing for operations without a larger tool, and where a ruling has no place for the tool or no
+    /// The floor between the outer lines of the tool, without intervals, for each distance of the outer lines that comes into
+    /// question. Nothing for operations without a larger tool, and where a ruling has no place for the tool or no
     /// lead keeps its heel out of the hub.
     pub(crate) fn all(program: &'a Program, operation: &Operation, passage: Passage) -> Vec<Self> {
         let cutter = program.tools[operation.tool].solid.cutter;
@@ -81,13 +80,13 @@ impl<'a> Middle<'a> {
         let beyond = match bull_nose {
             None => vec![0.0],
             Some(None) => Vec::new(),
-            Some(Some(_)) => BESIDE_CORNER.map(|share| radius - cutter.tip_radius() + share * radius).to_vec(),
+            Some(Some(_)) => CORNER_DISTANCE_SHARES.map(|share| radius - cutter.tip_radius() + share * radius).to_vec(),
         };
         let at = |beyond: f64| {
             let ball = Rolling { wall: rolling + beyond + allowance, floor: rolling, top: TOP };
             let walls = contacts(part, &passage, FloorBorder::Ball(ball), f64::INFINITY)?;
             let floor = ChannelFloor { part, passage, radius, walls, finished: Vec::new() };
-            Some(Self { floor, stretches: Vec::new(), chart, bull_nose: bull_nose.flatten() })
+            Some(Self { floor, intervals: Vec::new(), chart, bull_nose: bull_nose.flatten() })
         };
         beyond.into_iter().filter_map(at).collect()
     }
@@ -114,7 +113,7 @@ impl<'a> Middle<'a> {
         self.floor.part.hub.meridian(u).first.norm()
     }
 
-    /// The tool at a place along the floor, and at a share of the way between the outer lines.
+    /// The tool at a place along the floor, and at a share of the distance between the outer lines.
     pub(crate) fn tool_at(
         &self,
         program: &Program,
@@ -146,7 +145,7 @@ impl<'a> Middle<'a> {
     }
 
     /// True where the outer lines of a ball leave floor between them, and the ball is clear of the part on both. A bull nose
-    /// is looked at with its axis.
+    /// is tried with its axis.
     pub(crate) fn has_free_space(&self, obstacles: &Obstacles, u: f64) -> bool {
         let radius = self.floor.radius;
         let ball = ToolSolid {
@@ -162,8 +161,8 @@ impl<'a> Middle<'a> {
         self.width(u) > 0.0 && (self.bull_nose.is_some() || [0.0, 1.0].into_iter().all(clear))
     }
 
-    /// Keeps the stretches along which the tool fits; `fits` is given at `places`. Of an end inside of the floor it keeps
-    /// off by the arc on which lines come down, and it leaves out stretches shorter than the tool is wide.
+    /// Keeps the intervals along which the tool fits; `fits` is given at `places`. Of an end inside of the floor it keeps
+    /// off by the arc on which lines come down, and it leaves out intervals shorter than the tool is wide.
     pub(crate) fn keep(&mut self, operation: &Operation, places: &[f64], fits: &[bool]) {
         let leads = [operation.lead_in, operation.lead_out];
         let arc = leads.map(|lead| arc_radius(lead.get(), self.floor.radius)).into_iter().fold(0.0, f64::max);
@@ -175,32 +174,32 @@ impl<'a> Middle<'a> {
                 if open[1] { 1.0 } else { places[last] - arc / self.speed(places[last]) },
             ]
             .map(|u| u.clamp(0.0, 1.0));
-            let stretch = FloorStretch { ends, open };
-            if self.length(stretch) > 2.0 * self.floor.radius && self.widest(stretch) > LEAST_WIDTH {
-                self.stretches.push(stretch);
+            let interval = FloorInterval { ends, open };
+            if self.length(interval) > 2.0 * self.floor.radius && self.widest(interval) > MIN_WIDTH_MM {
+                self.intervals.push(interval);
             }
         }
     }
 
-    /// Length of the meridian over a stretch, mm; zero where the ends have crossed.
-    fn length(&self, FloorStretch { ends: [from, to], .. }: FloorStretch) -> f64 {
+    /// Length of the meridian over an interval, mm; zero where the ends have crossed.
+    fn length(&self, FloorInterval { ends: [from, to], .. }: FloorInterval) -> f64 {
         let at = |i: usize| self.floor.part.hub.meridian(from + (to - from) * i as f64 / FLOOR_PLACES as f64).point;
         if to > from { (0..FLOOR_PLACES).map(|i| (at(i + 1) - at(i)).norm()).sum() } else { 0.0 }
     }
 
-    fn widest(&self, FloorStretch { ends: [from, to], .. }: FloorStretch) -> f64 {
+    fn widest(&self, FloorInterval { ends: [from, to], .. }: FloorInterval) -> f64 {
         (0..=FLOOR_PLACES).map(|i| self.width(from + (to - from) * i as f64 / FLOOR_PLACES as f64)).fold(0.0, f64::max)
     }
 
     /// True where the tool fits somewhere.
     pub(crate) fn fits(&self) -> bool {
-        !self.stretches.is_empty()
+        !self.intervals.is_empty()
     }
 
-    /// What the plan says about the room of the tool.
+    /// What the plan says about the intervals in which the tool fits.
     pub(super) fn note(&self, allowance: f64) -> String {
-        let whole = self.length(FloorStretch { ends: [0.0, 1.0], open: [true; 2] });
-        let fits: f64 = self.stretches.iter().map(|s| self.length(*s)).sum();
+        let whole = self.length(FloorInterval { ends: [0.0, 1.0], open: [true; 2] });
+        let fits: f64 = self.intervals.iter().map(|s| self.length(*s)).sum();
         let radius = self.floor.radius;
         let tool = match self.bull_nose {
             None => format!("a ball of radius {radius} mm"),
@@ -216,34 +215,34 @@ impl<'a> Middle<'a> {
 
     /// What the lines of this tool finish, for ridges of a height.
     pub(super) fn finished(&self, height: f64) -> impl Iterator<Item = Finished> {
-        self.stretches.iter().map(move |stretch| {
-            let surface = StretchFloor { middle: self, stretch: *stretch, finished: &[] };
+        self.intervals.iter().map(move |interval| {
+            let surface = IntervalFloor { middle: self, interval: *interval, finished: &[] };
             let metric = surface.metric(height);
             let [first, second] = both_walls(&surface, metric.stations());
-            Finished::new(metric, stretch.ends, stretch.open, [&first, &second])
+            Finished::new(metric, interval.ends, interval.open, [&first, &second])
         })
     }
 }
 
-/// The middle of the floor along one stretch, x from its first end to its last.
-pub(super) struct StretchFloor<'a> {
+/// The middle of the floor along one interval, x from its first end to its last.
+pub(super) struct IntervalFloor<'a> {
     pub(super) middle: &'a Middle<'a>,
-    pub(super) stretch: FloorStretch,
+    pub(super) interval: FloorInterval,
     /// What larger tools have finished.
     pub(super) finished: &'a [Finished],
 }
 
-impl StretchFloor<'_> {
+impl IntervalFloor<'_> {
     fn length(&self) -> f64 {
-        self.stretch.ends[1] - self.stretch.ends[0]
+        self.interval.ends[1] - self.interval.ends[0]
     }
 
     fn u(&self, x: f64) -> f64 {
-        self.stretch.ends[0] + self.length() * x
+        self.interval.ends[0] + self.length() * x
     }
 }
 
-impl DriveSurface for StretchFloor<'_> {
+impl DriveSurface for IntervalFloor<'_> {
     fn name(&self) -> String {
         self.middle.floor.name()
     }
@@ -257,7 +256,7 @@ impl DriveSurface for StretchFloor<'_> {
     }
 
     fn open(&self) -> [bool; 2] {
-        self.stretch.open
+        self.interval.open
     }
 
     /// Along the rulings of both walls, blended: so the ball stays as far from them as it is.
@@ -316,7 +315,7 @@ impl DriveSurface for StretchFloor<'_> {
         let tool = self.middle.bull_nose.filter(|_| self.finished.is_empty())?;
         let chart = &self.middle.chart;
         // The lines with their leads: the ridge at an end is cut from beyond it.
-        let x = |p: &CcPoint| (p.u - self.stretch.ends[0]) / self.length();
+        let x = |p: &CcPoint| (p.u - self.interval.ends[0]) / self.length();
         let poses = |line: &SurfaceLine| line.points.iter().filter_map(|p| tool.pose(chart, x(p), p)).collect();
         let place = |x: f64, y: f64| self.middle.floor.part.hub.point(self.u(x), y);
         highest_ridge(tool.cutter(), lines, poses, |x| self.walls(x), place)
@@ -324,7 +323,7 @@ impl DriveSurface for StretchFloor<'_> {
 
     fn least_length(&self, height: f64) -> f64 {
         let floor = &self.middle.floor;
-        floor.least_length_over(self.stretch.ends, self.finished, |u| match self.middle.bull_nose {
+        floor.least_length_over(self.interval.ends, self.finished, |u| match self.middle.bull_nose {
             None => floor.largest_step(u, height),
             Some(tool) => tool.largest_step(&self.middle.chart, u, height),
         })

@@ -7,8 +7,8 @@
 //! the exact law with the curvature of the hub across the line.
 
 use super::finished::Finished;
-use super::floor::{ChannelFloor, TURN_OFF, azimuth, contacts};
-use super::middle::{Middle, Middles, StretchFloor, before};
+use super::floor::{ChannelFloor, TURN_OFF_STEPS, azimuth, contacts};
+use super::middle::{IntervalFloor, Middle, Middles, before};
 use crate::passes::context::{
     PassContext, STATIONS, in_passage,
     largest_ball::{check_fillet, less_than_radius},
@@ -33,7 +33,7 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, middles: &Middles<
     };
     let cutter = &cx.program.tools[operation.tool].solid.cutter;
     let radius = cutter.tip_radius();
-    // The lead angle of a bull nose is looked for where its room is.
+    // The lead angle of a bull nose is searched where it fits.
     if cutter.ends_in_ball() {
         check_hollow(cx, operation, radius)?;
     }
@@ -51,9 +51,9 @@ pub(crate) fn plan(cx: &mut PassContext<'_>, id: OperationId, middles: &Middles<
                 let directions = lines::directions(operation, radius, speed, order, false);
                 match spacing {
                     Spacing::EqualDivision => {
-                        let mut laid = equal_division(cx, operation, &floor, height.get(), &directions.each)?;
-                        lines::turn_back(&mut laid.lines, order);
-                        laid
+                        let mut planned = equal_division(cx, operation, &floor, height.get(), &directions.each)?;
+                        lines::turn_back(&mut planned.lines, order);
+                        planned
                     }
                     Spacing::ConstantScallop => {
                         constant_scallop(cx, operation, &floor, radius, height.get(), &directions)?
@@ -80,7 +80,7 @@ fn whole_floor<'a>(
     finished: Vec<Finished>,
 ) -> Result<ChannelFloor<'a>, Aborted> {
     let part = &cx.program.part;
-    let turn_off = TURN_OFF * scallop::flat_step(radius, height);
+    let turn_off = TURN_OFF_STEPS * scallop::flat_step(radius, height);
     let Some(walls) = contacts(part, &passage, FloorBorder::Fillets(Some(radius)), turn_off) else {
         let rolling = part.main().fillet.as_ref().map_or(radius, |f| f.most().get());
         cx.sink.push(
@@ -98,7 +98,7 @@ fn whole_floor<'a>(
     Ok(floor)
 }
 
-/// Lines of a larger tool, stretch by stretch; none where the tool fits nowhere.
+/// Lines of a larger tool, interval by interval; none where the tool fits nowhere.
 fn middle_lines(
     cx: &mut PassContext<'_>,
     operation: &Operation,
@@ -117,8 +117,8 @@ fn middle_lines(
     // In the other direction the heel would cut first.
     let order = if matches!(middle.drive(), Drive::Hub(_)) { order } else { Lines::OneWay };
     let radius = middle.floor.radius;
-    for stretch in &middle.stretches {
-        let surface = StretchFloor { middle, stretch: *stretch, finished };
+    for interval in &middle.intervals {
+        let surface = IntervalFloor { middle, interval: *interval, finished };
         let speed = [0.0, 1.0].map(|x| surface.speed(x, 0.0, 0.0));
         let directions = lines::directions(operation, radius, speed, order, false);
         let PlannedLines { lines, notes } = constant_scallop(cx, operation, &surface, radius, height, &directions)?;

@@ -32,10 +32,10 @@ const SEAM_TURN_SHARE: f64 = 0.45;
 /// How far the front of line k of the second family lies behind the seam where the line begins, in units of [`SEAM_TURN_SHARE`].
 /// Up to there the line of the first family has moved off the seam by t^3 / 6 with t = 0.8, and the other side has a
 /// reserve of 0.2.
-const BEGINS: f64 = 0.2;
+const BEGIN_LAG: f64 = 0.2;
 
 /// Share by which the distance from a point to the nearest line may exceed half a step.
-const COVER: f64 = 1e-3;
+const COVER_TOLERANCE: f64 = 1e-3;
 
 /// One line over the floor.
 pub(crate) struct Track {
@@ -98,7 +98,7 @@ pub(crate) fn tracks(
             let need = |i: usize| {
                 let to_seam = match end {
                     0 => seam[i][0] - (k as f64 - 0.5),
-                    _ => family.sign * (seam[i][1] - front[i]) / turn[i] + BEGINS,
+                    _ => family.sign * (seam[i][1] - front[i]) / turn[i] + BEGIN_LAG,
                 };
                 let Some(edges) = finished[i] else { return to_seam };
                 let to_edge = family.sign * (edges[end] - family.fronts[2 * k - 1][i]);
@@ -129,9 +129,9 @@ fn surely_finished(
         edges.filter(|[low, high]| (*low..=*high).contains(&seam[i][1]))
     };
     let held: Vec<Option<[f64; 2]>> = (0..x.len()).map(holds_seam).collect();
-    let apart = (x[x.len() - 1] - x[0]) / (x.len() - 1) as f64;
+    let spacing = (x[x.len() - 1] - x[0]) / (x.len() - 1) as f64;
     let sure = |i: usize| {
-        let around = (0.5 / (metric.form(x[i], seam[i][1])[0] * apart)).ceil() as usize;
+        let around = (0.5 / (metric.form(x[i], seam[i][1])[0] * spacing)).ceil() as usize;
         let near = &held[i.saturating_sub(around)..(i + around + 1).min(x.len())];
         let all: Option<Vec<[f64; 2]>> = near.iter().copied().collect();
         let [low, high] = all?
@@ -168,7 +168,7 @@ impl Family {
                 .filter(|(i, _)| open[*i])
                 .map(|(i, x)| self.sign * (back[i] - half[i]) * metric.form(x, half[i])[1])
                 .fold(0.0, f64::max);
-            if uncovered < 0.5 * COVER || ahead <= 0.0 {
+            if uncovered < 0.5 * COVER_TOLERANCE || ahead <= 0.0 {
                 break;
             }
             ahead = (ahead - 1.2 * uncovered).max(0.0);
@@ -365,10 +365,10 @@ mod tests {
         let edges = |x: f64| (10.0..=30.0).contains(&x).then(|| [low(x) + 3.2, high(x) - 2.4]);
         let walls: [Vec<f64>; 2] = [metric.stations().map(low).collect(), metric.stations().map(high).collect()];
         let finished: Vec<Option<[f64; 2]>> = metric.stations().map(edges).collect();
-        let laid = |finished: &[Option<[f64; 2]>]| {
+        let lines_for = |finished: &[Option<[f64; 2]>]| {
             tracks(&metric, [&walls[0], &walls[1]], finished, [0.0, 40.0], 0.3, 100).unwrap()
         };
-        let (all, found) = (laid(&[]), laid(&finished));
+        let (all, found) = (lines_for(&[]), lines_for(&finished));
         let mut worst = 0.0_f64;
         for i in 0..160 {
             let x = 40.0 * (f64::from(i) + 0.37) / 160.0;

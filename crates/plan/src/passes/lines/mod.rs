@@ -29,20 +29,20 @@ pub(crate) const METRIC_STATIONS: usize = 600;
 const ARC_STATIONS: usize = 64;
 
 /// Width of a surface, in steps, below which one line covers the surface: a ball that rolls along both walls at once.
-const NO_WIDTH: f64 = 1e-3;
+const MIN_WIDTH_STEPS: f64 = 1e-3;
 
-/// Times that lines are laid again where the ridges do not have the height that the metric predicts. The metric is
-/// correct to second order, and knows only the rounding at the contact of the cutter.
-const MAX_RELAYINGS: usize = 4;
+/// Most rounds of planning the lines, until the ridges have the required height. The metric is correct to second order, and
+/// knows only the rounding at the contact of the cutter.
+const MAX_ROUNDS: usize = 4;
 
-/// Share of the required height for which lines are laid: ridges are measured in some columns only.
-const LAID_HEIGHT_SHARE: f64 = 0.99;
+/// Share of the required height for which lines are planned: ridges are measured in some columns only.
+const PLANNED_HEIGHT_SHARE: f64 = 0.99;
 
 /// Ratio of the target to the highest ridge up to which the height counts as well used.
-const NEARLY: f64 = 1.04;
+const MAX_TARGET_RATIO: f64 = 1.04;
 
 /// Largest growth of the height per round.
-const MOST_GROWTH: f64 = 3.0;
+const MAX_GROWTH: f64 = 3.0;
 
 /// A surface with x along its lines, from 0 to 1, and y across them.
 pub(crate) trait DriveSurface: Sync {
@@ -247,30 +247,30 @@ pub(crate) fn constant_scallop(
     Ok(PlannedLines { lines: lines.into_iter().map(cut).collect(), notes })
 }
 
-/// Lays lines for ridges of a height, measures the highest ridge, and repeats with another height until the ridge has
-/// the height `target`. Without a measured ridge the first result is taken. Returns the result with its ridge.
+/// Plans lines for ridges of a height by `lay`, which also measures the highest ridge, and repeats with another height until the
+/// ridge has the height `target`. Without a measured ridge the first result is taken. Returns the result with its ridge.
 pub(crate) fn refined<T>(
     target: f64,
     mut lay: impl FnMut(f64) -> Result<(T, Option<f64>), Aborted>,
 ) -> Result<(T, Option<f64>), Aborted> {
-    let (mut laid, mut ridge) = lay(target)?;
+    let (mut result, mut ridge) = lay(target)?;
     let mut planned = target;
-    for _ in 1..MAX_RELAYINGS {
+    for _ in 1..MAX_ROUNDS {
         let Some(found) = ridge.filter(|r| *r > 0.0) else { break };
-        let ratio = LAID_HEIGHT_SHARE * target / found;
-        if (1.0..NEARLY).contains(&ratio) {
+        let ratio = PLANNED_HEIGHT_SHARE * target / found;
+        if (1.0..MAX_TARGET_RATIO).contains(&ratio) {
             break;
         }
         // Not all ridges follow the height: approach from above in slightly larger steps.
-        planned *= if ratio < 1.0 { ratio * ratio.min(0.998) } else { ratio.min(MOST_GROWTH) };
+        planned *= if ratio < 1.0 { ratio * ratio.min(0.998) } else { ratio.min(MAX_GROWTH) };
         let next = lay(planned)?;
-        if ratio < 1.0 || next.1.is_some_and(|r| r <= LAID_HEIGHT_SHARE * target) {
-            (laid, ridge) = next;
+        if ratio < 1.0 || next.1.is_some_and(|r| r <= PLANNED_HEIGHT_SHARE * target) {
+            (result, ridge) = next;
         } else {
             break;
         }
     }
-    Ok((laid, ridge))
+    Ok((result, ridge))
 }
 
 /// Radius of the quarter of a circle on which a ball comes down to a line that begins inside of the surface: its length is
@@ -303,7 +303,7 @@ fn lay(
     // A line that begins inside of the surface comes down on a quarter of a circle. The circle lifts the ball over
     // stock that roughing left.
     let arcs = [0, 1].map(|back: usize| directions.each[back].leads.map(|lead| arc_radius(lead, radius)));
-    let tracks = if steps < NO_WIDTH {
+    let tracks = if steps < MIN_WIDTH_STEPS {
         let middle = |x: f64| {
             let (a, across) = surface.walls(x);
             a + 0.5 * across
@@ -332,8 +332,8 @@ fn lay(
     let backwards = directions.backwards(tracks.iter().map(|t| [end(t.range[0], 0), end(t.range[1], 1)]));
     let lines = backwards.into_iter().enumerate().map(|(j, back)| {
         let i = usize::from(back);
-        let laid = line(surface, &metric, &tracks, j, arcs[i], &directions.each[i].grid, straightness);
-        SurfaceLine { back, ..laid }
+        let line = line(surface, &metric, &tracks, j, arcs[i], &directions.each[i].grid, straightness);
+        SurfaceLine { back, ..line }
     });
     Ok(lines.collect())
 }
@@ -350,7 +350,7 @@ fn line(
 ) -> SurfaceLine {
     let (track, last) = (&tracks[j], tracks.len() - 1);
     // A station very close to an end would give its piece an arbitrary direction.
-    let apart = 0.5 / STATIONS as f64;
+    let gap = 0.5 / STATIONS as f64;
     let at = |x: f64| {
         let (a, across) = surface.walls(x);
         match j {
@@ -369,7 +369,7 @@ fn line(
     let end = |i: usize| if open[i] || track.range[i].is_finite() { track.range[i] } else { i as f64 };
     let [from, to] = [end(0), end(1)];
     let ends = [from, to].into_iter().filter(|u| u.is_finite());
-    let within = |u: &f64| from + apart < *u && *u < to - apart;
+    let within = |u: &f64| from + gap < *u && *u < to - gap;
     let mut places: Vec<f64> = grid.iter().copied().filter(within).chain(ends).collect();
     places.sort_by(f64::total_cmp);
     places.dedup();

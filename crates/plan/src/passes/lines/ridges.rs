@@ -96,8 +96,8 @@ impl ContactBox {
     /// Square of a distance that is not greater than that from a point to a contact in the box, mm2.
     fn distance(&self, p: &Point3<f64>) -> f64 {
         let [low, high] = &self.0;
-        let off = (low - p).sup(&(p - high)).sup(&Vector3::zeros());
-        off.norm_squared() * (1.0 - DISTANCE_ROUNDING)
+        let gap = (low - p).sup(&(p - high)).sup(&Vector3::zeros());
+        gap.norm_squared() * (1.0 - DISTANCE_ROUNDING)
     }
 }
 

@@ -4,12 +4,12 @@ use ir::CcPoint;
 
 /// Share of the chord tolerance by which the centre of a ball may leave the straight line between two stations: round a nose
 /// with a radius of 0.1 mm the ball turns far over a short way. Thinning takes the tolerance itself.
-const BETWEEN_STATIONS: f64 = 0.1;
+const NOSE_SHARE: f64 = 0.1;
 
-/// The same share where the surface bends evenly, or the line itself: on a large hub, and round the corners of lines before an edge.
-const ALONG_LINE: f64 = 0.25;
+/// The same share where surface and line have an even curvature: on a large hub, and round the corners of lines before an edge.
+const EVEN_CURVE_SHARE: f64 = 0.25;
 
-/// Times that the way between two stations is halved, at most.
+/// Most halvings of the line between two stations.
 const MAX_STATION_HALVINGS: u32 = 6;
 
 /// How far a ball may leave the straight line between two stations.
@@ -20,13 +20,13 @@ pub(super) struct Straightness {
     /// Largest turn of the normal, radians: the centre of the ball runs on an arc of its radius.
     turn: f64,
     /// Largest distance of the centre from the line in the middle, mm.
-    off: f64,
+    deviation: f64,
 }
 
 impl Straightness {
     /// For a chord tolerance, mm.
     pub(super) fn within(chord: f64, radius: f64) -> Self {
-        Self { radius, turn: (8.0 * BETWEEN_STATIONS * chord / radius).sqrt(), off: ALONG_LINE * chord }
+        Self { radius, turn: (8.0 * NOSE_SHARE * chord / radius).sqrt(), deviation: EVEN_CURVE_SHARE * chord }
     }
 
     fn holds(&self, [before, middle, next]: [&(f64, CcPoint); 3]) -> bool {
@@ -38,8 +38,8 @@ impl Straightness {
             return true;
         }
         let [a, m, b] = [before, middle, next].map(|(_, p)| p.position + p.normal * self.radius);
-        let way = b - a;
-        (m - a).cross(&way).norm_squared() <= self.off * self.off * way.norm_squared()
+        let chord = b - a;
+        (m - a).cross(&chord).norm_squared() <= self.deviation * self.deviation * chord.norm_squared()
     }
 }
 
@@ -51,7 +51,7 @@ pub(super) fn straight(
 ) -> Vec<(f64, CcPoint)> {
     let mut dense: Vec<(f64, CcPoint)> = Vec::with_capacity(stations.len());
     for station in stations {
-        // The way to the next stations, the nearest last, each with the halvings that are left.
+        // The next stations, the nearest last, each with the halvings that are left.
         let mut ahead = vec![(station, MAX_STATION_HALVINGS)];
         while let Some((next, left)) = ahead.pop() {
             let Some(before) = dense.last().filter(|_| left > 0) else {
@@ -96,7 +96,7 @@ mod tests {
         };
         assert!(leaves(&given) > 0.1, "{}", leaves(&given));
         let dense = straight(given.clone(), &point, Straightness::within(chord, radius));
-        assert!(leaves(&dense) <= 1.05 * BETWEEN_STATIONS * chord, "{}", leaves(&dense));
+        assert!(leaves(&dense) <= 1.05 * NOSE_SHARE * chord, "{}", leaves(&dense));
         assert!(dense.windows(2).all(|pair| pair[0].0 < pair[1].0));
         assert!(given.iter().all(|(x, _)| dense.iter().any(|(y, _)| x == y)));
         // Halvings may take twice as many as needed.

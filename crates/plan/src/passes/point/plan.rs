@@ -7,7 +7,7 @@
 
 use super::axes::VaneAxis;
 use super::spiral::Around;
-use super::vane_surface::{CutBeside, VaneSurface, nominal_tilt};
+use super::vane_surface::{LocalGouge, VaneSurface, nominal_tilt};
 use crate::passes::context::{
     AxisTilt, PassContext, from_outlet,
     largest_ball::{check_fillet, less_than_radius},
@@ -191,10 +191,10 @@ fn no_fillet(cx: &mut PassContext<'_>, operation: &Operation) -> Aborted {
 ///
 /// Half of the chord tolerance is allowed. The interpolation takes the other part of what a contract on gouge leaves.
 fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, surface: &VaneSurface<'_>) -> Result<(), Aborted> {
-    /// Share of the largest sphere that is advised: a smaller cutter is looked at in other places.
-    const ADVISED: f64 = 0.9;
+    /// Share of the largest sphere that is advised: a smaller cutter is checked at other places.
+    const ADVISED_SHARE: f64 = 0.9;
     let allowed = 0.5 * cx.program.tolerances.chord.get();
-    let CutBeside { depth, sphere, at: [x, y] } = surface.deepest_beside(allowed);
+    let LocalGouge { depth, sphere, at: [x, y] } = surface.deepest_gouge(allowed);
     if depth <= allowed {
         return Ok(());
     }
@@ -213,7 +213,7 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, surface: &VaneS
         format!("{} at u = {:.3}, v = {:.3}", surface.name(), place.parameters[0], place.parameters[1]),
         place.position,
     )
-    .help(less_than_radius(ADVISED * sphere));
+    .help(less_than_radius(ADVISED_SHARE * sphere));
     if matches!(cx.program.part.face(surface.side).surface, FaceSurface::Lofted(_))
         && surface.chart.fillet_radius(0.0).is_none()
     {
@@ -225,7 +225,7 @@ fn check_hollow(cx: &mut PassContext<'_>, operation: &Operation, surface: &VaneS
 }
 
 /// Stations of the lower border, minus one.
-const BORDER: usize = 60;
+const BORDER_INTERVALS: usize = 60;
 
 /// Bisection steps for the lower border: down to a thousandth of the ruling.
 const BORDER_BISECTIONS: usize = 10;
@@ -235,7 +235,7 @@ const BORDER_BISECTIONS: usize = 10;
 fn lowest(cx: &PassContext<'_>, operation: &Operation, surface: &VaneSurface<'_>) -> Vec<f64> {
     let part = &cx.program.part;
     let solid = &cx.program.tools[operation.tool].solid;
-    let stations = (0..=BORDER).map(|i| i as f64 / BORDER as f64);
+    let stations = (0..=BORDER_INTERVALS).map(|i| i as f64 / BORDER_INTERVALS as f64);
     if solid.cutter.ends_in_ball() {
         let radius = solid.cutter.tip_radius();
         let height = |x: f64| {

@@ -129,8 +129,8 @@ impl Around<'_> {
 
     /// Stations round an edge, from the face on which the tool comes.
     fn round_edge(&self, end: usize, y: &dyn Fn(f64) -> f64, points: &mut Vec<CcPoint>) {
-        let [roll, way] = ROLL;
-        let count = 2 * roll + way;
+        let [roll, path] = ROLL;
+        let count = 2 * roll + path;
         let x = if end == 0 { 0.0 } else { 1.0 };
         let [from, to] = if (end == 0) == self.other_way { [1, 0] } else { [0, 1] };
         let normal_of = |side: usize, y: f64| -> Vector3<f64> { self.faces[side].contact(x, y, 0.0).normal };
@@ -138,12 +138,12 @@ impl Around<'_> {
             let t = i as f64 / count as f64;
             let level = y(t);
             // From the side of the incoming tool.
-            let across = ((i as f64 - roll as f64) / way as f64).clamp(0.0, 1.0);
+            let across = ((i as f64 - roll as f64) / path as f64).clamp(0.0, 1.0);
             let place = self.edges[end].place(level, if from == 0 { across } else { 1.0 - across });
             let normal = if i < roll {
                 normal_of(from, level).slerp(&place.normal, i as f64 / roll as f64)
-            } else if i > roll + way {
-                place.normal.slerp(&normal_of(to, level), (i - roll - way) as f64 / roll as f64)
+            } else if i > roll + path {
+                place.normal.slerp(&normal_of(to, level), (i - roll - path) as f64 / roll as f64)
             } else {
                 place.normal
             };
@@ -157,8 +157,8 @@ impl Around<'_> {
     /// Straight leads: extensions of the first and of the last two stations.
     fn lead(&self, points: &mut Vec<CcPoint>, leads: [f64; 2]) {
         let on = |a: &CcPoint, b: &CcPoint, length: f64| {
-            let way = (b.position - a.position).normalize() * length;
-            self.faces[0].off_hub(CcPoint { position: b.position + way, ..*b })
+            let path = (b.position - a.position).normalize() * length;
+            self.faces[0].off_hub(CcPoint { position: b.position + path, ..*b })
         };
         let [first, second, .., before, last] = points.as_slice() else { return };
         let (enters, leaves) = (on(second, first, leads[0]), on(before, last, leads[1]));

@@ -30,10 +30,10 @@ const CONTACT_PLACES: usize = 24;
 const LEAD_CHORD: f64 = 0.1;
 
 /// Lower bound of steps per unit across a surface: a ball in a fillet of its own radius has infinite steps.
-const LEAST_ACROSS: f64 = 1e-6;
+const MIN_ACROSS: f64 = 1e-6;
 
 /// Tilt at which the side of a barrel touches, as a share of the angle of its arc.
-const BARREL_LEAN: f64 = 0.5;
+const BARREL_TILT_SHARE: f64 = 0.5;
 
 /// A face, fillet, edge or tip of sector 0 under a cutter.
 pub(crate) struct VaneSurface<'a> {
@@ -121,38 +121,38 @@ impl VaneSurface<'_> {
     /// Steps per unit of y, straight across lines of equal y, for ridges of a given height.
     pub(crate) fn density(&self, x: f64, y: f64, height: f64) -> f64 {
         let (form, _) = self.form(x, y, height);
-        (form[(1, 1)] - form[(0, 1)] * form[(0, 1)] / form[(0, 0)].max(LEAST_ACROSS)).max(0.0).sqrt()
+        (form[(1, 1)] - form[(0, 1)] * form[(0, 1)] / form[(0, 0)].max(MIN_ACROSS)).max(0.0).sqrt()
     }
 
     /// How deep the cutter would cut into the surface beside its contacts, at the worst of them.
     ///
     /// In each direction the cutter is taken for the sphere of its curvature there. Depths are measured on the surface, so
     /// that a wave of a fraction of a micrometre counts for its depth, not for its radius.
-    pub(crate) fn deepest_beside(&self, allowed: f64) -> CutBeside {
+    pub(crate) fn deepest_gouge(&self, allowed: f64) -> LocalGouge {
         let places: Vec<[usize; 2]> =
             (0..=CURVATURE_PLACES[0]).flat_map(|i| (0..=CURVATURE_PLACES[1]).map(move |j| [i, j])).collect();
-        let worst = |a: CutBeside, b: CutBeside| CutBeside {
+        let worst = |a: LocalGouge, b: LocalGouge| LocalGouge {
             sphere: a.sphere.min(b.sphere),
             ..if b.depth > a.depth { b } else { a }
         };
         places
             .into_par_iter()
             .map(|[i, j]| {
-                self.beside([i as f64 / CURVATURE_PLACES[0] as f64, j as f64 / CURVATURE_PLACES[1] as f64], allowed)
+                self.gouge_at([i as f64 / CURVATURE_PLACES[0] as f64, j as f64 / CURVATURE_PLACES[1] as f64], allowed)
             })
-            .reduce(|| CutBeside { depth: 0.0, sphere: f64::INFINITY, at: [0.5; 2] }, worst)
+            .reduce(|| LocalGouge { depth: 0.0, sphere: f64::INFINITY, at: [0.5; 2] }, worst)
     }
 
     /// The same at one contact.
-    fn beside(&self, at: [f64; 2], allowed: f64) -> CutBeside {
-        let mut worst = CutBeside { depth: 0.0, sphere: f64::INFINITY, at };
+    fn gouge_at(&self, at: [f64; 2], allowed: f64) -> LocalGouge {
+        let mut worst = LocalGouge { depth: 0.0, sphere: f64::INFINITY, at };
         let [x, y] = at;
         let local = self.local(x, y);
         let cutter = self.cutter_form(x, y, &local);
         let place = self.chart.place(x, y);
-        for way in [Vector2::x(), Vector2::y(), least_against(&(cutter + local.bulge), &local.first).1] {
-            let length = way.dot(&(local.first * way)).sqrt();
-            let curvature = way.dot(&(cutter * way)) / (length * length);
+        for direction in [Vector2::x(), Vector2::y(), least_against(&(cutter + local.bulge), &local.first).1] {
+            let length = direction.dot(&(local.first * direction)).sqrt();
+            let curvature = direction.dot(&(cutter * direction)) / (length * length);
             if !(length > 0.0 && curvature > 0.0) {
                 continue;
             }
@@ -160,13 +160,13 @@ impl VaneSurface<'_> {
             for k in (1..=CONTACT_PLACES).flat_map(|k| [k as f64, -(k as f64)]) {
                 // Steps grow with the distance: waves are short, and hollows as wide as the cutter.
                 let share = k / CONTACT_PLACES as f64;
-                let step = way * (radius * share * share.abs() / length);
+                let step = direction * (radius * share * share.abs() / length);
                 let [x, y] = [x + step.x, y + step.y];
                 if !((0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y)) {
                     continue;
                 }
-                let off = self.chart.place(x, y).position - place.position;
-                let (height, square) = (off.dot(&place.normal), off.norm_squared());
+                let offset = self.chart.place(x, y).position - place.position;
+                let (height, square) = (offset.dot(&place.normal), offset.norm_squared());
                 let depth = radius - (square - 2.0 * radius * height + radius * radius).max(0.0).sqrt();
                 worst.depth = worst.depth.max(depth);
                 if height > allowed {
@@ -178,9 +178,9 @@ impl VaneSurface<'_> {
     }
 }
 
-/// What the cutter does beside a contact.
+/// Gouge of the cutter beside a contact.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct CutBeside {
+pub(crate) struct LocalGouge {
     /// Depth to which it cuts into the surface there, mm.
     pub(crate) depth: f64,
     /// Radius of the largest sphere that cuts in no deeper than allowed, mm.
@@ -204,9 +204,9 @@ fn least_against(form: &Matrix2<f64>, metric: &Matrix2<f64>) -> (f64, Vector2<f6
     (eigen.eigenvalues[k], root.transpose() * eigen.eigenvectors.column(k))
 }
 
-/// Tilt off the surface for which lines are laid, radians. The tilt of a barrel determines which radius cuts.
+/// Tilt off the surface for which lines are planned, radians. The tilt of a barrel determines which radius cuts.
 pub(crate) fn nominal_tilt(cutter: &Cutter) -> f64 {
-    cutter.barrel_angle().map_or(0.1, |end| BARREL_LEAN * end)
+    cutter.barrel_angle().map_or(0.1, |end| BARREL_TILT_SHARE * end)
 }
 
 impl DriveSurface for VaneSurface<'_> {
@@ -232,22 +232,22 @@ impl DriveSurface for VaneSurface<'_> {
         let inside = x.clamp(0.0, 1.0);
         let place = self.chart.place(inside, y.clamp(0.0, 1.0));
         let [u, v] = place.parameters;
-        let off = x - inside;
+        let offset = x - inside;
         let (u, w) = match self.chart.kind {
             // Along an edge that the lathe makes u is constant.
             SurfaceKind::InletEdge(_) if !self.round_edge => (0.0, y),
             SurfaceKind::OutletEdge(_) if !self.round_edge => (1.0, y),
-            _ => (u + off, if self.axes.looks_ahead(self.side) { 0.0 } else { 1.0 }),
+            _ => (u + offset, if self.axes.looks_ahead(self.side) { 0.0 } else { 1.0 }),
         };
         let on_surface = CcPoint { u, v, w, position: place.position, normal: place.normal };
-        if off == 0.0 {
+        if offset == 0.0 {
             return on_surface;
         }
-        self.off_hub(CcPoint { position: place.position + self.beyond(inside, y) * off, ..on_surface })
+        self.off_hub(CcPoint { position: place.position + self.beyond(inside, y) * offset, ..on_surface })
     }
 
     /// A ball with the radius of the fillet touches the hub at the ends of the lowest line. A lead straight on, or an arc
-    /// along the normal of the face, may go into the hub: it is hollow along its meridian, and the face may lean over it.
+    /// along the normal of the face, may go into the hub: it is hollow along its meridian, and the face may hang over it.
     fn off_hub(&self, at: CcPoint) -> CcPoint {
         if !self.cutter.ends_in_ball() {
             return at;
@@ -283,9 +283,9 @@ impl DriveSurface for VaneSurface<'_> {
         // On the leads the metric is constant.
         BandMetric::over([-0.02, 1.02], METRIC_STATIONS + 1, [0.0, 1.0], METRIC_LAYERS, |x, y| {
             let (form, _) = self.form(x, y, height);
-            let across = form[(1, 1)].max(LEAST_ACROSS * LEAST_ACROSS);
-            let skew = if across > LEAST_ACROSS { form[(0, 1)] / across } else { 0.0 };
-            let along = (form[(0, 0)] - skew * skew * across).max(LEAST_ACROSS * LEAST_ACROSS);
+            let across = form[(1, 1)].max(MIN_ACROSS * MIN_ACROSS);
+            let skew = if across > MIN_ACROSS { form[(0, 1)] / across } else { 0.0 };
+            let along = (form[(0, 0)] - skew * skew * across).max(MIN_ACROSS * MIN_ACROSS);
             [along.sqrt(), across.sqrt(), skew]
         })
     }

@@ -145,7 +145,7 @@ fn fits_nowhere(cx: &mut PassContext<'_>, operation: &Operation) -> Aborted {
 
 /// Free space across the channel at a station, mm.
 fn free(roughing: &Roughing<'_>, run: &LevelRun, s: &LayerStation) -> f64 {
-    (s.room[1] - s.room[0]) * across(roughing, run, s.u)
+    (s.free[1] - s.free[0]) * across(roughing, run, s.u)
 }
 
 /// Distance of the walls square to the channel, mm.
@@ -162,7 +162,7 @@ struct RunLines<'a> {
     wall_forward: usize,
     /// Free space across the channel at each station, mm.
     free: Vec<f64>,
-    /// Half width that loops open at each station, as a way of the tip, mm; zero where the first line cuts a slot.
+    /// Half width that loops open at each station, as a motion of the tip, mm; zero where the first line cuts a slot.
     opened: Vec<f64>,
 }
 
@@ -225,8 +225,8 @@ impl<'a> RunLines<'a> {
             k == 0
                 || if opened > 0.0 { self.free[i] - 2.0 * opened > legs } else { self.free[i] > legs - self.stepover }
         };
-        let wide = maximal_ranges(self.free.len(), cuts);
-        wide.into_iter().filter(|piece| piece.len() > 1).collect()
+        let ranges = maximal_ranges(self.free.len(), cuts);
+        ranges.into_iter().filter(|piece| piece.len() > 1).collect()
     }
 
     /// Ends of a piece that lie outside of the stock.
@@ -238,7 +238,7 @@ impl<'a> RunLines<'a> {
     fn leg(&self, station: usize, wall: usize, distance: f64) -> f64 {
         let s = &self.run.stations[station];
         let share = (distance / self.free[station].max(f64::MIN_POSITIVE)).min(0.5);
-        s.room[wall] + share * (s.room[1 - wall] - s.room[wall])
+        s.free[wall] + share * (s.free[1 - wall] - s.free[wall])
     }
 
     /// The line `k` stepovers from the walls over a piece: from the outside, or from the wider end, to the other end and

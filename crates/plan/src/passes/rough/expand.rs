@@ -69,10 +69,10 @@ fn plan_passage(
 /// Adds the V lines of a layer, the innermost first; returns their number.
 fn v_lines(roughing: &Roughing<'_>, layer: &Layer, step: f64, lines: &mut Vec<NamedLine>) -> usize {
     let Some(outlet) = layer.stations.iter().rfind(|s| s.u <= 1.0) else { return 0 };
-    let room = |s: &super::layers::LayerStation| (s.room[1] - s.room[0]) * roughing.chart.width(s.u, layer.level);
+    let width = |s: &super::layers::LayerStation| (s.free[1] - s.free[0]) * roughing.chart.width(s.u, layer.level);
     // The lines of both sides and the groove divide the arc between the boundaries (S of formula 9).
-    let pairs = (0.5 * room(outlet) / step).ceil().max(1.0);
-    let spacing = 0.5 * room(outlet) / pairs;
+    let pairs = (0.5 * width(outlet) / step).ceil().max(1.0);
+    let spacing = 0.5 * width(outlet) / pairs;
     for i in (0..pairs as usize).rev() {
         let offset = i as f64 * spacing;
         // From the outlet to the apex: stations where the leg is still on its own side of the groove.
@@ -81,8 +81,8 @@ fn v_lines(roughing: &Roughing<'_>, layer: &Layer, step: f64, lines: &mut Vec<Na
             .iter()
             .rev()
             .map(|s| (s, offset / roughing.chart.width(s.u, layer.level)))
-            .take_while(|(s, share)| s.room[0] + share < s.middle())
-            .map(|(s, share)| (s.u, [s.room[0] + share, s.room[1] - share]))
+            .take_while(|(s, share)| s.free[0] + share < s.middle())
+            .map(|(s, share)| (s.u, [s.free[0] + share, s.free[1] - share]))
             .collect();
         let Some((apex, apex_legs)) = legs.last().copied() else { continue };
         // The crossing at the apex: on the groove line inside the channel, in air before the inlet.

@@ -1,4 +1,4 @@
-//! How far a tool of `rough` gets: where it fits near the hub, and all of its positions.
+//! Reach of a tool of `rough`: where it fits near the hub, and all of its positions.
 
 use super::channel_levels::lines;
 use super::channel_points;
@@ -18,7 +18,7 @@ pub(super) fn fits_over_hub(roughing: &Roughing<'_>, over: f64, spacing: f64, pr
     let count = (length / spacing).ceil().max(1.0) as usize;
     let fits = |i: usize| {
         let u = i as f64 / count as f64;
-        !progress.is_cancelled() && (level.v(chart, u, 0.5) >= 1.0 || roughing.room(u, level).is_some())
+        !progress.is_cancelled() && (level.v(chart, u, 0.5) >= 1.0 || roughing.free_interval(u, level).is_some())
     };
     ((0..=count).into_par_iter().map(fits).collect(), length / count as f64)
 }

@@ -8,16 +8,16 @@ use super::layers::{DISTANCE_BISECTIONS, Level, Roughing, StationPlace};
 use nurbs::bracket::Bracket;
 
 /// A free interval of w.
-pub(super) type Room = [f64; 2];
+pub(super) type FreeInterval = [f64; 2];
 
 impl Roughing<'_> {
     /// The free interval between the walls at u of a level that is nearest to the middle.
-    pub(super) fn room(&self, u: f64, level: Level) -> Option<Room> {
-        self.room_at(&StationPlace::new(&self.chart, u), level)
+    pub(super) fn free_interval(&self, u: f64, level: Level) -> Option<FreeInterval> {
+        self.free_interval_at(&StationPlace::new(&self.chart, u), level)
     }
 
     /// The same at a place that is known.
-    pub(super) fn room_at(&self, place: &StationPlace<'_>, level: Level) -> Option<Room> {
+    pub(super) fn free_interval_at(&self, place: &StationPlace<'_>, level: Level) -> Option<FreeInterval> {
         // The middle first, then outward: the widest place of a twisted channel is near its middle.
         const SEED_SHARES: [f64; 9] = [0.5, 0.45, 0.55, 0.4, 0.6, 0.35, 0.65, 0.3, 0.7];
         let seed = SEED_SHARES.into_iter().find(|w| self.clear(place, level, *w))?;
@@ -25,38 +25,38 @@ impl Roughing<'_> {
     }
 
     /// All free intervals at u of a level, in ascending order; `several` is false where there is one at most.
-    pub(super) fn rooms(&self, u: f64, level: Level, several: bool) -> Vec<Room> {
+    pub(super) fn free_intervals(&self, u: f64, level: Level, several: bool) -> Vec<FreeInterval> {
         let place = StationPlace::new(&self.chart, u);
-        let nearest = self.room_at(&place, level);
+        let nearest = self.free_interval_at(&place, level);
         if !several {
             return nearest.into_iter().collect();
         }
-        let Some([low, high]) = nearest else { return self.rooms_between(&place, level, [0.0, 1.0]) };
-        let [mut all, above] = [[0.0, low], [high, 1.0]].map(|gap| self.rooms_between(&place, level, gap));
+        let Some([low, high]) = nearest else { return self.free_between(&place, level, [0.0, 1.0]) };
+        let [mut all, above] = [[0.0, low], [high, 1.0]].map(|gap| self.free_between(&place, level, gap));
         all.push([low, high]);
         all.extend(above);
         all
     }
 
     /// Free intervals inside of an interval whose ends are not free.
-    fn rooms_between(&self, place: &StationPlace<'_>, level: Level, [from, to]: Room) -> Vec<Room> {
+    fn free_between(&self, place: &StationPlace<'_>, level: Level, [from, to]: FreeInterval) -> Vec<FreeInterval> {
         let count = ((to - from) * place.width(place.v(level, from)) / self.step_across(place)).floor();
         let at = |k: f64| from + (to - from) * k / count;
-        let mut rooms: Vec<Room> = Vec::new();
+        let mut free_intervals: Vec<FreeInterval> = Vec::new();
         let mut blocked = from;
         for w in (1..count as usize).map(|k| at(k as f64)) {
             if w <= blocked {
                 continue;
             }
             if self.clear(place, level, w) {
-                let room = [blocked, to].map(|wall| self.boundary(place, level, [w, wall]));
-                blocked = room[1];
-                rooms.push(room);
+                let free_interval = [blocked, to].map(|wall| self.boundary(place, level, [w, wall]));
+                blocked = free_interval[1];
+                free_intervals.push(free_interval);
             } else {
                 blocked = w;
             }
         }
-        rooms
+        free_intervals
     }
 
     /// Distance of the places across the channel at which the free space is tried, mm.
@@ -84,95 +84,99 @@ impl Roughing<'_> {
 
 /// Free intervals of successive stations, each of which overlaps the next.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct RoomStrip {
+pub(super) struct FreeStrip {
     /// Number of the first station.
     pub(super) first: usize,
-    pub(super) rooms: Vec<Room>,
+    pub(super) free_intervals: Vec<FreeInterval>,
 }
 
-impl RoomStrip {
+impl FreeStrip {
     /// Number of the station behind the last.
     fn end(&self) -> usize {
-        self.first + self.rooms.len()
+        self.first + self.free_intervals.len()
     }
 
     /// Goes on over the stations before and behind where their free intervals overlap the ends of the strip, no wider than these.
-    fn extended(mut self, stations: &[Vec<Room>]) -> Self {
-        let on = |from: Room, stations: &mut dyn Iterator<Item = &Vec<Room>>| -> Vec<Room> {
-            let next = |room: &mut Room, at: &Vec<Room>| {
-                let widest =
-                    at.iter().map(|other| common(*room, *other)).max_by(|a, b| width(*a).total_cmp(&width(*b)));
-                *room = widest.filter(|room| width(*room) > 0.0)?;
-                Some(*room)
+    fn extended(mut self, stations: &[Vec<FreeInterval>]) -> Self {
+        let on = |from: FreeInterval, stations: &mut dyn Iterator<Item = &Vec<FreeInterval>>| -> Vec<FreeInterval> {
+            let next = |free_interval: &mut FreeInterval, at: &Vec<FreeInterval>| {
+                let widest = at
+                    .iter()
+                    .map(|other| common(*free_interval, *other))
+                    .max_by(|a, b| width(*a).total_cmp(&width(*b)));
+                *free_interval = widest.filter(|free_interval| width(*free_interval) > 0.0)?;
+                Some(*free_interval)
             };
             stations.scan(from, next).collect()
         };
-        let [first, last] = [self.rooms[0], self.rooms[self.rooms.len() - 1]];
+        let [first, last] = [self.free_intervals[0], self.free_intervals[self.free_intervals.len() - 1]];
         let before = on(first, &mut stations[..self.first].iter().rev());
         let behind = on(last, &mut stations[self.end()..].iter());
         self.first -= before.len();
-        self.rooms.splice(0..0, before.into_iter().rev());
-        self.rooms.extend(behind);
+        self.free_intervals.splice(0..0, before.into_iter().rev());
+        self.free_intervals.extend(behind);
         self
     }
 }
 
-fn common(a: Room, b: Room) -> Room {
+fn common(a: FreeInterval, b: FreeInterval) -> FreeInterval {
     [a[0].max(b[0]), a[1].min(b[1])]
 }
 
-fn width([low, high]: Room) -> f64 {
+fn width([low, high]: FreeInterval) -> f64 {
     high - low
 }
 
 /// The strips of all free intervals of successive stations. Where an interval divides or two of them join, the wider one goes on.
 /// A strip that neither begins nor ends outside of the stock goes on along its neighbour, so that the tool can come in.
-pub(super) fn strips(stations: &[Vec<Room>], inside: &[bool]) -> Vec<RoomStrip> {
-    let mut strips: Vec<RoomStrip> = Vec::new();
-    for (k, rooms) in stations.iter().enumerate() {
+pub(super) fn strips(stations: &[Vec<FreeInterval>], inside: &[bool]) -> Vec<FreeStrip> {
+    let mut strips: Vec<FreeStrip> = Vec::new();
+    for (k, free_intervals) in stations.iter().enumerate() {
         let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
         for (i, strip) in strips.iter().enumerate().filter(|(_, strip)| strip.end() == k) {
-            let last = strip.rooms[strip.rooms.len() - 1];
-            pairs.extend(rooms.iter().enumerate().map(|(j, room)| (width(common(last, *room)), i, j)));
+            let last = strip.free_intervals[strip.free_intervals.len() - 1];
+            pairs.extend(
+                free_intervals.iter().enumerate().map(|(j, free_interval)| (width(common(last, *free_interval)), i, j)),
+            );
         }
         pairs.retain(|pair| pair.0 > 0.0);
         pairs.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let mut open: Vec<bool> = vec![true; rooms.len()];
+        let mut open: Vec<bool> = vec![true; free_intervals.len()];
         for (_, i, j) in pairs {
             if open[j] && strips[i].end() == k {
-                strips[i].rooms.push(rooms[j]);
+                strips[i].free_intervals.push(free_intervals[j]);
                 open[j] = false;
             }
         }
-        let begin = rooms.iter().zip(open).filter(|(_, open)| *open).map(|(room, _)| *room);
-        strips.extend(begin.map(|room| RoomStrip { first: k, rooms: vec![room] }));
+        let begin = free_intervals.iter().zip(open).filter(|(_, open)| *open).map(|(free_interval, _)| *free_interval);
+        strips.extend(begin.map(|free_interval| FreeStrip { first: k, free_intervals: vec![free_interval] }));
     }
-    let closed = |strip: &RoomStrip| inside[strip.first] && inside[strip.end() - 1];
+    let closed = |strip: &FreeStrip| inside[strip.first] && inside[strip.end() - 1];
     strips.into_iter().map(|strip| if closed(&strip) { strip.extended(stations) } else { strip }).collect()
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{RoomStrip, strips};
+    use super::{FreeStrip, strips};
 
     #[test]
     fn a_vane_between_two_intervals_divides_the_strip() {
         let whole = vec![[0.0, 1.0]];
         let divided = vec![[0.0, 0.6], [0.8, 1.0]];
         let stations = [whole.clone(), divided.clone(), divided, vec![[0.0, 0.6]]];
-        let main = RoomStrip { first: 0, rooms: vec![[0.0, 1.0], [0.0, 0.6], [0.0, 0.6], [0.0, 0.6]] };
+        let main = FreeStrip { first: 0, free_intervals: vec![[0.0, 1.0], [0.0, 0.6], [0.0, 0.6], [0.0, 0.6]] };
         // Outside of the stock from the first station on: the second strip is open there.
-        let behind = RoomStrip { first: 1, rooms: vec![[0.8, 1.0]; 2] };
+        let behind = FreeStrip { first: 1, free_intervals: vec![[0.8, 1.0]; 2] };
         assert_eq!(strips(&stations, &[false, false, true, true]), [main.clone(), behind]);
         // Inside of the stock the second strip comes in beside the first one.
-        let behind = RoomStrip { first: 0, rooms: vec![[0.8, 1.0]; 3] };
+        let behind = FreeStrip { first: 0, free_intervals: vec![[0.8, 1.0]; 3] };
         assert_eq!(strips(&stations, &[false, true, true, true]), [main, behind]);
     }
 
     #[test]
     fn intervals_that_do_not_overlap_are_two_strips() {
         let stations = [vec![[0.0, 0.3]], vec![[0.4, 0.6]], vec![], vec![[0.4, 0.6]]];
-        let of = |first: usize, room: [f64; 2]| RoomStrip { first, rooms: vec![room] };
+        let of = |first: usize, free_interval: [f64; 2]| FreeStrip { first, free_intervals: vec![free_interval] };
         assert_eq!(strips(&stations, &[true; 4]), [of(0, [0.0, 0.3]), of(1, [0.4, 0.6]), of(3, [0.4, 0.6])]);
     }
 }

@@ -20,11 +20,11 @@ const LAYER_ROUNDING: f64 = 1e-9;
 /// chord by a few micrometres, well within the roughing allowance.
 const STATION_SPACING: f64 = 0.7;
 
-/// Shares of the way between two stations at which the distances are checked.
+/// Shares of the path between two stations at which the distances are checked.
 const CHECKED_SHARES: [f64; 3] = [0.25, 0.5, 0.75];
 
-/// Most that a border of the free space moves across the channel beside an edge, as a multiple of the way along it (60 deg).
-const EASY: f64 = 1.73;
+/// Largest motion of a border of the free space across the channel beside an edge, over the distance along it (60 deg).
+const MAX_EASED_SLOPE: f64 = 1.73;
 
 /// Bisection steps for wall distances and lifts: half a channel divided by 2^10 is about 0.02 mm.
 pub(super) const DISTANCE_BISECTIONS: usize = 10;
@@ -180,13 +180,13 @@ fn nearest_to_height(height: f64, distance: impl Fn(f64) -> f64) -> f64 {
     /// Each takes a third away: down to a millionth of a share.
     const NARROWINGS: usize = 30;
     let step = (LEVEL_SHARES[1] - LEVEL_SHARES[0]) / LEVEL_PLACES as f64;
-    let off = |v: f64| (distance(v) - height).abs();
+    let deviation = |v: f64| (distance(v) - height).abs();
     let places = (0..=LEVEL_PLACES).map(|k| LEVEL_SHARES[0] + k as f64 * step);
-    let best = places.map(|v| (v, off(v))).fold((0.0, f64::INFINITY), |a, b| if b.1 < a.1 { b } else { a }).0;
+    let best = places.map(|v| (v, deviation(v))).fold((0.0, f64::INFINITY), |a, b| if b.1 < a.1 { b } else { a }).0;
     let (mut low, mut high) = (best - step, best + step);
     for _ in 0..NARROWINGS {
         let [a, b] = [(2.0 * low + high) / 3.0, (low + 2.0 * high) / 3.0];
-        if off(a) <= off(b) { high = b } else { low = a }
+        if deviation(a) <= deviation(b) { high = b } else { low = a }
     }
     0.5 * (low + high)
 }
@@ -196,13 +196,13 @@ fn nearest_to_height(height: f64, distance: impl Fn(f64) -> f64) -> f64 {
 pub(crate) struct LayerStation {
     pub(crate) u: f64,
     /// Least and largest w at which the tool keeps all allowances.
-    pub(crate) room: [f64; 2],
+    pub(crate) free: [f64; 2],
 }
 
 impl LayerStation {
     /// Middle between the boundaries (Wei: the groove line runs midway between E1 and E2).
     pub(crate) fn middle(&self) -> f64 {
-        0.5 * (self.room[0] + self.room[1])
+        0.5 * (self.free[0] + self.free[1])
     }
 }
 
@@ -367,7 +367,7 @@ impl<'a> Roughing<'a> {
             .into_par_iter()
             .map(|i| {
                 let u = from + (to - from) * i as f64 / count as f64;
-                self.room(u, Level::Share(level)).map(|room| LayerStation { u, room }).ok_or(u)
+                self.free_interval(u, Level::Share(level)).map(|free| LayerStation { u, free }).ok_or(u)
             })
             .collect::<Vec<_>>();
         // The first station without space, independent of the thread that found it.
@@ -436,23 +436,23 @@ impl<'a> Roughing<'a> {
             return Ok(());
         }
         let step = |station: &LayerStation| {
-            EASY * self.spacing / self.chart.width(station.u, level.v(&self.chart, station.u, 0.5))
+            MAX_EASED_SLOPE * self.spacing / self.chart.width(station.u, level.v(&self.chart, station.u, 0.5))
         };
         let steps: Vec<f64> = stations.iter().map(step).collect();
         let inner = |a: [f64; 2], b: [f64; 2], step: f64| [a[0].max(b[0] - step), a[1].min(b[1] + step)];
         for i in 1..stations.len() {
-            stations[i].room = inner(stations[i].room, stations[i - 1].room, steps[i]);
+            stations[i].free = inner(stations[i].free, stations[i - 1].free, steps[i]);
         }
         for i in (1..stations.len()).rev() {
-            stations[i - 1].room = inner(stations[i - 1].room, stations[i].room, steps[i - 1]);
+            stations[i - 1].free = inner(stations[i - 1].free, stations[i].free, steps[i - 1]);
         }
-        stations.iter().find(|s| s.room[0] > s.room[1]).map_or(Ok(()), |s| Err(s.u))
+        stations.iter().find(|s| s.free[0] > s.free[1]).map_or(Ok(()), |s| Err(s.u))
     }
 
-    /// True when the tool keeps the allowances on a straight way from a station of a level to the next, along one border
+    /// True when the tool keeps the allowances on a straight path from a station of a level to the next, along one border
     /// of the free space.
     pub(super) fn joined(&self, level: Level, stations: [&LayerStation; 2], side: usize) -> bool {
-        let [from, to] = stations.map(|s| self.cc_point(s.u, level, s.room[side]));
+        let [from, to] = stations.map(|s| self.cc_point(s.u, level, s.free[side]));
         CHECKED_SHARES.iter().all(|t| {
             let tip = from.position + (to.position - from.position) * *t;
             let axis = (from.normal + (to.normal - from.normal) * *t).normalize();
@@ -474,12 +474,12 @@ pub(super) fn limit_leads(
     let (Some(first), Some(last)) = (inside.iter().position(|x| *x), inside.iter().rposition(|x| *x)) else {
         return Ok(());
     };
-    let edges = [stations[first].room, stations[last].room];
+    let edges = [stations[first].free, stations[last].free];
     let limited = |k: usize| (k < first && !free[0]) || (k > last && !free[1]);
     for (k, s) in stations.iter_mut().enumerate().filter(|(k, _)| limited(*k)) {
         let edge = edges[usize::from(k > last)];
-        s.room = [s.room[0].max(edge[0]), s.room[1].min(edge[1])];
-        if s.room[0] > s.room[1] {
+        s.free = [s.free[0].max(edge[0]), s.free[1].min(edge[1])];
+        if s.free[0] > s.free[1] {
             return Err(s.u);
         }
     }

@@ -3,7 +3,7 @@
 //! A level is a surface through the channel. A run is a part of a level along the channel in which the tool fits
 //! everywhere, with its ends: open where the tool comes in from outside of the stock, closed where it no longer fits.
 
-use super::free_space::{Room, RoomStrip, strips};
+use super::free_space::{FreeInterval, FreeStrip, strips};
 use super::layers::{LayerStation, Level, Roughing, length_of, limit_leads};
 use crate::passes::context::maximal_ranges;
 use base::progress::Progress;
@@ -44,20 +44,20 @@ const ACROSS_SHARES: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 const HALF_RIM: usize = 12;
 
 /// Distance to the blank at which a place counts as on it, mm.
-const AT_BLANK: f64 = 1e-3;
+const ON_BLANK_MM: f64 = 1e-3;
 
-/// Share of a step down to which the first level is found.
-const FOUND_TO: f64 = 0.01;
+/// Accuracy of the first level, as a share of a step down.
+const LEVEL_ACCURACY: f64 = 0.01;
 
 /// Share of a step down that rounding may add to a whole number of levels.
 const LEVEL_ROUNDING: f64 = 1e-9;
 
-/// Most that a border of the free space moves across the channel from one station to the next, as a multiple of their
-/// distance along the channel.
+/// Largest motion of a border of the free space across the channel from one station to the next, over their distance along
+/// the channel.
 const MAX_BORDER_SLOPE: f64 = 2.0;
 
-/// Most times that borders move inward beside an edge, by the tolerance of the path each time.
-const SETTLING: usize = 10;
+/// Most rounds in which borders move inward beside an edge, by the tolerance of the path each time.
+const MAX_SETTLING_ROUNDS: usize = 10;
 
 impl Roughing<'_> {
     /// The levels from the shroud down to the hub.
@@ -78,7 +78,7 @@ impl Roughing<'_> {
     fn surfaces(&self, form: Levels) -> Vec<Level> {
         let height = self.highest();
         let lowest = self.hub_allowance().min(0.5 * height);
-        let steps = |way: f64| (way / self.depth - LEVEL_ROUNDING).ceil().max(0.0) as usize;
+        let steps = |height: f64| (height / self.depth - LEVEL_ROUNDING).ceil().max(0.0) as usize;
         match form {
             Levels::Hub => {
                 let count = steps(height - lowest).max(1);
@@ -121,7 +121,7 @@ impl Roughing<'_> {
         }
         // Where the blank slants against the axis, the rim is in it before the tip is.
         let ends = Bracket { holds: -self.blank.over_shroud.get() - self.radius(), fails: largest };
-        ends.narrowed(FOUND_TO * self.depth, |under| most(under) <= self.depth).holds
+        ends.narrowed(LEVEL_ACCURACY * self.depth, |under| most(under) <= self.depth).holds
     }
 
     /// Depth of a slot that loads the tool as much as the whole blank does in a cut in the worst direction, mm: the mean
@@ -131,10 +131,10 @@ impl Roughing<'_> {
         let v = level.v(&self.chart, u, w);
         let (tip, axis) = (self.chart.point(u, v, w), self.axis(u, v, w));
         let across = axis.cross(&Vector3::ith(axis.iamin(), 1.0)).normalize();
-        let beside = axis.cross(&across);
+        let other = axis.cross(&across);
         let depths: [f64; 2 * HALF_RIM] = std::array::from_fn(|k| {
             let (sin, cos) = libm::sincos(PI * k as f64 / HALF_RIM as f64);
-            self.depth_in_blank(tip + (across * cos + beside * sin) * self.radius(), &axis)
+            self.depth_in_blank(tip + (across * cos + other * sin) * self.radius(), &axis)
         });
         let half = |first: usize| (first..first + HALF_RIM).map(|k| depths[k % depths.len()]).sum::<f64>();
         (0..depths.len()).map(half).fold(0.0, f64::max) / HALF_RIM as f64
@@ -146,7 +146,7 @@ impl Roughing<'_> {
         let mut height = self.flute_length();
         while height > 0.0 {
             let distance = self.blank.distance(&(place + axis * height));
-            if distance <= AT_BLANK {
+            if distance <= ON_BLANK_MM {
                 return height;
             }
             height -= distance;
@@ -164,10 +164,10 @@ impl Roughing<'_> {
         (ends[0]..=ends[1]).contains(&u) && below_top && (last || v > 0.0)
     }
 
-    /// Moves borders of the free space inward where the tool would not keep its distances on the straight way from one station
+    /// Moves borders of the free space inward where the tool would not keep its distances on the straight path from one station
     /// to the next: beside an edge, where the borders turn.
     fn settle(&self, level: Level, stations: &mut [LayerStation]) {
-        for _ in 0..SETTLING {
+        for _ in 0..MAX_SETTLING_ROUNDS {
             let joined = |k: usize| [0, 1].map(|side| self.joined(level, [&stations[k - 1], &stations[k]], side));
             let joined: Vec<[bool; 2]> = (1..stations.len()).into_par_iter().map(joined).collect();
             let mut moved = stations.to_vec();
@@ -176,13 +176,13 @@ impl Roughing<'_> {
                     for i in [k, k + 1] {
                         let s = &stations[i];
                         let width = self.chart.width(s.u, level.v(&self.chart, s.u, 0.5));
-                        moved[i].room[side] = s.room[side] + sign * self.tolerance / width;
+                        moved[i].free[side] = s.free[side] + sign * self.tolerance / width;
                     }
                 }
             }
             let mut settled = false;
             for (s, moved) in stations.iter_mut().zip(moved) {
-                if moved.room != s.room && moved.room[0] < moved.room[1] {
+                if moved.free != s.free && moved.free[0] < moved.free[1] {
                     (*s, settled) = (moved, true);
                 }
             }
@@ -199,8 +199,8 @@ impl Roughing<'_> {
             let (from, to) = (&stations[k], &stations[k + 1]);
             let u = 0.5 * (from.u + to.u);
             let width = self.chart.width(u, level.v(&self.chart, u, 0.5));
-            let moved = [0, 1].map(|side: usize| (to.room[side] - from.room[side]).abs() * width);
-            from.room[0].max(to.room[0]) <= from.room[1].min(to.room[1])
+            let moved = [0, 1].map(|side: usize| (to.free[side] - from.free[side]).abs() * width);
+            from.free[0].max(to.free[0]) <= from.free[1].min(to.free[1])
                 && moved.iter().all(|mm| *mm <= MAX_BORDER_SLOPE * self.spacing)
                 && [0, 1].iter().all(|side| self.joined(level, [from, to], *side))
         };
@@ -225,9 +225,9 @@ impl Roughing<'_> {
         let places: Vec<Point3<f64>> = grid.iter().map(|u| middle(*u)).collect();
         let step = |i: usize| (places[i + 1] - places[i]).norm();
         let mut wanted = inside.clone();
-        for stretch in maximal_ranges(count + 1, |i| inside[i]) {
+        for interval in maximal_ranges(count + 1, |i| inside[i]) {
             for (back, reach) in [(true, lead[0]), (false, lead[1])] {
-                let (mut i, mut run) = (if back { stretch.start } else { stretch.end - 1 }, 0.0);
+                let (mut i, mut run) = (if back { interval.start } else { interval.end - 1 }, 0.0);
                 while run < reach && (if back { i > 0 } else { i < count }) {
                     run += step(if back { i - 1 } else { i });
                     i = if back { i - 1 } else { i + 1 };
@@ -237,15 +237,16 @@ impl Roughing<'_> {
         }
         let free_ends = self.free_ends();
         let several = |u: f64| (u < 0.0 && free_ends[0]) || (u > 1.0 && free_ends[1]);
-        let rooms = |i: usize| if wanted[i] { self.rooms(grid[i], level, several(grid[i])) } else { Vec::new() };
-        let rooms: Vec<Vec<Room>> = (0..=count).into_par_iter().map(rooms).collect();
+        let free_intervals =
+            |i: usize| if wanted[i] { self.free_intervals(grid[i], level, several(grid[i])) } else { Vec::new() };
+        let free_intervals: Vec<Vec<FreeInterval>> = (0..=count).into_par_iter().map(free_intervals).collect();
         let mut runs = Vec::new();
         // Steps from station to station in the stock, and whether the tool cuts there.
         let in_stock: Vec<usize> = (0..count).filter(|i| inside[*i] && inside[i + 1]).collect();
         let mut cuts = vec![false; count];
-        for RoomStrip { first, rooms } in strips(&rooms, &inside) {
+        for FreeStrip { first, free_intervals } in strips(&free_intervals, &inside) {
             let mut stations: Vec<LayerStation> =
-                rooms.into_iter().zip(&grid[first..]).map(|(room, u)| LayerStation { u: *u, room }).collect();
+                free_intervals.into_iter().zip(&grid[first..]).map(|(free, u)| LayerStation { u: *u, free }).collect();
             if limit_leads(&mut stations, free_ends, |k, _| inside[first + k]).is_ok()
                 && self.ease(level, &mut stations).is_ok()
             {

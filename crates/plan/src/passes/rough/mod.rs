@@ -70,7 +70,7 @@ pub(crate) fn roughing<'r, 'a>(
         return Err(Aborted);
     };
     // A layer takes some ten thousand distance queries, which costs as much time as that many points.
-    check_looks(cx, operation, roughing.layer_count(1.0) * LOOKS_PER_LAYER * roughings[id].len() as f64)?;
+    check_queries(cx, operation, roughing.layer_count(1.0) * QUERIES_PER_LAYER * roughings[id].len() as f64)?;
     Ok(&roughings[id])
 }
 
@@ -93,7 +93,7 @@ fn each_passage<'a>(
     Ok(all)
 }
 
-/// Refuses an operation whose tool has room nowhere in the channel.
+/// Refuses an operation whose tool fits nowhere in the channel.
 fn nothing_to_cut(cx: &mut PassContext<'_>, operation: &Operation, text: String) -> Aborted {
     cx.sink.push(
         Diag::error(planning::NO_ROOM, text)
@@ -105,21 +105,21 @@ fn nothing_to_cut(cx: &mut PassContext<'_>, operation: &Operation, text: String)
 }
 
 /// Distance queries that measuring a layer takes.
-const LOOKS_PER_LAYER: f64 = 1e4;
+const QUERIES_PER_LAYER: f64 = 1e4;
 
 /// Most distance queries for the layers of one operation: some minutes.
-const MOST_LOOKS: f64 = 2e7;
+const MAX_QUERIES: f64 = 2e7;
 
 /// Refuses an operation whose layers would need too many distance queries.
-fn check_looks(cx: &mut PassContext<'_>, operation: &Operation, looks: f64) -> Result<(), Aborted> {
-    if looks <= MOST_LOOKS {
+fn check_queries(cx: &mut PassContext<'_>, operation: &Operation, queries: f64) -> Result<(), Aborted> {
+    if queries <= MAX_QUERIES {
         return Ok(());
     }
     cx.sink.push(
         Diag::error(
             planning::TOO_FINE,
             format!(
-                "the layers of `{}` need {looks:.1e} distance queries; the limit is {MOST_LOOKS:.1e}",
+                "the layers of `{}` need {queries:.1e} distance queries; the limit is {MAX_QUERIES:.1e}",
                 operation.name
             ),
         )

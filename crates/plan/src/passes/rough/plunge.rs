@@ -1,11 +1,11 @@
 //! Plan of the operation `plunge`: strokes along the tool axis, for channels that are deep and narrow.
 //!
 //! Before: an operation. After: for each stroke a pass of two points, above the stock and at the floor, with one axis. The
-//! side of a tool bends under the load of a cut across its axis; along its axis it is stiff.
+//! side of a tool yields under the load of a cut across its axis; along its axis it is stiff.
 //!
 //! *Places.* Rows lie across the channel, from outside of the stock at one end to the other. At each row the tip stands on
 //! the allowance of the hub, or on the lowest level above it on which the tool fits. The row goes from the place beside
-//! one wall to the place beside the other. The axes are those of `rough`: they follow the rulings, lean away from the
+//! one wall to the place beside the other. The axes are those of `rough`: they follow the rulings, tilt away from the
 //! walls, and fan out with them. So the distance of two strokes is measured at their lower and at their upper ends; the
 //! larger one is at most the step. Every other row runs backwards, so that a stroke begins beside the stroke before.
 //!
@@ -40,7 +40,7 @@ const PLACES_PER_STEP: f64 = 8.0;
 const STROKE_HEIGHT_STEP: f64 = 0.5;
 
 /// Step of the search for the height at which a stroke leaves the blank, mm.
-const UP: f64 = 0.5;
+const HEIGHT_STEP_MM: f64 = 0.5;
 
 /// Where the steps of a row are measured: beside both walls and in the middle.
 const ACROSS_SHARES: [f64; 3] = [0.0, 0.5, 1.0];
@@ -180,8 +180,8 @@ impl ChannelStrokes<'_> {
             if k > 0 && level.v(&roughing.chart, u, 0.5) >= 1.0 {
                 return None;
             }
-            if let Some(room) = roughing.room(u, level) {
-                return Some(Stand { station: LayerStation { u, room }, level, inside });
+            if let Some(free) = roughing.free_interval(u, level) {
+                return Some(Stand { station: LayerStation { u, free }, level, inside });
             }
         }
         None
@@ -216,24 +216,24 @@ impl ChannelStrokes<'_> {
         part.windows(2).map(|w| rise(&stroke(&w[0]), &stroke(&w[1]))).sum::<f64>() < 0.0
     }
 
-    /// The stroke at a share of the way across from the place beside the first wall to the place beside the second.
+    /// The stroke at a share of the distance across from the place beside the first wall to the place beside the second.
     fn stroke(&self, stand: &Stand, share: f64) -> Stroke {
-        let [from, to] = stand.station.room;
+        let [from, to] = stand.station.free;
         let bottom = self.roughing.cc_point(stand.station.u, stand.level, from + (to - from) * share);
         let profile = &self.program.stock.profile;
         let over = |height: f64| {
             let p = bottom.position + bottom.normal * height;
             profile.distance([libm::hypot(p.x, p.y), p.z])
         };
-        let (mut height, mut top) = (0.0, UP);
-        let free = self.roughing.radius() + self.lead + UP;
+        let (mut height, mut top) = (0.0, HEIGHT_STEP_MM);
+        let free = self.roughing.radius() + self.lead + HEIGHT_STEP_MM;
         // Outside of the blank the distance grows from some place on; inside of it a stroke has passed through.
         let most = 4.0 * profile.iter().map(|p| libm::hypot(p[0], p[1])).fold(0.0, f64::max);
         while top < most && over(top) < free {
             if over(top) < 0.0 {
                 height = top;
             }
-            top += UP;
+            top += HEIGHT_STEP_MM;
         }
         let position = bottom.position + bottom.normal * top;
         Stroke { bottom, top: CcPoint { position, ..bottom }, height }
@@ -245,7 +245,7 @@ impl ChannelStrokes<'_> {
         let mut floor =
             self.between([self.stroke(stand, 0.0), self.stroke(stand, 1.0)], |share| self.stroke(stand, share));
         let (Some(first), Some(last)) = (floor.first().copied(), floor.last().copied()) else { return floor };
-        let mut sides = self.beside_walls(stand, [first, last]);
+        let mut sides = self.at_walls(stand, [first, last]);
         if backwards {
             floor.reverse();
             sides.reverse();
@@ -258,7 +258,7 @@ impl ChannelStrokes<'_> {
     }
 
     /// The strokes beside both walls that end higher than those of the floor, from the floor up.
-    fn beside_walls(&self, stand: &Stand, mut nearest: [Stroke; 2]) -> [Vec<Stroke>; 2] {
+    fn at_walls(&self, stand: &Stand, mut nearest: [Stroke; 2]) -> [Vec<Stroke>; 2] {
         let roughing = self.roughing;
         let mut sides = [Vec::new(), Vec::new()];
         let Level::OverHub(lowest) = stand.level else { return sides };
@@ -267,13 +267,13 @@ impl ChannelStrokes<'_> {
             if !stand.inside || level.v(&roughing.chart, stand.station.u, 0.5) >= 1.0 {
                 break;
             }
-            let Some(room) = roughing.room(stand.station.u, level) else { continue };
-            let higher = Stand { station: LayerStation { room, ..stand.station }, level, ..*stand };
+            let Some(free) = roughing.free_interval(stand.station.u, level) else { continue };
+            let higher = Stand { station: LayerStation { free, ..stand.station }, level, ..*stand };
             for (side, near) in nearest.iter_mut().enumerate() {
                 let found = self.stroke(&higher, side as f64);
                 // Distance of the end from the axis of the nearest stroke so far.
-                let beside = found.bottom.position - near.bottom.position;
-                let gained = (beside - near.bottom.normal * beside.dot(&near.bottom.normal)).norm();
+                let offset = found.bottom.position - near.bottom.position;
+                let gained = (offset - near.bottom.normal * offset.dot(&near.bottom.normal)).norm();
                 let from = near.bottom.w - found.bottom.w;
                 let outward = if side == 0 { from > 0.0 } else { from < 0.0 };
                 if !outward || gained < self.step {
@@ -281,8 +281,8 @@ impl ChannelStrokes<'_> {
                 }
                 let at = |share: f64| {
                     let w = near.bottom.w + (found.bottom.w - near.bottom.w) * share;
-                    let room = if side == 0 { [w, room[1]] } else { [room[0], w] };
-                    self.stroke(&Stand { station: LayerStation { room, ..higher.station }, ..higher }, side as f64)
+                    let free = if side == 0 { [w, free[1]] } else { [free[0], w] };
+                    self.stroke(&Stand { station: LayerStation { free, ..higher.station }, ..higher }, side as f64)
                 };
                 sides[side].extend(self.between([*near, found], at).into_iter().skip(1));
                 *near = found;
@@ -291,7 +291,7 @@ impl ChannelStrokes<'_> {
         sides
     }
 
-    /// Strokes at even shares of the way from one to another, both included, so many that none is farther from the next
+    /// Strokes at even shares of the distance from one to another, both included, so many that none is farther from the next
     /// than the step.
     fn between(&self, ends: [Stroke; 2], at: impl Fn(f64) -> Stroke) -> Vec<Stroke> {
         let fewest = (ends[0].distance(&ends[1]) / self.step).ceil().max(1.0) as usize;

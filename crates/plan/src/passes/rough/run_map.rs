@@ -13,7 +13,7 @@ use std::ops::Range;
 const DIFFERENCE_STEP: f64 = 0.05;
 
 /// Largest shift along the channel over a shift across it, on a line of constant u.
-const MOST_SLANT: f64 = 2.0;
+const MAX_SLANT: f64 = 2.0;
 
 /// Bisection steps for the free space: half a channel divided by 2^8 is less than 0.1 mm.
 const FREE_SPACE_BISECTIONS: usize = 8;
@@ -21,9 +21,9 @@ const FREE_SPACE_BISECTIONS: usize = 8;
 /// A place of the chart: distance along the middle of the run, mm, and w.
 pub(super) type Place = [f64; 2];
 
-/// Lean of the tool axis in the direction of the loops, sine of the angle: 2 deg. The end of a flat cutter that leaned the
-/// other way would cut the floor of the loops before once more, over its whole width.
-const LEAN: f64 = 0.035;
+/// Least tilt of the tool axis in the direction of the loops, sine of the angle: 2 deg. The end of a flat cutter with the opposite
+/// tilt would cut the floor of the loops before once more, over its whole width.
+const MIN_TILT_SINE: f64 = 0.035;
 
 /// Station of a run.
 struct StripStation {
@@ -36,7 +36,7 @@ struct StripStation {
     /// Distance square to the channel, and along the channel, for a change of w by one at constant u, mm.
     across: f64,
     slant: f64,
-    /// By how much farther apart lines are a step down above the tip, as a multiple; at least 1.
+    /// Ratio of the distance of lines a step down above the tip to that at the tip; at least 1.
     widening: f64,
     /// Tips of lines at w less than the middle by [`DIFFERENCE_STEP`], in the middle, and as much beyond.
     tips: [Point3<f64>; 3],
@@ -44,7 +44,7 @@ struct StripStation {
     line_axis: Vector3<f64>,
     /// Tool axis of loops.
     axis: Vector3<f64>,
-    /// How far the tip of loops lies above the tip of lines in the middle, along the axis of loops, mm.
+    /// Height of the tip of loops above the tip of lines in the middle, along the axis of loops, mm.
     lift: f64,
 }
 
@@ -90,7 +90,7 @@ impl<'a> RunMap<'a> {
                 axes.iter().all(|axis| roughing.clears_walls(&tip, axis))
             };
             let most = across / rows[i].across;
-            let outermost = s.middle() + (s.room[side] - s.middle()).clamp(-most, most);
+            let outermost = s.middle() + (s.free[side] - s.middle()).clamp(-most, most);
             if clear(outermost) {
                 return outermost;
             }
@@ -144,7 +144,7 @@ impl<'a> RunMap<'a> {
                 middle: middles[i],
                 half: halves[i],
                 across,
-                slant: slant.clamp(-MOST_SLANT * across, MOST_SLANT * across),
+                slant: slant.clamp(-MAX_SLANT * across, MAX_SLANT * across),
                 widening: (square(by_w(roughing.depth)) / across).max(1.0),
                 tips: [low.tip, middle.tip, high.tip],
                 line_axis: middle.axis,
@@ -155,14 +155,14 @@ impl<'a> RunMap<'a> {
         Some((0..tools.len()).map(row).collect())
     }
 
-    /// Mean of the lean of the axes of lines towards higher stations, as the sine of its angle.
-    pub(super) fn lean(roughing: &Roughing<'_>, run: &LevelRun) -> f64 {
+    /// Mean tilt of the axes of lines towards higher stations, as the sine of its angle.
+    pub(super) fn mean_tilt(roughing: &Roughing<'_>, run: &LevelRun) -> f64 {
         let at = |s: &LayerStation| roughing.cc_point(s.u, run.level, s.middle());
-        let leans = run.stations.windows(2).filter_map(|pair| {
+        let tilts = run.stations.windows(2).filter_map(|pair| {
             let [from, to] = [at(&pair[0]), at(&pair[1])];
             Some((to.position - from.position).try_normalize(0.0)?.dot(&from.normal))
         });
-        leans.sum::<f64>() / run.stations.len() as f64
+        tilts.sum::<f64>() / run.stations.len() as f64
     }
 
     /// Distances of all stations along the middle, mm.
@@ -176,7 +176,7 @@ impl<'a> RunMap<'a> {
     }
 
     /// Narrows the strip to half widths of at most `most` (mm), and so that neither of its borders moves outward by more than
-    /// `growth` over the way along it in the given order of stations. Returns the number of stations up to the first one
+    /// `growth` over the distance along it in the given order of stations. Returns the number of stations up to the first one
     /// that is then narrower than half of `least` (mm).
     pub(super) fn narrow(&mut self, order: &[usize], [least, most]: [f64; 2], growth: f64) -> usize {
         let mut before: Option<(f64, [f64; 2])> = None;
@@ -198,7 +198,7 @@ impl<'a> RunMap<'a> {
         order.len()
     }
 
-    /// For each station by how much farther apart lines are a step down above the tip, as a multiple; at least 1.
+    /// For each station the ratio of the distance of lines a step down above the tip to that at the tip; at least 1.
     pub(super) fn widening(&self) -> impl Iterator<Item = f64> + '_ {
         self.rows.iter().map(|row| row.widening)
     }
@@ -220,9 +220,9 @@ impl<'a> RunMap<'a> {
     /// The place at a distance along the channel and a distance across it from a place in the middle, mm; positive
     /// towards the second wall.
     pub(super) fn place(&self, centre: f64, [x, y]: [f64; 2]) -> Place {
-        let beside = y / self.mixed(centre, |row| row.across);
+        let offset = y / self.mixed(centre, |row| row.across);
         // The middle at the centre: the strip there is free within the reach of the curve.
-        [centre + x - beside * self.mixed(centre, |row| row.slant), self.mixed(centre, |row| row.middle) + beside]
+        [centre + x - offset * self.mixed(centre, |row| row.slant), self.mixed(centre, |row| row.middle) + offset]
     }
 
     /// Tip and axis of loops at a place, for a centre at a distance along the channel: all places of a loop lie in the plane
@@ -256,31 +256,31 @@ impl<'a> RunMap<'a> {
     }
 }
 
-/// Gives rows the axes of loops, which lean in their direction, and the lift over the tips of lines; false for rows on which
+/// Gives rows the axes of loops, which tilt in their direction, and the lift over the tips of lines; false for rows on which
 /// the tool does not keep the allowance on the hub. Loops open as deep as the end of a flat cutter goes that runs on
 /// the lines.
 fn incline(roughing: &Roughing<'_>, rows: &mut [StripStation], forward: f64, reach: f64) -> Vec<bool> {
-    /// Axes follow from the way of the tip, and its lift from the axes.
+    /// Axes follow from the path of the tip, and its lift from the axes.
     const TURNS: usize = 2;
     let radius = if roughing.is_flat() { roughing.radius() } else { 0.0 };
     let distances: Vec<f64> = rows.iter().map(|row| row.along).collect();
     let mut fits = vec![true; rows.len()];
     for _ in 0..TURNS {
-        let way = |i: usize| {
+        let direction = |i: usize| {
             let (before, next) = (i.saturating_sub(1), (i + 1).min(rows.len() - 1));
             ((rows[next].centre() - rows[before].centre()) * forward).normalize()
         };
-        let ways: Vec<Vector3<f64>> = (0..rows.len()).map(way).collect();
-        let missing = |i: usize| (LEAN - rows[i].line_axis.dot(&ways[i])).max(0.0);
+        let directions: Vec<Vector3<f64>> = (0..rows.len()).map(direction).collect();
+        let missing = |i: usize| (MIN_TILT_SINE - rows[i].line_axis.dot(&directions[i])).max(0.0);
         let missing = inside(&distances, &(0..rows.len()).map(missing).collect::<Vec<f64>>(), 0.5 * reach);
-        let axes: Vec<Vector3<f64>> = (0..rows.len()).map(|i| rows[i].line_axis + ways[i] * missing[i]).collect();
+        let axes: Vec<Vector3<f64>> = (0..rows.len()).map(|i| rows[i].line_axis + directions[i] * missing[i]).collect();
         let lifted = |i: usize| {
             let axis = axes[near(&distances, i, 0.25 * reach)].iter().sum::<Vector3<f64>>().normalize();
-            let lower = radius * (-rows[i].line_axis.dot(&ways[i]) - LEAN).max(0.0);
-            let beside = (ways[i] - axis * ways[i].dot(&axis)) * reach;
+            let lower = radius * (-rows[i].line_axis.dot(&directions[i]) - MIN_TILT_SINE).max(0.0);
+            let offset = (directions[i] - axis * directions[i].dot(&axis)) * reach;
             let clear = |lift: f64| {
                 let middle = rows[i].tips[1] + axis * lift;
-                [-1.0, 0.0, 1.0].iter().all(|k| roughing.clears_hub(&(middle + beside * *k), &axis))
+                [-1.0, 0.0, 1.0].iter().all(|k| roughing.clears_hub(&(middle + offset * *k), &axis))
             };
             (axis, least(-lower, roughing.depth + roughing.hub_allowance(), clear))
         };

@@ -1,8 +1,8 @@
 //! Shank and holder that keep the tools of `rough` from the floor of the channel, and the tools that would reach it.
 //!
 //! `rough` plans its lines where the whole tool fits. So a holder that does not go into the channel takes levels away, and
-//! no line collides. The lines that the cutter alone would have show what the rest of the tool lacks: it is long enough
-//! when it is clear on all of these lines.
+//! no line collides. The lines of the cutter alone show whether the rest of the tool is long enough: then it is clear
+//! on all of these lines.
 
 use super::floor::{fits_over_hub, positions};
 use super::layers::Roughing;
@@ -20,7 +20,7 @@ use wheel::contract::ContractKind;
 use wheel::part::Passage;
 
 /// Refuses `rough` operations of which none comes as near to the hub as the contract on the rest demands, where a cutter
-/// alone would. A stretch of the channel counts when it is longer than the widest tool.
+/// alone would. An interval of the channel counts when it is longer than the widest tool.
 ///
 /// # Errors
 /// One for each of these operations, in the sink.
@@ -69,7 +69,7 @@ pub(crate) fn check(cx: &mut PassContext<'_>, roughings: &Roughings<'_>) -> Resu
     Err(Aborted)
 }
 
-/// Length of the longest stretch of the channel, mm, where no tool comes to `rest` over the hub; `None` where it is
+/// Length of the longest interval of the channel, mm, where no tool comes to `rest` over the hub; `None` where it is
 /// shorter than the widest tool. `thinnest` and `widest` are the radii of the tools.
 fn closed_to_all<'a>(
     roughings: impl Iterator<Item = impl Borrow<Roughing<'a>>>,
@@ -102,14 +102,14 @@ pub(crate) fn refusal(cx: &PassContext<'_>, operation: &Operation) -> Option<Dia
     let lines_of = |solid: &ToolSolid| {
         positions(&program.with_solid(operation.tool, &solid.cutter_alone(0.0)), operation, obstacles, cx.progress)
     };
-    let lack = |solid: &ToolSolid, p: &ClPoint| {
+    let worst_of_body = |solid: &ToolSolid, p: &ClPoint| {
         let slack = |rho: f64, s: f64| solid.body_distance(rho, s) - clearance;
         let nearest = obstacles.nearest(&p.tip, &p.axis, slack, 0.0);
         nearest.reduce(|a, b| if b.0 < a.0 { b } else { a })
     };
     let lines = lines_of(&tool.solid);
     let of_line = |(label, points): &(String, Vec<ClPoint>)| {
-        let worst = points.iter().filter_map(|p| lack(&tool.solid, p).map(|(lack, at)| (lack, at, *p)));
+        let worst = points.iter().filter_map(|p| worst_of_body(&tool.solid, p).map(|(least, at)| (least, at, *p)));
         worst.reduce(|a, b| if b.0 < a.0 { b } else { a }).map(|worst| (worst, label.clone()))
     };
     let found: Vec<_> = lines.par_iter().filter_map(of_line).collect();
@@ -125,8 +125,9 @@ pub(crate) fn refusal(cx: &PassContext<'_>, operation: &Operation) -> Option<Dia
         if known.0.total_cmp(&solid.flute_length).is_ne() {
             *known = (solid.flute_length, lines_of(solid));
         }
-        let clear =
-            |p: &ClPoint| lack(solid, p).is_none() && program.stock.clamping.clears_body(solid, &p.tip, &p.axis);
+        let clear = |p: &ClPoint| {
+            worst_of_body(solid, p).is_none() && program.stock.clamping.clears_body(solid, &p.tip, &p.axis)
+        };
         known.1.par_iter().all(|(_, points)| points.iter().all(clear))
     });
     let (label, at) = cx.in_first_sector(operation, &label, point.tip);

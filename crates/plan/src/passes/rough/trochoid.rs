@@ -28,10 +28,10 @@ const FLATNESS: f64 = 2.0 / 3.0;
 
 /// Half width that the loops open, and the least one for which there are loops, in radii of the tool. A narrower opening
 /// needs more and shorter loops, which takes longer; a wider one takes longer than the lines beside it would.
-const OPENED: f64 = 0.75;
-const LEAST: f64 = 0.2;
+const OPENED_RADII: f64 = 0.75;
+const MIN_OPENED_RADII: f64 = 0.2;
 
-/// Most by which a border of the strip of the loops moves outward along the channel, over the way along it.
+/// Largest motion of a border of the strip of the loops outward, over the distance along the channel.
 const MAX_BORDER_SLOPE: f64 = 0.3;
 
 /// Least and largest distance of two loops, in radii of the tool.
@@ -42,7 +42,7 @@ const DISTANCE_BISECTIONS: usize = 7;
 
 /// Share of `tolerance rough` by which chords of a loop leave it at its ends. Two chords as one would leave it by more than
 /// the tolerance everywhere, so that thinning keeps the chords for which the arc is computed.
-const CHORD: f64 = 0.4;
+const CHORD_SHARE: f64 = 0.4;
 
 /// Limits of the loops of an operation.
 #[derive(Clone, Copy)]
@@ -91,12 +91,12 @@ struct Loop {
 }
 
 impl OpenedSlot {
-    /// The loops of a run, from each of its ends that lies outside of the stock. They begin where the axes of the lines lean
-    /// in their direction.
+    /// The loops of a run, from each of its ends that lies outside of the stock. They begin where the axes of the lines tilt in
+    /// their direction.
     pub(super) fn new(roughing: &Roughing<'_>, run: &LevelRun, limits: Trochoid) -> Self {
-        let most = OPENED * roughing.radius();
+        let most = OPENED_RADII * roughing.radius();
         let mut opening = Self { half: vec![0.0; run.stations.len()], loops: Vec::new() };
-        let first = if RunMap::lean(roughing, run) < 0.0 { -1.0 } else { 1.0 };
+        let first = if RunMap::mean_tilt(roughing, run) < 0.0 { -1.0 } else { 1.0 };
         for forward in [first, -first] {
             let Some(map) = RunMap::new(roughing, run, forward, [FLATNESS * most, most]) else { continue };
             opening.add(map, roughing, run, limits, forward);
@@ -107,7 +107,7 @@ impl OpenedSlot {
     /// Adds the loops from one end of the run.
     fn add(&mut self, mut map: RunMap<'_>, roughing: &Roughing<'_>, run: &LevelRun, limits: Trochoid, forward: f64) {
         let radius = roughing.radius();
-        let [least, most] = [LEAST * radius, OPENED * radius];
+        let [least, most] = [MIN_OPENED_RADII * radius, OPENED_RADII * radius];
         let count = run.stations.len();
         let order: Vec<usize> = if forward > 0.0 { (0..count).collect() } else { (0..count).rev().collect() };
         let open = if forward > 0.0 { run.open } else { [run.open[1], run.open[0]] };
@@ -118,7 +118,7 @@ impl OpenedSlot {
             return;
         }
         let piece = if forward > 0.0 { 0..reached } else { count - reached..count };
-        let chords = (PI / libm::sqrt(2.0 * CHORD * roughing.tolerance / most)).ceil().clamp(12.0, 64.0) as usize;
+        let chords = (PI / libm::sqrt(2.0 * CHORD_SHARE * roughing.tolerance / most)).ceil().clamp(12.0, 64.0) as usize;
         let mut loops = Loops {
             half: map.halves(),
             stations: map.stations(),
@@ -144,7 +144,7 @@ impl OpenedSlot {
 }
 
 impl Loops<'_> {
-    /// The loops over a piece, from its end outside of the stock to its other end, with the ways beyond both ends, mm;
+    /// The loops over a piece, from its end outside of the stock to its other end, with the distances beyond both ends, mm;
     /// and the distance along the channel up to which they open it, mm.
     fn open(&mut self, piece: &Range<usize>, beyond: [f64; 2]) -> (Vec<Vec<CcPoint>>, f64) {
         self.within = [self.stations[piece.start], self.stations[piece.end - 1]];
@@ -164,7 +164,7 @@ impl Loops<'_> {
                 });
                 found.map(|curve| (curve, border.holds))
             };
-            // Where the channel bends, loops become shorter.
+            // In curves of the channel loops become shorter.
             let found = longest(true).or_else(|| longest(false));
             let Some((found, distance)) = found else { break };
             let stations: Option<Vec<CcPoint>> =
@@ -229,11 +229,11 @@ impl Loops<'_> {
         let mut largest = 0.0_f64;
         for i in self.chords / 4..=3 * self.chords / 4 {
             // At its end a chord leaves the loop by the largest angle, to the side that makes the arc longer.
-            let way = new.path[i].tip - new.path[i - 1].tip;
+            let motion = new.path[i].tip - new.path[i - 1].tip;
             for height in self.heights {
                 // The machine may leave this loop towards the material, and those before away from it.
                 let nearer = 2.0 * self.tolerance;
-                let arc = engagement(&new.path[i], &way, height, &cut, self.radius, nearer, self.limits.milling);
+                let arc = engagement(&new.path[i], &motion, height, &cut, self.radius, nearer, self.limits.milling);
                 largest = largest.max(arc);
             }
             if largest > self.limits.engagement {
@@ -244,7 +244,7 @@ impl Loops<'_> {
     }
 }
 
-/// Place on a loop after a share of its way, along the channel and across it from its centre, for its half width.
+/// Place on a loop after a share of its length, along the channel and across it from its centre, for its half width.
 fn on_ellipse(share: f64, half: f64) -> [f64; 2] {
     let (sin, cos) = libm::sincos(PI + TAU * share);
     [FLATNESS * half * cos, half * sin]
@@ -254,7 +254,7 @@ fn on_ellipse(share: f64, half: f64) -> [f64; 2] {
 /// before do not reach, radians; `tolerance` is how much nearer to the material they may end.
 fn engagement(
     Pose { tip, axis }: &Pose,
-    way: &Vector3<f64>,
+    motion: &Vector3<f64>,
     height: f64,
     cut: &[&[Pose]],
     radius: f64,
@@ -264,7 +264,7 @@ fn engagement(
     /// Steps of the angle, radians.
     const STEP: f64 = PI / 24.0;
     const BISECTIONS: usize = 5;
-    let Some(feed) = (way - axis * way.dot(axis)).try_normalize(1e-9) else { return 0.0 };
+    let Some(feed) = (motion - axis * motion.dot(axis)).try_normalize(1e-9) else { return 0.0 };
     let right = feed.cross(axis);
     let side = if milling == Milling::Climb { right } else { -right };
     let centre = tip + axis * height;
@@ -285,15 +285,15 @@ fn engagement(
 /// True when a cylinder above the tip, of a given radius, reaches a place on a chord of its path.
 fn reaches(from: &Pose, to: &Pose, place: &Point3<f64>, radius: f64) -> bool {
     /// Thickness of what the end of a cutter leaves of a floor that counts as nothing, mm.
-    const FLOOR: f64 = 0.005;
+    const FLOOR_MM: f64 = 0.005;
     let axis = from.axis;
     let square = |v: Vector3<f64>| v - axis * v.dot(&axis);
-    let (way, to_place) = (to.tip - from.tip, place - from.tip);
-    let flat = square(way);
+    let (motion, to_place) = (to.tip - from.tip, place - from.tip);
+    let flat = square(motion);
     let length = flat.norm_squared();
     let share = if length > 0.0 { (to_place.dot(&flat) / length).clamp(0.0, 1.0) } else { 0.0 };
-    let from_tip = to_place - way * share;
-    square(from_tip).norm_squared() <= radius * radius && from_tip.dot(&axis) >= -FLOOR
+    let from_tip = to_place - motion * share;
+    square(from_tip).norm_squared() <= radius * radius && from_tip.dot(&axis) >= -FLOOR_MM
 }
 
 #[cfg(test)]
@@ -318,8 +318,8 @@ mod tests {
             let (before, new) = (circle(0.0, loops), circle(distance, loops));
             let ahead: f64 = loops + distance;
             let closed_form = (((loops + 1.0).powi(2) - ahead * ahead - 1.0) / (2.0 * ahead)).acos();
-            for (milling, way) in [(Milling::Climb, Vector3::y()), (Milling::Conventional, -Vector3::y())] {
-                let arc = engagement(&new[0], &way, 0.0, &[before.as_slice()], 1.0, 0.0, milling);
+            for (milling, motion) in [(Milling::Climb, Vector3::y()), (Milling::Conventional, -Vector3::y())] {
+                let arc = engagement(&new[0], &motion, 0.0, &[before.as_slice()], 1.0, 0.0, milling);
                 assert!(arc >= closed_form - 1e-3 && arc < closed_form + 0.01, "{arc} {closed_form}");
             }
             // What the machine leaves of the loop before counts as material.
@@ -355,8 +355,8 @@ mod tests {
             let (mut largest, mut by_points) = (0.0_f64, 0.0_f64);
             for (k, path) in loops.iter().enumerate() {
                 for i in 1..=CHORDS {
-                    let way = path[i].tip - path[i - 1].tip;
-                    let feed = way.normalize();
+                    let motion = path[i].tip - path[i - 1].tip;
+                    let feed = motion.normalize();
                     // A climbing tool has the material on its right, seen along its axis from above.
                     let right = feed.cross(&Vector3::z());
                     let cut = |p: &Point3<f64>| reaches(&path[i - 1], &path[i], p, 1.0);
@@ -371,7 +371,7 @@ mod tests {
                         by_points = by_points.max(found);
                         let before = [loops[k - 2].as_slice(), loops[k - 1].as_slice()];
                         if (CHORDS / 4..=3 * CHORDS / 4).contains(&i) {
-                            let arc = engagement(&path[i], &way, 0.0, &before, 1.0, 0.0, Milling::Climb);
+                            let arc = engagement(&path[i], &motion, 0.0, &before, 1.0, 0.0, Milling::Climb);
                             largest = largest.max(arc);
                         }
                     }
