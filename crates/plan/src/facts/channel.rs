@@ -61,7 +61,7 @@ impl<'a> Channel<'a> {
     }
 
     /// The point over a ruling at the distance `wall` from the wall and `floor` from the hub. `None` where the ruling
-    /// ends below this point or the wall leans too far over the hub. On the face `s` is u; below 0 and above 1 the
+    /// ends below this point or the wall hangs too far over the hub. On the face `s` is u; below 0 and above 1 the
     /// offset turns around the inlet or outlet edge by a right angle per unit, since the edge is as near there as the
     /// face. The distance to the hub is nearly linear along the ruling, so that the secant method needs few steps.
     fn corner(&self, side: usize, s: f64, wall: f64, floor: f64) -> Option<Point3<f64>> {

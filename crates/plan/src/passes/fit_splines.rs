@@ -57,8 +57,8 @@ pub(crate) fn run(cx: &PassContext<'_>, motion: &mut Motion) {
     }
 }
 
-/// What a fit may take of a tolerance, mm: stations take their share. So do the chords of the proof, but for paths of flank milling,
-/// which leave room for them; half stays.
+/// Part of a tolerance that a fit may take, mm. Stations take their share. The chords of the proof take theirs, at most half of the
+/// tolerance; paths of flank milling already leave that much.
 fn left_to_fit(operation: &Operation, tolerance: f64) -> f64 {
     let left = (1.0 - FIT_SHARE) * tolerance;
     if matches!(operation.kind, OperationKind::Flank { .. }) {

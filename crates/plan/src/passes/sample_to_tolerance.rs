@@ -35,7 +35,7 @@ pub(crate) fn run(cx: &PassContext<'_>, cl: &mut ClPlan) {
 }
 
 /// Share of the tolerance that the stations of a pass may take which becomes a spline; the spline takes the rest. Stations are
-/// five times as dense as for straight moves, so that a spline has no room between them.
+/// five times as dense as for straight moves, so that a spline cannot deviate between them.
 pub(super) const FIT_SHARE: f64 = 0.04;
 
 /// Height over the tip at which tool positions are compared, with the tolerance there, mm.

@@ -99,8 +99,8 @@ impl StandingBall {
         }
     }
 
-    /// How far the contact is above the middle of the ball with this axis, radians: there the side of the cutter would cut into
-    /// the part. Zero or negative on the lower half of the ball.
+    /// Angle of the contact above the middle of the ball with this axis, radians: there the side of the cutter would cut into the
+    /// part. Zero or negative on the lower half of the ball.
     fn above_the_middle(&self, axis: &Vector3<f64>) -> f64 {
         self.normal.map_or(-FRAC_PI_2, |normal| normal.angle(axis) - FRAC_PI_2)
     }
@@ -444,7 +444,7 @@ fn ring(middle: &Vector3<f64>, angle: f64) -> impl Iterator<Item = Vector3<f64>>
 mod tests {
     use super::*;
 
-    /// A ball that touches a wall stands on its lower half while the tool leans away from the wall, not towards it.
+    /// A ball that touches a wall stands on its lower half while the tool tilts away from the wall, not towards it.
     #[test]
     fn the_side_of_a_tool_does_not_tilt_into_its_contact() {
         let location = |axis: Vector3<f64>| ClPoint {

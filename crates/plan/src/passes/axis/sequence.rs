@@ -48,7 +48,7 @@ const BRIDGES: usize = 8;
 /// Rings about the axes of the station before, for the axes that lead over a gap: 20 deg.
 const BRIDGE_RINGS: usize = 6;
 
-/// Axes that lead over a gap at a station, and those of them about which the next station looks.
+/// Most axes that lead over a gap at a station, and number of them about which axes of the next station are tried.
 const LEADING: [usize; 2] = [10, 2];
 
 /// Distance of the contacts of the greedy choice, mm.

@@ -51,7 +51,7 @@ pub(crate) struct Middle<'a> {
     bull_nose: Option<BullNose>,
 }
 
-/// How far the outer lines of a bull nose lie from the place where its corner is beside the fillet, as shares of its radius:
+/// Distances of the outer lines of a bull nose from the place where its corner is beside the fillet, as shares of its radius:
 /// the side of the tool does not tilt with the walls as that of a ball does. The least one is for the errors of samples.
 const CORNER_DISTANCE_SHARES: [f64; 11] = [0.02, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0];
 

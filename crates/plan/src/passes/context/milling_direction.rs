@@ -4,7 +4,7 @@ use ir::Operation;
 use wheel::method::Milling;
 use wheel::part::{FaceId, Part, Surface};
 
-/// Place along and across a face at which its sides are told apart; they are the same at all places.
+/// Place along and across a face at which its sides are distinguished; they are the same at all places.
 const FACE_MIDDLE: f64 = 0.5;
 
 /// True where lines on a face run from the outlet to the inlet, so that the tool, which stands along the rulings, mills in

@@ -6,7 +6,7 @@
 //! `minimax` also finds the path of the tool axis, since contacts and axis together determine the error of the face.
 //! `two-point` and `one-point` place each ruling by itself, and leave the axis to `orient-tool`.
 
-use super::refusals::{MAX_STRIPS, NEARLY, fitting, never, no_ball, out_of_tolerance};
+use super::refusals::{FittingSize, MAX_STRIPS, NEARLY, fitting, never, no_ball, out_of_tolerance};
 use super::strip::{self, LEAVE, Strip, Surroundings, WorstError};
 use super::sweep::{self, NO_VIOLATION, StripPath, StripTask};
 use crate::passes::context::{
@@ -101,8 +101,8 @@ enum StripPaths {
         worst: WorstError,
         /// The error that the bounds allow on each side, mm.
         needed: f64,
-        /// For numbers of strips the largest cutter that keeps the bounds, as a share of its size.
-        fitting: Vec<(u32, Option<f64>)>,
+        /// For numbers of strips the largest cutter that keeps the bounds.
+        fitting: Vec<FittingSize>,
     },
 }
 

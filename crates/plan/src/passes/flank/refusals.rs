@@ -33,9 +33,15 @@ pub(crate) fn no_ball(cx: &mut PassContext<'_>, operation: &Operation, side: Fac
     Aborted
 }
 
+/// The largest cutter that keeps an error with a number of strips, as a share of its size; `None` where no cutter does.
+pub(crate) struct FittingSize {
+    strips: u32,
+    share: Option<f64>,
+}
+
 /// Describes the sizes of the cutter that would keep the contracts.
-fn sizes(cutter: &Cutter, fitting: &[(u32, Option<f64>)]) -> Option<String> {
-    let size = |(strips, share): &(u32, Option<f64>)| {
+fn sizes(cutter: &Cutter, fitting: &[FittingSize]) -> Option<String> {
+    let size = |FittingSize { strips, share }: &FittingSize| {
         // Rounded down to tenths of a millimetre.
         let diameter = share.map(|s| (20.0 * s * cutter.nominal_radius()).floor() / 10.0).filter(|d| *d > 0.0)?;
         Some(format!("{diameter} mm diameter with {strips} strip{}", if *strips == 1 { "" } else { "s" }))
@@ -52,7 +58,7 @@ pub(crate) fn never(
     side: FaceId,
     worst: &WorstError,
     needed: f64,
-    fitting: &[(u32, Option<f64>)],
+    fitting: &[FittingSize],
 ) {
     let program = cx.program;
     let tool = &program.tools[operation.tool];
@@ -126,8 +132,8 @@ pub(crate) fn fitting(
     cutter: Cutter,
     strips: &[u32],
     error: f64,
-) -> Vec<(u32, Option<f64>)> {
+) -> Vec<FittingSize> {
     // The factor leaves a reserve for easing and for the full search.
-    let found = strips.par_iter().map(|k| (*k, strip::fitting(around, side, *k, cutter, error / NEARLY)));
-    if error > SLACK { found.collect() } else { Vec::new() }
+    let size = |k: &u32| FittingSize { strips: *k, share: strip::fitting(around, side, *k, cutter, error / NEARLY) };
+    if error > SLACK { strips.par_iter().map(size).collect() } else { Vec::new() }
 }

@@ -272,7 +272,7 @@ impl<'a> Strip<'a> {
         let near = starts.iter().map(|start| self.near(start, targets.clone(), |p| p.target));
         let mut near: Vec<Vec<Placed>> = near.collect();
         let each = starts.iter().zip(&near).map(|(start, near)| (start, near.iter().map(|p| p.target).collect()));
-        // A fit takes a tenth of a second; of a cancelled run nobody asks for the best.
+        // A fit takes a tenth of a second; a cancelled run needs no best one.
         let each = each.take_while(|_| !self.around.is_cancelled());
         let (chosen, fit) = best_least_squares(each, &self.tool())?;
         Some((fit, near.swap_remove(chosen)))

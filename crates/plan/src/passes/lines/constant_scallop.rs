@@ -29,7 +29,7 @@ use nurbs::geodesic::cubic_weights;
 /// It is less than half, so that the turn is complete where the next line begins.
 const SEAM_TURN_SHARE: f64 = 0.45;
 
-/// How far the front of line k of the second family lies behind the seam where the line begins, in units of [`SEAM_TURN_SHARE`].
+/// Distance of the front of line k of the second family behind the seam where the line begins, in units of [`SEAM_TURN_SHARE`].
 /// Up to there the line of the first family has moved off the seam by t^3 / 6 with t = 0.8, and the other side has a
 /// reserve of 0.2.
 const BEGIN_LAG: f64 = 0.2;

@@ -6,7 +6,7 @@
 //! the program too. `link-moves` judges all other places.
 
 use super::branch::OutOfTravel;
-use super::link_moves;
+use super::link_moves::{self, MissedPass};
 use crate::passes::context::PassContext;
 use crate::passes::copy_sectors;
 use diagnostics::Aborted;
@@ -41,7 +41,7 @@ pub(crate) fn check(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<(), Aborted
     // The remedy is to serve leads outside of the blank as well.
     let farthest = |(pass, planned): (usize, &ClPass)| {
         let misses = planned.points.iter().enumerate().filter_map(miss);
-        misses.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(tip, _, miss)| (tip, pass, miss))
+        misses.max_by(|a, b| a.1.total_cmp(&b.1)).map(|(place, _, miss)| MissedPass { pass, place, miss })
     };
     let misses: Vec<_> = first.passes.iter().enumerate().filter_map(farthest).collect();
     link_moves::report(cx, first, &misses);

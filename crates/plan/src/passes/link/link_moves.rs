@@ -59,12 +59,12 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<Motion, Abort
             cx.go_on()?;
             let solved = match part {
                 OperationPart::Runs(runs) => links.over(machine, &runs, start, at),
-                OperationPart::OutOfTravel { pass, place, miss } => {
-                    let pieces = links.in_pieces(machine, pass, length, at);
+                OperationPart::OutOfTravel(missed) => {
+                    let pieces = links.in_pieces(machine, missed.pass, length, at);
                     let turns = pieces.iter().flatten().skip(1).filter_map(|piece| piece.moves.get(1));
                     faults.turns.extend(turns.map(|m| (m.pass, m.to.tip)));
                     if pieces.is_none() {
-                        faults.misses.push((place, pass, miss));
+                        faults.misses.push(missed);
                     }
                     pieces.unwrap_or_default()
                 }
@@ -93,15 +93,22 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<Motion, Abort
 enum OperationPart {
     /// Sequences of passes, each with the branches on which it stays within the travel.
     Runs(Vec<(Range<usize>, Vec<OnBranch>)>),
-    /// A pass that no branch and winding keep within the travel in one go: its index, with the place out of travel.
-    OutOfTravel { pass: usize, place: Point3<f64>, miss: OutOfTravel },
+    /// A pass that no branch and winding keep within the travel in one go.
+    OutOfTravel(MissedPass),
+}
+
+/// A pass that leaves the travel: its index, the place, and the axis that leaves its travel there.
+pub(super) struct MissedPass {
+    pub(super) pass: usize,
+    pub(super) place: Point3<f64>,
+    pub(super) miss: OutOfTravel,
 }
 
 /// What an operation cannot do in one go, or not at all.
 #[derive(Default)]
 struct Faults {
-    /// Places that no branch and winding reach, with the pass.
-    misses: Vec<(Point3<f64>, usize, OutOfTravel)>,
+    /// Passes with places that no branch and winding reach.
+    misses: Vec<MissedPass>,
     /// Passes within which the tool turns outside of the stock, with the place.
     turns: Vec<(u32, Point3<f64>)>,
 }
@@ -164,7 +171,7 @@ impl<'a> Links<'a> {
                 }
                 (Err(miss), _) => {
                     let place = places.get(miss.index).map_or(Point3::origin(), |p| p.tip);
-                    parts.push(OperationPart::OutOfTravel { pass: run.start, place, miss });
+                    parts.push(OperationPart::OutOfTravel(MissedPass { pass: run.start, place, miss }));
                 }
             }
         }
@@ -310,14 +317,14 @@ fn append(
 }
 
 /// Reports the pass of an operation that goes farthest out of the travel.
-pub(super) fn report(cx: &mut PassContext<'_>, operation: &ClOperation, misses: &[(Point3<f64>, usize, OutOfTravel)]) {
+pub(super) fn report(cx: &mut PassContext<'_>, operation: &ClOperation, misses: &[MissedPass]) {
     let beyond = |miss: &OutOfTravel| (miss.linear, (miss.range[0] - miss.value).max(miss.value - miss.range[1]));
-    let farthest = misses.iter().reduce(|a, b| if beyond(&b.2) > beyond(&a.2) { b } else { a });
-    let Some((tip, pass, miss)) = farthest else { return };
+    let farthest = misses.iter().reduce(|a, b| if beyond(&b.miss) > beyond(&a.miss) { b } else { a });
+    let Some(MissedPass { pass, place, miss }) = farthest else { return };
     let declared = &cx.program.operations[operation.operation];
     let names = cx.program.machine.names();
     let sector = |pass: usize| operation.passes.get(pass).map(|p| p.sector);
-    let missed: Vec<u32> = misses.iter().filter_map(|m| sector(m.1)).collect();
+    let missed: Vec<u32> = misses.iter().filter_map(|m| sector(m.pass)).collect();
     let possible: Vec<String> =
         declared.sectors.iter().filter(|s| !missed.contains(s)).map(|s| (s + 1).to_string()).collect();
     let within = match possible.as_slice() {
@@ -338,7 +345,7 @@ pub(super) fn report(cx: &mut PassContext<'_>, operation: &ClOperation, misses: 
         ),
     )
     .label(declared.span, "in this operation")
-    .place(operation.passes.get(*pass).map_or(String::new(), |p| p.label.clone()), *tip)
+    .place(operation.passes.get(*pass).map_or(String::new(), |p| p.label.clone()), *place)
     .note(format!("both branches of {} and all windings of {} were tried", names[3], names[4]))
     .note(format!(
         "{} of {} passes leave the travel, and this one goes farthest; {within}",

@@ -4,7 +4,7 @@
 //! only the parts of its passes on which the cutter meets stock deeper than the thickness of the job, each with its
 //! leads; `link-moves` connects them. The stock of this pass comes from the planned cuts of earlier operations without
 //! links. It may therefore be larger than the true stock, never smaller. It serves planning only; the verifier computes
-//! its own. Links of all operations are looked for in it (`stock_links`).
+//! its own. Links of all operations are searched in it (`stock_links`).
 //!
 //! Between the rays of the stock the surface is unknown. Where a rounding of radius R dips by t into the stock, the
 //! chip is 2 sqrt(2 R t) wide. Half a diagonal of a cell h beside the deepest place, the depth is less by h^2 / 4R.

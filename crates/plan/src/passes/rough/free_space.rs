@@ -21,7 +21,7 @@ impl Roughing<'_> {
         // The middle first, then outward: the widest place of a twisted channel is near its middle.
         const SEED_SHARES: [f64; 9] = [0.5, 0.45, 0.55, 0.4, 0.6, 0.35, 0.65, 0.3, 0.7];
         let seed = SEED_SHARES.into_iter().find(|w| self.clear(place, level, *w))?;
-        Some([0.0, 1.0].map(|wall| self.boundary(place, level, [seed, wall])))
+        Some([0.0, 1.0].map(|wall| self.boundary(place, level, seed, wall)))
     }
 
     /// All free intervals at u of a level, in ascending order; `several` is false where there is one at most.
@@ -49,7 +49,7 @@ impl Roughing<'_> {
                 continue;
             }
             if self.clear(place, level, w) {
-                let free_interval = [blocked, to].map(|wall| self.boundary(place, level, [w, wall]));
+                let free_interval = [blocked, to].map(|wall| self.boundary(place, level, w, wall));
                 blocked = free_interval[1];
                 free_intervals.push(free_interval);
             } else {
@@ -67,7 +67,7 @@ impl Roughing<'_> {
     }
 
     /// Border of the free space from a free place towards a wall, w of both.
-    fn boundary(&self, place: &StationPlace<'_>, level: Level, [seed, wall]: [f64; 2]) -> f64 {
+    fn boundary(&self, place: &StationPlace<'_>, level: Level, seed: f64, wall: f64) -> f64 {
         let (width, step) = (place.width(place.v(level, seed)), self.step_across(place));
         let mut ends = Bracket { holds: seed, fails: wall };
         loop {
