@@ -85,7 +85,7 @@ impl Stations {
     }
 }
 
-/// Share of the stations of an operation that become blocks: a later tool of `rough` keeps what the tool before has left.
+/// Share of the stations of an operation that become blocks: a later tool of `rough` cuts only the rest of the tool before.
 fn reduced(operation: &Operation) -> f64 {
     let after_another =
         matches!(operation.kind.strategy(), Some(RoughingStrategy::Rough { .. })) && operation.rest.is_some();

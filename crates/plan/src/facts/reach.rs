@@ -182,7 +182,7 @@ pub fn check(program: &Program, throats: &[(Passage, Throat)], sink: &mut Sink) 
         return reaches;
     }
     roughing(program, &finders, throat, &reaches, sink);
-    // A larger ball of the floor leaves to the next one what it does not reach.
+    // The floor that a larger ball does not reach is left to the next smaller one.
     let must_fit = |r: &&Reach| {
         let kind = &program.operations[r.operation].kind;
         kind.finishes() && kind.of_larger_tool().is_none()

@@ -1,5 +1,5 @@
-//! Deviation of a face from a developable surface: the angle between the normals at both ends of each ruling, and how far the lines of
-//! equal u leave the rulings.
+//! Deviation of a face from a developable surface: the angle between the normals at both ends of each ruling, and the distance of
+//! the lines of equal u from the rulings.
 
 use wheel::part::{FaceId, Part, Surface};
 

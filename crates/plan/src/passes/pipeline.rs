@@ -132,7 +132,7 @@ fn moves(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<Motion, Aborted> {
     cx.holds("time-feeds", |program| validate::motion(program, &motion))?;
     equal_sectors::feeds(program, &mut motion);
     cx.holds("equal-sectors", |program| validate::motion(program, &motion))?;
-    // How far the control leaves the path depends on the speeds of all moves.
+    // The deviation of the control from the path depends on the speeds of all moves.
     exact_stops::run(program, progress, &mut motion);
     cx.holds("exact-stops", |program| validate::motion(program, &motion))?;
     equal_sectors::stops(program, &mut motion);

@@ -1,7 +1,7 @@
 //! `round-to-words`: moves every end of a move to where the words of the post put it.
 //!
 //! Before: exact tips, axes and rotary positions. After: those that NC text with few digits can say, so that the verifier
-//! proves what the text commands, and rounding takes its share of the tolerances where everybody sees it. Finer words
+//! proves what the text commands, and rounding counts within the tolerances. Finer words
 //! stay exact: see [`Decimals::EXACT`]. All posts with such words have the same motion, so that their texts have the same
 //! feeds.
 

@@ -32,7 +32,7 @@ pub(super) const TILTS: [f64; 14] = [0.0, 2.0, 4.0, 6.0, 8.0, 10.0, 12.0, 14.0, 
 /// Angles to one side that are tried where no tilt is clear, degrees; a pass keeps one of them.
 const SIDES: [f64; 10] = [6.0, -6.0, 12.0, -12.0, 18.0, -18.0, 24.0, -24.0, 32.0, -32.0];
 
-/// Station at which a pass is not clear with its least bad tilt, by how much the tool is too near there, mm, and the tool.
+/// Worst station of a pass with its least bad tilt: the violation there, mm, and the tool.
 struct Miss {
     station: usize,
     violation: f64,
@@ -488,7 +488,7 @@ impl<'a> TiltedPass<'a> {
         paths.find(|cleared| cleared.points.iter().all(|p| self.violation(p).is_none()))
     }
 
-    /// Which part of the tool is too near, and what it has to keep.
+    /// The part of the tool that is too near, and its required distance.
     fn nearest_part(&self, miss: &Miss) -> String {
         let (solid, clearance) = (self.solid(), self.program.clearance.get());
         let body = self.obstacles.body_violation(solid, &miss.at.tip, &miss.at.axis, clearance, None).unwrap_or(0.0);

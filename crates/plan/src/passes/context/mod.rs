@@ -64,7 +64,7 @@ impl PassContext<'_> {
         budget::check_points(self.program, self.stations.and(points, operation), operation, self.sink)
     }
 
-    /// Ends a run that was cancelled. Nobody waits for a reason: nothing goes to the sink.
+    /// Ends a run that was cancelled. No reason goes to the sink.
     pub(crate) fn go_on(&self) -> Result<(), Aborted> {
         if self.progress.is_cancelled() { Err(Aborted) } else { Ok(()) }
     }

@@ -22,7 +22,7 @@ pub(crate) fn feeds(program: &Program, motion: &mut Motion) {
         for i in group {
             let m = &mut moves[*i];
             match m.feed {
-                // The way is the same.
+                // All moves of a group have the same length.
                 Some(own) if own > feed => (m.time, m.feed) = (m.time * own / feed, Some(feed)),
                 Some(_) => {}
                 None if most - least <= RAPID_TIME_ROUNDING * most => m.time = most,

@@ -42,7 +42,7 @@ pub(crate) fn run(program: &Program, progress: &Progress, motion: &mut Motion) {
     });
 }
 
-/// How far the control may leave the path of an operation, mm: its tolerance, and the contracts on contour error.
+/// Largest deviation of the control from the path of an operation, mm: its tolerance, and the contracts on contour error.
 fn allowed(program: &Program, id: OperationId) -> f64 {
     let t = &program.tolerances;
     let finishes = program.operations[id].kind.finishes();

@@ -91,7 +91,7 @@ pub(crate) fn never(
     cx.sink.push(diag.help(help));
 }
 
-/// Reports by how much the contracts are violated with the number of strips from the job.
+/// Reports the violation of the contracts with the number of strips from the job.
 pub(crate) fn out_of_tolerance(
     cx: &mut PassContext<'_>,
     operation: &Operation,

@@ -48,7 +48,7 @@ const FURTHER_AIMS: [f64; 2] = [0.6, 1.0];
 pub struct Surroundings<'a> {
     part: &'a Part,
     charts: Vec<Chart<'a>>,
-    /// Ends fits, each of which takes some tenths of a second.
+    /// Cancels fits; each takes some tenths of a second.
     progress: Option<&'a Progress>,
 }
 

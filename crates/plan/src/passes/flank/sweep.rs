@@ -94,7 +94,7 @@ enum LastCheck {
 /// The path with the least motion within bounds.
 struct BoundedPath {
     path: DualCurve,
-    /// How far the bounds had to give way, mm.
+    /// Distance by which the bounds had to give way, mm.
     violation: f64,
     /// Increase of the worst violation among constraints that were never satisfied, mm.
     increase: f64,
@@ -131,8 +131,8 @@ impl StripTask<'_> {
 
     /// Optimises a strip. `None` where the cutter finds no place to start from, or the run was cancelled.
     ///
-    /// The path that only the part bounds is kept where it is clear and within travel, which nearly all are; else what is
-    /// in its way joins the bounds. Where they cannot all be kept it stays as it was, for the passes that follow to refuse.
+    /// The first path is bounded by the part alone. It is kept where it is clear and within travel, as nearly all are; else the
+    /// obstacles on it join the bounds. Where not all bounds can be kept, the first path stays, and later passes refuse it.
     /// A twisted face lets the axis tilt along it only a little: of the height of a strip with its square.
     pub(crate) fn sweep(&self, strip: &Strip<'_>) -> Option<StripPath> {
         if self.progress.is_cancelled() {

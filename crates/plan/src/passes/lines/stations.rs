@@ -12,7 +12,7 @@ const EVEN_CURVE_SHARE: f64 = 0.25;
 /// Most halvings of the line between two stations.
 const MAX_STATION_HALVINGS: u32 = 6;
 
-/// How far a ball may leave the straight line between two stations.
+/// Limits of the deviation of a ball from the straight line between two stations.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Straightness {
     /// Radius of the ball, mm.

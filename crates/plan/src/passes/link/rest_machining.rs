@@ -136,7 +136,7 @@ fn field(program: &Program, sink: &mut Sink) -> Result<Field, Aborted> {
             Some(RoughingStrategy::Plunge { stepover }) => most_rough.min(CELL_PER_STEP * stepover.get()),
             Some(RoughingStrategy::Groove { .. } | RoughingStrategy::Expand { .. }) | None => MAX_CELL_MM,
         };
-        // The error between the rays is an eighth of what a loop takes: a loop that were not seen would be left out.
+        // The error between the rays is an eighth of the thickness that a loop takes: a loop that is not seen is left out.
         let thinnest = [o.rest.map(|t| t.get()), spacing::loop_distance(program, o).map(|d| 0.25 * d)];
         let seen = |t: f64| (2.0 * rounding(cutter) * t).sqrt();
         let cell = thinnest.into_iter().flatten().map(seen).fold(most, f64::min);

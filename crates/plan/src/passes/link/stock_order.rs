@@ -151,12 +151,12 @@ impl Reduction<'_> {
         let (mut line, mut depths): (Vec<PathPoint>, Vec<f64>) = (Vec::new(), Vec::new());
         let (mut first, mut last, mut link) = (None, 0, None);
         let sector = loops[0].sector;
-        // What a cancelled run has of the loop is seen by nobody.
+        // A cancelled run discards its loops.
         for pass in loops.iter().enumerate().take_while(|(k, _)| *k == 0 || !work.is_cancelled()).map(|(_, pass)| pass)
         {
             let of_loop = stations(&self.program.machine, pass);
             let found = self.air.depths(&of_loop, field).unwrap_or_default();
-            // On its return a loop slides along what the loops before have cut.
+            // On its return a loop slides along the cuts of the loops before.
             let found = found.into_iter().map(|depth| if depth > self.air.slivers { depth } else { 0.0 });
             // Each loop begins where the one before it ends.
             line.pop();

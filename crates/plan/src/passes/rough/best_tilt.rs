@@ -33,7 +33,7 @@ impl Roughing<'_> {
                 let u = i as f64 / REACH_PLACES as f64;
                 let place = StationPlace::new(&self.chart, u);
                 let missed = trials.each_ref().map(|trial| {
-                    // Nobody waits for the best tilt of a cancelled run. A trial takes some milliseconds.
+                    // A cancelled run needs no best tilt. A trial takes some milliseconds.
                     if progress.is_cancelled() { [0.0; 2] } else { trial.missed(&place) }
                 });
                 [0, 1].map(|side: usize| {

@@ -49,7 +49,7 @@ pub(crate) struct Roughing<'a> {
     /// Spacing of the stations, mm.
     pub(super) spacing: f64,
     pub(super) depth: f64,
-    /// How far the machine may leave the path, mm.
+    /// Largest deviation of the machine from the path, mm.
     pub(super) tolerance: f64,
     pub(super) lead_in: f64,
     pub(super) lead_out: f64,

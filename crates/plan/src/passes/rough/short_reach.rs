@@ -19,8 +19,8 @@ use tool_stock::collide::{Section, ToolSolid};
 use wheel::contract::ContractKind;
 use wheel::part::Passage;
 
-/// Refuses `rough` operations of which none comes as near to the hub as the contract on the rest demands, where a cutter
-/// alone would. An interval of the channel counts when it is longer than the widest tool.
+/// Refuses `rough` operations where none comes as near to the hub as the contract on the rest requires, but their cutters alone
+/// would. An interval of the channel counts when it is longer than the widest tool.
 ///
 /// # Errors
 /// One for each of these operations, in the sink.

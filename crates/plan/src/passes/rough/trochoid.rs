@@ -68,7 +68,7 @@ pub(super) struct OpenedSlot {
 struct Loops<'a> {
     map: RunMap<'a>,
     limits: Trochoid,
-    /// Radius of the tool, and how far the machine may leave each loop, mm.
+    /// Radius of the tool, and largest deviation of the machine from each loop, mm.
     radius: f64,
     tolerance: f64,
     /// Heights over the tip at which the arc is measured, mm.
@@ -181,8 +181,8 @@ impl Loops<'_> {
         (all, if whole { self.forward * f64::INFINITY } else { at })
     }
 
-    /// The next loop, where it keeps to the arc and, if it goes on, one behind it with the same distance as well: what the
-    /// front of a loop meets depends on the distance of the loop before more than on its own.
+    /// The next loop, where it keeps to the arc; if it `goes_on`, another one behind it at the same distance has to keep to the arc
+    /// as well. The stock at the front of a loop depends more on the distance of the loop before than on its own.
     fn next(&self, at: f64, distance: f64, before: &[Loop], goes_on: bool) -> Option<Loop> {
         let keeps = |curve: &Loop, before: &[&Loop]| self.arc(curve, before) <= self.limits.engagement;
         let curve = self.curve(at, distance);
