@@ -1,6 +1,7 @@
 //! The middle of the floor, which a ball larger than that of the fillets finishes, or a bull nose.
 //!
-//! Its outer lines keep the allowance of the job from vanes and fillets. Where the tool does not fit, lines end: they come down and rise on arcs along the direction of the channel, in which the walls go apart least.
+//! Its outer lines keep the allowance of the job from vanes and fillets. Where the tool does not fit, lines end: they
+//! come down and rise on arcs along the direction of the channel, in which the walls go apart least.
 
 use super::axes::hub_points;
 use super::finished::{Finished, edges};

@@ -2,11 +2,12 @@
 //!
 //! Before: passes that begin and end with the tool outside of the stock. After: the motion, one sequence of moves per
 //! operation. The tool comes down along its axis to the start of a pass, runs the pass, leaves along its axis to the
-//! clearance surface, and goes over it to the next pass (see [`super::clearance_surface`]). Where a finishing pass begins
-//! near the end of its predecessor, a direct link replaces this (see [`super::direct_link`]). Passes with direct links
-//! between them keep one branch and do not unwind; branch and winding of all sequences of an operation are chosen together. Where the travel does not allow this, the tool goes over the surface in
-//! the middle of them. Branch and winding change only there. Where the travel does not allow a single pass, the tool leaves
-//! within it along its axis to the surface, turns, and comes back to the same place ([`super::pieces`]).
+//! clearance surface, and goes over it to the next pass (see [`super::clearance_surface`]). Where a finishing pass
+//! begins near the end of its predecessor, a direct link replaces this (see [`super::direct_link`]). Passes with
+//! direct links between them keep one branch and do not unwind; branch and winding of all sequences of an operation
+//! are chosen together. Where the travel does not allow this, the tool goes over the surface in the middle of them.
+//! Branch and winding change only there. Where the travel does not allow a single pass, the tool leaves within it
+//! along its axis to the surface, turns, and comes back to the same place ([`super::pieces`]).
 //!
 //! A tool that leaves along its own axis sweeps only space that it already occupied. After rest machining, passes begin
 //! and end in space without stock, and nothing above the cutter is thinner than the cutter.

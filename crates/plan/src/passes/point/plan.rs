@@ -1,9 +1,10 @@
 //! Plan of the operation `point`: lines of constant scallop on faces, fillets, edges and tips of vanes.
 //!
-//! Before: an operation. After: lines along each surface: on faces from the shroud down to the fillet, on fillets from
-//! the face to the hub, on edges and tips from face to face; surface by surface, or level by level on both faces. Both borders are lines. Where a surface is higher, as vanes are at
-//! the inlet, further lines begin and end on it. A ball with the radius of the fillet needs a single line in the
-//! fillet. A spiral runs round both faces and both edges of a vane without leaving it.
+//! Before: an operation. After: lines along each surface: on faces from the shroud down to the fillet, on fillets
+//! from the face to the hub, on edges and tips from face to face; surface by surface, or level by level on both
+//! faces. Both borders are lines. Where a surface is higher, as vanes are at the inlet, further lines begin and end
+//! on it. A ball with the radius of the fillet needs a single line in the fillet. A spiral runs round both faces and
+//! both edges of a vane without leaving it.
 
 use super::axes::VaneAxis;
 use super::spiral::Around;
