@@ -70,6 +70,7 @@ fn main() {
                 simulate(&program, &motion, &mut settings, &Default::default(), &mut Default::default())
                     .expect("a stock")
                     .rest()
+                    .get()
             });
         }
     }

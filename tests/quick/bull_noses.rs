@@ -131,9 +131,13 @@ fn the_verifier_proves_scallop_and_gouge_of_a_bull_nose() {
     let (program, plan) = &*PLANNED;
     let certificate = jobs::certified(program, &plan.motion);
     let hub = certificate.surfaces.iter().find(|s| s.surface.contains("hub of channel 1")).expect("a hub");
-    let deepest = certificate.surfaces.iter().map(|s| s.gouge_bound).fold(0.0, f64::max);
-    println!("left {} mm found, {} mm proved; deepest cut {deepest} mm", hub.excess.value, hub.excess_bound);
-    assert!(hub.excess_bound <= SCALLOP, "{}", hub.excess_bound);
+    let deepest = certificate.surfaces.iter().map(|s| s.gouge_bound.get()).fold(0.0, f64::max);
+    println!(
+        "left {} mm found, {} mm proved; deepest cut {deepest} mm",
+        hub.excess.value.get(),
+        hub.excess_bound.get()
+    );
+    assert!(hub.excess_bound.get() <= SCALLOP, "{}", hub.excess_bound.get());
     assert!(deepest < 0.0015, "{deepest}");
 }
 

@@ -39,7 +39,7 @@ fn moved(to: [f64; 3], a: f64, kind: MoveKind, turn_axis: f64) -> (Program, Moti
 fn found(to: [f64; 3], a: f64, kind: MoveKind, turn_axis: f64) -> [(Cow<'static, str>, f64); 2] {
     let (program, motion) = moved(to, a, kind, turn_axis);
     let found: Vec<ObstacleReport> = check(&program, &motion, &Progress::default());
-    [0, 1].map(|k| (found[k].part.clone(), found[k].clearance.as_ref().map_or(f64::INFINITY, |c| c.distance)))
+    [0, 1].map(|k| (found[k].part.clone(), found[k].clearance.as_ref().map_or(f64::INFINITY, |c| c.distance.get())))
 }
 
 /// Samples are 0.5 mm apart: below the true distance by no more than that leaves.
@@ -71,7 +71,7 @@ fn distances_have_their_closed_form() {
 fn a_collision_is_an_error_with_its_block() {
     let (program, motion) = moved([60.0, 0.0, -63.0], 0.0, MoveKind::Rapid, 0.0);
     let found = check(&program, &motion, &Progress::default());
-    let depth = -found[0].clearance.as_ref().unwrap().distance;
+    let depth = -found[0].clearance.as_ref().unwrap().distance.get();
     // The middle of the ball is in the plane: its deepest point is 3 mm inside.
     assert!((3.0 - 0.4..3.0 + 0.4).contains(&depth), "{depth}");
     let mut sink = Sink::default();

@@ -54,11 +54,11 @@ fn scallop_holds_as_proved_and_the_path_is_near_its_lower_bound() {
     println!("{note}");
     let certificate = jobs::certified(&program, &plan.motion);
     let hub = certificate.surfaces.iter().find(|s| s.surface.contains("hub of channel 1")).expect("a hub");
-    println!("left {} mm found, {} mm proved, {:?}", hub.excess.value, hub.excess_bound, hub.excess.point);
-    let deepest = certificate.surfaces.iter().map(|s| s.gouge_bound).fold(0.0, f64::max);
+    println!("left {} mm found, {} mm proved, {:?}", hub.excess.value.get(), hub.excess_bound.get(), hub.excess.point);
+    let deepest = certificate.surfaces.iter().map(|s| s.gouge_bound.get()).fold(0.0, f64::max);
     println!("deepest cut {deepest} mm proved");
     // The scallop with the interpolation of the machine, by the proof of the verifier; the chord alone cuts.
-    assert!(hub.excess_bound <= 0.012, "{}", hub.excess_bound);
+    assert!(hub.excess_bound.get() <= 0.012, "{}", hub.excess_bound.get());
     assert!(deepest < 0.0015, "{deepest}");
     // Lengths measured again from the contact points.
     let length: f64 = plan.cc.operations[0].passes.iter().map(|p| contact_length(&program, p)).sum();

@@ -172,7 +172,7 @@ fn found(certificate: &Certificate) -> Vec<f64> {
 /// Largest proved cut or rest on the surfaces whose name has a word.
 fn most(certificate: &Certificate, word: &str, excess: bool) -> f64 {
     let named = certificate.surfaces.iter().filter(|s| s.surface.contains(word));
-    named.map(|s| if excess { s.excess_bound } else { s.gouge_bound }).fold(0.0, f64::max)
+    named.map(|s| if excess { s.excess_bound.get() } else { s.gouge_bound.get() }).fold(0.0, f64::max)
 }
 
 #[test]
@@ -214,7 +214,7 @@ fn clearances_are_told_apart() {
         asked(ContractKind::Clearance(body), operations, surfaces)
     };
     let distance =
-        |c: &Option<impellerc::verify::clearance::Clearance>| c.as_ref().map_or(f64::INFINITY, |c| c.distance);
+        |c: &Option<impellerc::verify::clearance::Clearance>| c.as_ref().map_or(f64::INFINITY, |c| c.distance.get());
     let shanks: Vec<f64> = certificate.operations.iter().map(|o| distance(&o.shank)).collect();
     let holders: Vec<f64> = certificate.operations.iter().map(|o| distance(&o.holder)).collect();
     // Farther than this is not looked for.
@@ -222,14 +222,22 @@ fn clearances_are_told_apart() {
     assert_eq!(found(Guarded::Body, &[], &[]), least(&shanks).min(least(&holders)));
     assert_eq!(found(Guarded::Shank, &[], &[]), least(&shanks));
     assert_eq!(found(Guarded::Shank, &[1], &[]), least(&shanks[1..]));
-    assert_eq!(found(Guarded::Tool, &[], &[]), certificate.rapid.as_ref().map_or(5.0, |c| c.distance));
+    assert_eq!(found(Guarded::Tool, &[], &[]), certificate.rapid.as_ref().map_or(5.0, |c| c.distance.get()));
     assert_eq!(found(Guarded::Holder, &[], &[]), least(&holders));
     assert!(least(&shanks) < 5.0, "a shank comes near: {shanks:?}");
     // What was found lies above the bound, by no more than a surface can come nearer beside a sample.
     let half = impellerc::verify::SPACING * std::f64::consts::FRAC_1_SQRT_2;
     for c in certificate.operations.iter().flat_map(|o| [&o.shank, &o.holder]).flatten() {
-        assert!(c.found > c.distance && c.found - c.distance <= half + 1e-12, "{} {}", c.found, c.distance);
-        assert!((c.found - c.distance.max(0.0).hypot(half)).abs() < 1e-12 || c.found <= half, "{c:?}");
+        assert!(
+            c.found.get() > c.distance.get() && c.found.get() - c.distance.get() <= half + 1e-12,
+            "{} {}",
+            c.found.get(),
+            c.distance.get()
+        );
+        assert!(
+            (c.found.get() - c.distance.get().max(0.0).hypot(half)).abs() < 1e-12 || c.found.get() <= half,
+            "{c:?}"
+        );
     }
     // The nearest of all surfaces is the nearest of one of them, within the resolution of the search.
     let per_surface = SurfaceClass::ALL.map(|s| found(Guarded::Shank, &[], &[s]));
@@ -297,28 +305,29 @@ fn figures_of_the_stock_are_told_apart() {
     let stock = ASKED.0.stock.as_ref().unwrap();
     let [flank, channel] = [0, 1].map(|o| &stock.operations[o]);
     let part = solid::volume(&program.part, &program.stock, 1e-6).unwrap().value;
-    assert!(part > 0.4 * stock.blank && part < stock.blank, "{part} {}", stock.blank);
-    assert_eq!(asked(RestVolume, &[], &[]), channel.rest - part);
-    assert_eq!(asked(RestVolume, &[1], &[]), channel.rest - part);
+    assert!(part > 0.4 * stock.blank.get() && part < stock.blank.get(), "{part} {}", stock.blank.get());
+    assert_eq!(asked(RestVolume, &[], &[]), channel.rest.get() - part);
+    assert_eq!(asked(RestVolume, &[1], &[]), channel.rest.get() - part);
     // Without roughing the room between the vanes still stands after the flanks.
-    assert_eq!(asked(RestVolume, &[0], &[]), stock.blank - flank.removed - part);
+    assert_eq!(asked(RestVolume, &[0], &[]), stock.blank.get() - flank.removed.get() - part);
     let left = asked(RestVolume, &[], &[]);
     assert!(
-        channel.removed > 1.0 && left > LEFT && left < stock.blank - part - flank.removed,
+        channel.removed.get() > 1.0 && left > LEFT && left < stock.blank.get() - part - flank.removed.get(),
         "{left} {}",
-        channel.removed
+        channel.removed.get()
     );
-    assert_eq!(asked(Air, &[0], &[]), flank.feed[1] / flank.feed[0]);
-    let shares = (flank.feed[1] + channel.feed[1]) / (flank.feed[0] + channel.feed[0]);
+    assert_eq!(asked(Air, &[0], &[]), flank.feed[1].get() / flank.feed[0].get());
+    let [feed, air] = [0, 1].map(|k| flank.feed[k].get() + channel.feed[k].get());
+    let shares = air / feed;
     assert!((asked(Air, &[], &[]) - shares).abs() < 1e-12 && shares > 0.0 && shares < 1.0);
-    let rates = [flank, channel].map(|o| o.rate.unwrap().value * 60.0);
+    let rates = [flank, channel].map(|o| o.rate.unwrap().by_minute().value);
     assert_eq!(asked(RemovalRate, &[1], &[]), rates[1]);
     assert_eq!(asked(RemovalRate, &[], &[]), rates[0].max(rates[1]));
     let arcs = [flank, channel].map(|o| o.arc_bound.unwrap().value.get());
     assert_eq!(asked(Engagement(Cuts::All), &[1], &[]), arcs[1]);
     let outside = [flank, channel].map(|o| o.arc_outside_slots.map_or(0.0, |b| b.value.get()));
     assert_eq!(asked(Engagement(Cuts::OutsideSlots), &[], &[]), outside[0].max(outside[1]));
-    assert!([flank, channel].iter().all(|o| o.arc_bound.unwrap().value.get() >= o.arc.unwrap().value));
+    assert!([flank, channel].iter().all(|o| o.arc_bound.unwrap().value >= o.arc.unwrap().value));
     assert_eq!(asked(Engagement(Cuts::All), &[], &[]), arcs[0].max(arcs[1]));
     assert!(arcs[1] > 1.0 && arcs.iter().all(|arc| *arc <= 360.0), "{arcs:?}");
 }
@@ -400,7 +409,7 @@ fn what_cannot_be_measured_is_an_error() {
 #[test]
 fn each_contract_is_judged_by_its_own_bound() {
     let (program, motion) = &*PLANNED;
-    let deepest = ASKED.0.surfaces.iter().map(|s| s.gouge.depth).fold(0.0, f64::max);
+    let deepest = ASKED.0.surfaces.iter().map(|s| s.gouge.depth.get()).fold(0.0, f64::max);
     // Less over what is found than the proof leaves by itself.
     let close = deepest + 1e-4;
     let alone = judged_of(program, motion, &[on(ContractKind::Gouge, close, &[], &[])]);

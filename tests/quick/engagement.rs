@@ -4,12 +4,13 @@
 use crate::support::{self, jobs};
 use impellerc::base::entity::PrimaryMap;
 use impellerc::base::progress::Progress;
+use impellerc::base::units::Deg;
 use impellerc::diagnostics::Sink;
 use impellerc::ir::{Contract, JointMove, Motion, MotionOperation, MoveKind, Operation, Program, Tool};
 use impellerc::plan::passes::pipeline;
 use impellerc::tool_stock::collide::{Cutter, ToolSolid};
 use impellerc::tool_stock::stock::{SLICES, Slices};
-use impellerc::verify::stock::{OperationStock, Settings, default_cell, simulate};
+use impellerc::verify::stock::{Engagement, OperationStock, Settings, TimeAndPath, default_cell, simulate};
 use impellerc::wheel::contract::{ContractKind, Cuts};
 use impellerc::wheel::part::TurnedProfile;
 use nalgebra::{Point3, Vector3};
@@ -266,12 +267,12 @@ fn arcs_of_slots_and_side_cuts_lie_within_their_bounds_for_all_cutters() {
         let found = by_verifier(&program, &motion, None);
         for (pass, (_, depth)) in PASSES.into_iter().enumerate() {
             let m = &found.moves[pass * count / PASSES.len() + count / PASSES.len() / 2];
-            let truth = closed_form(depth);
+            let (arc, bound, truth) = (m.arc.get(), m.arc_bound.get(), closed_form(depth));
             // The bound is that of a depth of cut larger by a diagonal of a cell.
             let widest = closed_form((depth + 2.0_f64.sqrt() * cell / radius + 2e-3).min(2.0));
-            println!("r {radius}, a_e {depth}: {truth:.2} deg, stock {:.2}, bound {:.2}", m.arc, m.arc_bound);
-            assert!(m.arc < truth + 1.0 && m.arc > truth - 8.0, "{} {truth}", m.arc);
-            assert!(m.arc_bound >= truth && m.arc_bound < widest + 1.0, "{} {truth} {widest}", m.arc_bound);
+            println!("r {radius}, a_e {depth}: {truth:.2} deg, stock {arc:.2}, bound {bound:.2}");
+            assert!(arc < truth + 1.0 && arc > truth - 8.0, "{arc} {truth}");
+            assert!(bound >= truth && bound < widest + 1.0, "{bound} {truth} {widest}");
         }
     }
 }
@@ -286,8 +287,8 @@ fn coarse_cells_never_bound_an_arc_too_low() {
         let found = by_verifier(&program, &motion, Some(1.0));
         for (pass, (_, depth)) in PASSES.into_iter().enumerate() {
             let cuts = &found.moves[pass * count..(pass + 1) * count];
-            let [arc, bound] =
-                [cuts.iter().map(|m| m.arc).fold(0.0, f64::max), cuts.iter().map(|m| m.arc_bound).fold(0.0, f64::max)];
+            let largest = |arc: fn(&Engagement) -> Deg| cuts.iter().map(|m| arc(m).get()).fold(0.0, f64::max);
+            let [arc, bound] = [largest(|m| m.arc), largest(|m| m.arc_bound)];
             println!("{length}: a_e {depth}: {:.2} deg, stock {arc:.2}, bound {bound:.2}", closed_form(depth));
             assert!(bound >= closed_form(depth), "{bound}");
         }
@@ -303,7 +304,7 @@ fn a_channel_is_a_slot_from_where_the_cutter_enters() {
     let [blank, _] = BLANK;
     // From the first contact to the last one, on a chord of the blank at 0.8 of the radius of the cutter.
     let chord = 2.0 * 2.0 * ((blank + 1.0_f64).powi(2) - 0.64).sqrt();
-    let [time, way] = found.arcs.slots;
+    let [time, way] = [found.arcs.slots.time.get(), found.arcs.slots.path.get()];
     println!("slot {way:.2} mm, {time:.0} s; contact {chord:.2} mm");
     assert!((way - chord).abs() < 2.0 && (time - way / 0.4).abs() < 1e-6);
     assert!(found.arc_bound.unwrap().value.get() > 179.9);
@@ -330,7 +331,7 @@ fn a_channel_is_a_slot_from_where_the_cutter_enters() {
     let operation = MotionOperation { moves: shifted[..count].to_vec(), ..motion.operations[0].clone() };
     let side = by_verifier(&wide, &Motion { operations: vec![operation] }, None);
     println!("side cut {:?} {:?}", side.arcs.slots, side.arc_outside_slots);
-    assert_eq!(side.arcs.slots, [0.0; 2]);
+    assert_eq!(side.arcs.slots, TimeAndPath::default());
     assert!(side.arc_outside_slots.unwrap().value.get() > 120.0);
 }
 
@@ -356,7 +357,7 @@ fn each_height_has_its_own_arc() {
     let operation = MotionOperation { moves: [&moves[..count], &second].concat(), ..motion.operations[0].clone() };
     let found = by_verifier(&program, &Motion { operations: vec![operation.clone()] }, None);
     let middle = &found.moves[count + count / 2];
-    assert!(middle.arc > 170.0, "the floor is cut over the full width: {middle:?}");
+    assert!(middle.arc.get() > 170.0, "the floor is cut over the full width: {middle:?}");
     // The same pass at the height of the slot has the arc of its stepover.
     let level: Vec<JointMove> = second
         .iter()
@@ -369,7 +370,10 @@ fn each_height_has_its_own_arc() {
     let found = by_verifier(&program, &Motion { operations: vec![operation] }, None);
     let middle = &found.moves[count + count / 2];
     println!("at the height of the slot {middle:?}");
-    assert!((middle.arc - closed_form(beside)).abs() < 4.0 && middle.arc_bound >= closed_form(beside), "{middle:?}");
+    assert!(
+        (middle.arc.get() - closed_form(beside)).abs() < 4.0 && middle.arc_bound.get() >= closed_form(beside),
+        "{middle:?}"
+    );
 }
 
 /// Straight passes by the points of a grid: each way to find an arc stays below the bound of the other.
@@ -447,19 +451,14 @@ fn agree(
     let mut over = 0;
     for i in cuts.iter().copied() {
         let (m, bound) = (&found.moves[i], bound_of_points(i));
-        println!(
-            "{i}: points {:.1} to {bound:.1}, rays {:.1} to {:.1}, turn {:.2}",
-            points[i],
-            m.arc,
-            m.arc_bound,
-            turned(i)
-        );
-        assert!(points[i] <= m.arc_bound + turned(i), "{i}: points {} rays {}", points[i], m.arc_bound);
-        assert!(m.arc <= bound + turned(i), "{i}: rays {} points {bound}", m.arc);
-        worst = [worst[0].max(points[i] - m.arc_bound), worst[1].max(m.arc - bound)];
-        spread += m.arc_bound - m.arc;
+        let (arc, arc_bound) = (m.arc.get(), m.arc_bound.get());
+        println!("{i}: points {:.1} to {bound:.1}, rays {arc:.1} to {arc_bound:.1}, turn {:.2}", points[i], turned(i));
+        assert!(points[i] <= arc_bound + turned(i), "{i}: points {} rays {arc_bound}", points[i]);
+        assert!(arc <= bound + turned(i), "{i}: rays {arc} points {bound}");
+        worst = [worst[0].max(points[i] - arc_bound), worst[1].max(arc - bound)];
+        spread += arc_bound - arc;
         // The comparison sees an arc of the rays that is 30 deg short.
-        over += usize::from(points[i] > m.arc_bound - 30.0 + turned(i));
+        over += usize::from(points[i] > arc_bound - 30.0 + turned(i));
     }
     println!(
         "{} moves; found over the other's bound by {worst:.1?}, mean spread {:.1}, {over} seen",

@@ -91,7 +91,7 @@ fn a_plunge_ten_millimetres_too_deep_is_found() {
     // Straight below the contact the ball ends ten millimetres farther in; no other way in is longer.
     let contact = centre - normal * distance;
     let expected = 10.0 - (distance - radius);
-    assert!((found.depth - expected).abs() < UM, "{found:?}, expected {expected}");
+    assert!((found.depth.get() - expected).abs() < UM, "{found:?}, expected {expected}");
     assert!((Point3::from(found.point) - contact).norm() < 0.05, "{found:?} {contact}");
     let at = found.at.unwrap();
     assert!((at.index as usize).abs_diff(index) <= 1, "{at:?} {index}");
@@ -101,7 +101,7 @@ fn a_plunge_ten_millimetres_too_deep_is_found() {
 fn a_plunge_of_one_millimetre_has_the_right_size() {
     let (program, mut motion) = CHANNEL.clone();
     let before = measured(&program, &motion);
-    assert!(surface(&before, "hub of channel 1").gouge.depth < 7.0 * UM);
+    assert!(surface(&before, "hub of channel 1").gouge.depth.get() < 7.0 * UM);
     let moves = &motion.operations[0].moves;
     let passes = motion.operations[0].labels.len();
     let pass: Vec<usize> =
@@ -116,7 +116,7 @@ fn a_plunge_of_one_millimetre_has_the_right_size() {
     let found = &surface(&after, "hub of channel 1").gouge;
     // The contact lies on the normal through the centre, now one millimetre nearer to it.
     let expected = 1.0 - (gap - 3.0);
-    assert!((found.depth - expected).abs() < UM, "{found:?}, expected {expected}");
+    assert!((found.depth.get() - expected).abs() < UM, "{found:?}, expected {expected}");
     assert!((Point3::from(found.point) - (centre - normal * gap)).norm() < 0.05, "{found:?}");
     assert!((found.at.unwrap().index as usize).abs_diff(index) <= 1);
 }
@@ -135,11 +135,11 @@ fn a_shifted_vane_is_found() {
         for worst in [&report.gouge, &report.excess] {
             // Seen from the shifted tools the design is shifted the other way.
             let expected = brute(program, motion, &(Point3::from(worst.point) - by));
-            assert!((worst.value - expected).abs() < UM, "{name}: {worst:?}, expected {expected}");
+            assert!((worst.value.get() - expected).abs() < UM, "{name}: {worst:?}, expected {expected}");
         }
     }
     // The face that the shift moves into is cut by nearly all of it.
-    let deepest = ["vane 1 pressure face", "vane 1 suction face"].map(|n| surface(&certificate, n).gouge.depth);
+    let deepest = ["vane 1 pressure face", "vane 1 suction face"].map(|n| surface(&certificate, n).gouge.depth.get());
     assert!(deepest.iter().any(|d| *d > 0.04 && *d < by.norm() + 0.13), "{deepest:?}");
 }
 
@@ -155,16 +155,16 @@ fn a_dropped_strip_is_found() {
     }
     let motion = planned(&program);
     let whole = measured(&program, &motion);
-    assert!(surface(&whole, "vane 1 pressure face").excess.value < 3.0 * UM);
+    assert!(surface(&whole, "vane 1 pressure face").excess.value.get() < 3.0 * UM);
     let mut dropped = motion.clone();
     let strip = dropped.operations[0].labels.iter().position(|l| l.ends_with("strip 2")).unwrap();
     dropped.operations[0].moves.retain(|m| m.pass as usize != strip);
     let certificate = measured(&program, &dropped);
     let found = &surface(&certificate, "vane 1 pressure face").excess;
     let expected = brute(&program, &dropped, &Point3::from(found.point));
-    assert!((found.value - expected).abs() < UM, "{found:?}, expected {expected}");
+    assert!((found.value.get() - expected).abs() < UM, "{found:?}, expected {expected}");
     // Far more than the contract of the shipped job, where the whole motion leaves less than 3 um.
-    assert!(found.value > 12.0 * UM, "{found:?}");
+    assert!(found.value.get() > 12.0 * UM, "{found:?}");
     // Inside the band of the strip, or at its border: between a quarter and a half of the ruling over the fillet.
     let foot = program
         .part

@@ -4,7 +4,7 @@
 use crate::support::pinned;
 use ciborium::Value;
 use impellerc::base::source::Span;
-use impellerc::base::units::{Deg, Mm, Mm2, Share};
+use impellerc::base::units::{Deg, Mm, Mm2, Mm3, Mm3PerSec, Sec, Share};
 use impellerc::diagnostics::{Sink, codes::verification};
 use impellerc::five_axis::control::Planning;
 use impellerc::ir::{Motion, Program};
@@ -56,25 +56,25 @@ fn a_sound_certificate_says_nothing() {
 fn a_figure_that_is_none_is_an_error_with_its_name() {
     type Change = fn(&mut Certificate, f64);
     let changes: &[(&str, Change)] = &[
-        ("operations.0.time.1", |c, x| c.operations[0].time[1] = x),
-        ("operations.0.length.2", |c, x| c.operations[0].length[2] = x),
+        ("operations.0.time.1", |c, x| c.operations[0].time[1] = Sec(x)),
+        ("operations.0.length.2", |c, x| c.operations[0].length[2] = Mm(x)),
         ("surfaces.0.area", |c, x| c.surfaces[0].area = Mm2(x)),
-        ("surfaces.0.gouge.depth", |c, x| c.surfaces[0].gouge.depth = x),
+        ("surfaces.0.gouge.depth", |c, x| c.surfaces[0].gouge.depth = Mm(x)),
         ("surfaces.0.percentiles.1", |c, x| c.surfaces[0].percentiles[1] = Mm(x)),
         ("perimeter.retract", |c, x| c.perimeter.retract = Mm(x)),
         ("machine.axes.3.speed_share", |c, x| c.machine.axes.rotary[0].speed_share = Share(x)),
         ("machine.axes.0.used.1", |c, x| c.machine.axes.linear[0].used[1] = Mm(x)),
         ("machine.pole_distance", |c, x| c.machine.pole_distance = Deg(x)),
-        ("machine.runs.0.time.0", |c, x| c.machine.runs[0].time[0] = x),
+        ("machine.runs.0.time.0", |c, x| c.machine.runs[0].time[0] = Sec(x)),
         ("machine.runs.0.jerk.4.value", |c, x| c.machine.runs[0].jerk[4].value = Share(x)),
         ("machine.runs.0.contour.tip.2", |c, x| c.machine.runs[0].contour.tip[2] = x),
         ("machine.other_rules.0.great_circle.value", |c, x| c.machine.other_rules[0].great_circle.value = Mm(x)),
         ("machine.fastest.0.share", |c, x| c.machine.fastest[0].as_mut().unwrap().share = Share(x)),
-        ("stock.operations.0.removed", |c, x| c.stock.as_mut().unwrap().operations[0].removed = x),
+        ("stock.operations.0.removed", |c, x| c.stock.as_mut().unwrap().operations[0].removed = Mm3(x)),
         ("stock.operations.0.depth.tip.0", |c, x| {
             c.stock.as_mut().unwrap().operations[0].depth.as_mut().unwrap().tip[0] = x;
         }),
-        ("stock.operations.0.moves", |c, x| c.stock.as_mut().unwrap().operations[0].moves[3].rate = x),
+        ("stock.operations.0.moves", |c, x| c.stock.as_mut().unwrap().operations[0].moves[3].rate = Mm3PerSec(x)),
         ("contracts.0.found", |c, x| c.contracts[0].found = x),
         ("contracts.0.bound", |c, x| c.contracts[0].bound = x),
         ("contracts.0.point.1", |c, x| c.contracts[0].point = Some([0.0, x, 0.0])),
@@ -146,7 +146,7 @@ fn a_time_that_is_none_refuses_the_motion() {
     }
     let mut sink = Sink::default();
     let certificate = certify(&program, &motion, &mut sink).unwrap();
-    assert!(certificate.machine.runs[0].time.iter().any(|t| !t.is_finite()));
+    assert!(certificate.machine.runs[0].time.iter().any(|t| !t.get().is_finite()));
     let found: Vec<_> = sink.diags().iter().filter(|d| d.code == verification::NOT_A_NUMBER).collect();
     assert!(found.len() == 1 && found[0].message.contains("of `flank`"), "{found:?}");
     assert!(!found[0].labels.is_empty());

@@ -81,7 +81,7 @@ fn of(found: &KeptSurfaces, kind: SurfaceKind) -> &KeptReport {
 /// A cut of a known depth is found to a tenth of a micrometre, and its bound holds and gives away half of one.
 #[track_caller]
 fn deep(report: &KeptReport, depth: f64) {
-    assert!((report.gouge.depth - depth).abs() < TENTH, "{report:?}, expected {depth}");
+    assert!((report.gouge.depth.get() - depth).abs() < TENTH, "{report:?}, expected {depth}");
     assert!((depth - TENTH..depth + 7e-4).contains(&report.gouge_bound.get()), "{report:?}, expected {depth}");
 }
 
@@ -119,13 +119,13 @@ fn deep_holes_are_told_by_their_depth() {
     let (program, motion) = moved(&[(at + out * 30.0, out, MoveKind::Cut), (at, out, MoveKind::Cut)]);
     let found = measured(&program, &motion);
     let rim = of(&found, SurfaceKind::Rim);
-    assert!((rim.gouge.depth - 8.0).abs() < 0.01, "{rim:?}");
+    assert!((rim.gouge.depth.get() - 8.0).abs() < 0.01, "{rim:?}");
     assert!((Point3::from(rim.gouge.point) - (at + out * 8.0)).norm() < 0.2, "{rim:?}");
     // Through the nose and out at the back: both are found.
     let (program, motion) = down([10.0, 0.0, -43.0], MoveKind::Cut);
     let found = measured(&program, &motion);
     for kind in [SurfaceKind::Nose, SurfaceKind::Back] {
-        assert!(of(&found, kind).gouge.depth > 2.0, "{:?}", of(&found, kind));
+        assert!(of(&found, kind).gouge.depth.get() > 2.0, "{:?}", of(&found, kind));
     }
 }
 
@@ -272,7 +272,7 @@ fn roughing_counts_with_what_the_control_adds() {
         let found = allowance::check(&program, &motion, &Progress::default()).expect("roughing");
         assert_eq!(found.bound < found.tolerance, fails, "{found:?}");
         match found.nearest {
-            Some(n) => assert!(fails && n.surface == "nose" && (n.place.value - over).abs() < TENTH, "{n:?}"),
+            Some(n) => assert!(fails && n.surface == "nose" && (n.place.value.get() - over).abs() < TENTH, "{n:?}"),
             None => assert!(!fails),
         }
         assert!((found.bound.get() - over.min(0.051)).abs() < 6e-4, "{over}: {}", found.bound);
@@ -304,7 +304,7 @@ fn roughing_keeps_its_allowance_on_the_vanes() {
         assert_eq!(errors(&program, &motion).iter().any(|(code, _)| code == "IMP0749"), fails, "{root}");
         let [found] = found.as_slice() else { panic!("{found:?}") };
         let missing = (root - (root - 0.2) * height - over).max(0.0);
-        let measured = found.worst.as_ref().map_or(0.0, |w| -w.place.value);
+        let measured = found.worst.as_ref().map_or(0.0, |w| -w.place.value.get());
         println!("root {root}: missing {missing:.4}, measured {measured:.4}, bound {:.4}", found.bound);
         // Beside the place the allowance is a little larger and the ball a little farther.
         assert!(measured >= missing - TENTH && measured < missing + 0.01, "{missing} {found:?}");

@@ -102,9 +102,13 @@ fn the_verifier_proves_scallop_and_gouge_over_the_blend() {
     let plan = plan(&program);
     let certificate = jobs::certified(&program, &plan.motion);
     let hub = certificate.surfaces.iter().find(|s| s.surface.contains("hub of channel 1")).expect("a hub");
-    let deepest = certificate.surfaces.iter().map(|s| s.gouge_bound).fold(0.0, f64::max);
-    println!("left {} mm found, {} mm proved; deepest cut {deepest} mm", hub.excess.value, hub.excess_bound);
-    assert!(hub.excess_bound <= SCALLOP && hub.excess_bound > 0.8 * SCALLOP, "{}", hub.excess_bound);
+    let deepest = certificate.surfaces.iter().map(|s| s.gouge_bound.get()).fold(0.0, f64::max);
+    println!(
+        "left {} mm found, {} mm proved; deepest cut {deepest} mm",
+        hub.excess.value.get(),
+        hub.excess_bound.get()
+    );
+    assert!(hub.excess_bound.get() <= SCALLOP && hub.excess_bound.get() > 0.8 * SCALLOP, "{}", hub.excess_bound.get());
     assert!(deepest < 0.0015, "{deepest}");
 }
 
@@ -152,7 +156,7 @@ fn a_larger_ball_that_fits_nowhere_is_a_remark_and_the_next_one_does_all() {
     let points = |passes: &[CcPass]| passes.iter().flat_map(|p| p.points.clone()).collect::<Vec<_>>();
     assert_eq!(points(passes(&planned, 1)), points(passes(&alone, 0)));
     let certificate = jobs::certified(&program, &planned.motion);
-    assert!(certificate.surfaces.iter().all(|s| s.gouge_bound < 0.002));
+    assert!(certificate.surfaces.iter().all(|s| s.gouge_bound.get() < 0.002));
 }
 
 #[test]

@@ -33,7 +33,7 @@ fn leads_of_a_ball_with_the_radius_of_the_fillet_stay_off_a_hollow_hub() {
     let plan = pipeline::run(&program, &mut sink)
         .unwrap_or_else(|_| panic!("{:?}", sink.diags().iter().map(|d| (&d.message, &d.place)).collect::<Vec<_>>()));
     let certificate = certify(&program, &plan.motion, &mut sink).expect("a certificate");
-    let gouges = certificate.surfaces.iter().filter(|s| s.surface.starts_with("hub")).map(|s| s.gouge_bound);
+    let gouges = certificate.surfaces.iter().filter(|s| s.surface.starts_with("hub")).map(|s| s.gouge_bound.get());
     let deepest = gouges.fold(0.0, f64::max);
     assert!(deepest <= 0.002, "{deepest}");
 }

@@ -48,20 +48,20 @@ fn operations_from_the_mesh_of_the_one_before() {
     let program = started(program, &mesh);
     let start = program.stock.field(CELL).unwrap();
     // The mesh rounds the edges of the stock within a cell, nothing else: a share of its volume that falls with the cell.
-    let lost = whole.operations[0].rest - start.volume();
+    let lost = whole.operations[0].rest.get() - start.volume();
     assert!(lost > 0.0 && lost < 0.02 * start.volume(), "{lost} of {}", start.volume());
     let later = Motion { operations: motion.operations[1..].to_vec() };
     let (report, after) = simulated(&program, &later);
-    assert!((report.blank - start.volume()).abs() < 1e-9);
+    assert!((report.blank.get() - start.volume()).abs() < 1e-9);
     assert!(report.missing.is_none() && report.collisions().count() == whole.collisions().count());
     for (found, due) in report.operations.iter().zip(&whole.operations[1..]) {
-        println!("{}: removed {:.1} instead of {:.1}", found.name, found.removed, due.removed);
+        println!("{}: removed {:.1} instead of {:.1}", found.name, found.removed.get(), due.removed.get());
         assert!(
-            (found.removed - due.removed).abs() < 0.03 * due.removed + 10.0,
+            (found.removed.get() - due.removed.get()).abs() < 0.03 * due.removed.get() + 10.0,
             "{}: {} {}",
             found.name,
-            found.removed,
-            due.removed
+            found.removed.get(),
+            due.removed.get()
         );
     }
     // Ray by ray: what both have left differs at edges only, by no more than a cell.
@@ -92,7 +92,7 @@ fn nothing_is_cut_twice() {
     let (program, motion) = compiled.planned();
     let (whole, fields) = &*WHOLE;
     let again = started(program, &fields.last().unwrap().mesh());
-    let removed = |report: &StockReport| report.operations.iter().map(|o| o.removed).sum::<f64>();
+    let removed = |report: &StockReport| report.operations.iter().map(|o| o.removed.get()).sum::<f64>();
     let (report, _) = simulated(&again, motion);
     println!("removed again {:.1} of {:.1}", removed(&report), removed(whole));
     assert!(removed(&report) < 0.02 * removed(whole), "{} of {}", removed(&report), removed(whole));

@@ -36,14 +36,14 @@ fn the_air_before_does_not_lower_it() {
     };
     for air in [0.5, 20.0, 200.0] {
         let (found, said) = run(air, LINK);
-        let rate = found.link.expect("a link that cuts").value;
+        let rate = found.link.expect("a link that cuts").value.get();
         println!("{air} mm of air: {rate:.1} mm3/s");
         // At the end of the link the tool is 3 mm deep in the block: a chord of nearly 4 mm, 1 mm deep.
         assert!(rate > 0.8 * 3.9 * LINK && rate < 1.05 * 4.0 * LINK, "{air}: {rate}");
         assert!(said.contains(&(Severity::Error, "IMP0735")), "{air}: {said:?}");
         // At the speed of the cuts it is none.
         let (found, said) = run(air, 0.9 * CUT);
-        assert!(found.link.expect("a link that cuts").value < 4.0 * CUT);
+        assert!(found.link.expect("a link that cuts").value.get() < 4.0 * CUT);
         assert!(!said.contains(&(Severity::Error, "IMP0735")), "{air}: {said:?}");
     }
 }
@@ -83,7 +83,7 @@ fn short_blocks_are_judged_by_what_they_remove_together() {
     let program = block(2.0, 1.4);
     let harmed = |length: f64, of: &dyn Fn(usize) -> (MoveKind, f64), parts: usize| {
         let (found, said) = findings(&program, &slot(&program, length, of, parts), 0.2);
-        println!("{length} mm in {parts}: {:?}, cuts {:.1} mm3/s", found.link.map(|l| l.value), found.cut_rate);
+        println!("{length} mm in {parts}: {:?}, cuts {:.1} mm3/s", found.link.map(|l| l.value), found.cut_rate.get());
         said.contains(&(Severity::Error, "IMP0735"))
     };
     let fast: [(&str, Feeds); 6] = [
@@ -125,16 +125,16 @@ fn a_slot_in_blocks_of_a_micrometre_is_a_slot() {
         findings(&program, &of_one_operation(&program, moves), 0.2).0
     };
     let whole = slot(4.0, 0.0);
-    let [depth, arc] = [whole.slot_depth.expect("a depth").value.get(), whole.arc.expect("an arc").value];
+    let [depth, arc] = [whole.slot_depth.expect("a depth").value.get(), whole.arc.expect("an arc").value.get()];
     assert!((165.0..181.0).contains(&arc) && depth > 0.9, "{arc} deg, {depth} mm");
     for (length, across) in [(0.1, 0.0), (0.015, 0.0), (0.005, 0.0), (0.0015, 0.0), (0.0004, 0.0), (0.001, 0.0005)] {
         let divided = slot(length, across);
-        let [d, a] = [divided.slot_depth.map_or(0.0, |p| p.value.get()), divided.arc.map_or(0.0, |p| p.value)];
+        let [d, a] = [divided.slot_depth.map_or(0.0, |p| p.value.get()), divided.arc.map_or(0.0, |p| p.value.get())];
         println!(
             "blocks of {length} mm, {across} mm across: {a:.1} deg, {d:.3} mm; whole: {arc:.1} deg, {depth:.3} mm"
         );
         assert!((160.0..181.0).contains(&a) && d > 0.9 * depth, "{length}: {a} deg, {d} mm");
-        let removed = [whole.removed, divided.removed];
+        let removed = [whole.removed.get(), divided.removed.get()];
         assert!((removed[0] - removed[1]).abs() < 2e-3 * removed[0], "{length}: {removed:?}");
     }
 }
@@ -169,7 +169,7 @@ fn a_fast_turn_with_a_slow_tip_is_a_thick_chip() {
         (found.chip, said.contains(&(Severity::Error, "IMP0739")), 1200.0 / teeth)
     };
     let tip = run(1e6, 0.0);
-    let straight = tip.0.expect("a cut").value;
+    let straight = tip.0.expect("a cut").value.get();
     assert!((straight - tip.2).abs() < 1e-9 * straight, "without a turn {straight} is that of the tip, {}", tip.2);
     for turn in [0.4_f64, -0.4] {
         let (chip, harmed, feed) = run(1e6, turn);
@@ -177,8 +177,9 @@ fn a_fast_turn_with_a_slow_tip_is_a_thick_chip() {
         // The axis at a height moves by the way of the tip and by the height times the turn; the tool meets the block up to
         // 6.5 mm over its tip.
         let most = feed * (1.0 + 6.5 * turn.abs() / 0.2);
-        println!("turn of {turn}: {:.4} mm at {:.2} mm; tip {feed:.4} mm", chip.value, chip.height);
-        assert!(chip.value > 3.0 * feed && chip.value < most && !harmed, "{chip:?}");
+        let value = chip.value.get();
+        println!("turn of {turn}: {value:.4} mm at {:.2} mm; tip {feed:.4} mm", chip.height.get());
+        assert!(value > 3.0 * feed && value < most && !harmed, "{chip:?}");
         assert!(run(1.5 * feed, turn).1, "1.5 times the feed of the tip is the limit");
         assert!(!run(1.5 * feed, 0.0).1);
     }

@@ -190,7 +190,8 @@ fn its_moves_are_measured_against_a_job_for_it() {
     }
     // In inverse time a block takes 1 / F minutes.
     let minutes: f64 = own.iter().filter_map(|s| s.feed).map(|f| 1.0 / f).sum();
-    let said: f64 = certificate.machine.runs.iter().map(|r| r.programmed[0] + r.programmed[1]).sum::<f64>() / 60.0;
+    let said: f64 =
+        certificate.machine.runs.iter().map(|r| r.programmed[0].get() + r.programmed[1].get()).sum::<f64>() / 60.0;
     println!("at feed {minutes:.3} min by the words, {said:.3} min by the verifier");
     assert!((minutes - said).abs() < 2e-3 * minutes);
 
@@ -225,15 +226,19 @@ fn its_moves_are_measured_against_a_job_for_it() {
             found.len(),
             least * 1e3,
             largest * 1e3,
-            report.gouge.value * 1e3,
-            -report.gouge_bound * 1e3,
-            report.excess.value * 1e3,
-            report.excess_bound * 1e3
+            report.gouge.value.get() * 1e3,
+            -report.gouge_bound.get() * 1e3,
+            report.excess.value.get() * 1e3,
+            report.excess_bound.get() * 1e3
         );
         // The worst places are as deep as dense poses say, and no sample is worse than the bounds.
-        assert!((deepest - report.gouge.value).abs() < 2e-3, "{}: {deepest}", report.surface);
-        assert!((most - report.excess.value).abs() < 2e-3, "{}: {most}", report.surface);
-        assert!(least > -report.gouge_bound - 1e-4 && largest < report.excess_bound + 2e-3, "{}", report.surface);
+        assert!((deepest - report.gouge.value.get()).abs() < 2e-3, "{}: {deepest}", report.surface);
+        assert!((most - report.excess.value.get()).abs() < 2e-3, "{}: {most}", report.surface);
+        assert!(
+            least > -report.gouge_bound.get() - 1e-4 && largest < report.excess_bound.get() + 2e-3,
+            "{}",
+            report.surface
+        );
         checked += found.len();
     }
     println!("{checked} samples, {} poses", poses.len());

@@ -147,7 +147,7 @@ fn the_verifier_samples_sweeps_of_every_kind() {
             &Limits::default(),
             &Progress::default(),
         );
-        reports.into_iter().map(|s| (s.gouge.value, s.gouge_bound)).collect::<Vec<_>>()
+        reports.into_iter().map(|s| (s.gouge.value.get(), s.gouge_bound.get())).collect::<Vec<_>>()
     };
     let meant = deepest(&own.chain, &poses);
     for (name, changes) in KINDS.into_iter().filter(|k| k.0 != "bc-table") {

@@ -268,7 +268,7 @@ fn the_verifier_measures_the_splitter() {
             "{}: area {:.2} and {area:.2} mm2, gouge {:.3}",
             report.surface,
             report.area.get(),
-            report.gouge.value
+            report.gouge.value.get()
         );
         if report.id.milled() {
             assert!((area / report.area.get() - 1.0).abs() < 0.08, "{}: {area} {}", report.surface, report.area);
@@ -277,11 +277,11 @@ fn the_verifier_measures_the_splitter() {
         let distance =
             |s: &&Sample| sweeps.iter().fold(5.0, |d, w| w.nearest(&s.position, d).map_or(d, |n| n.distance));
         let least = own.iter().map(distance).fold(f64::INFINITY, f64::min);
-        assert!(report.gouge_bound >= -least - 1e-3, "{}: {} {least}", report.surface, report.gouge_bound);
+        assert!(report.gouge_bound.get() >= -least - 1e-3, "{}: {} {least}", report.surface, report.gouge_bound.get());
         if face.blade != BladeId::MAIN {
             assert!(least < -0.5, "the paths go through the splitter: {least}");
             // A cut that is broken is not followed to its deepest place.
-            assert!(report.gouge.value < -surface::UNPROVED_GOUGE, "{} {least}", report.gouge.value);
+            assert!(report.gouge.value.get() < -surface::UNPROVED_GOUGE, "{} {least}", report.gouge.value.get());
         }
     }
 }

@@ -53,8 +53,8 @@ fn channel(cutter: Cutter, flute: f64, neck: f64) -> [f64; 2] {
     let certificate =
         certify_with(&program, &plan.motion, &mut settings, &progress, &mut Sink::default()).expect("a certificate");
     let hub = certificate.surfaces.iter().find(|s| s.surface.contains("hub of channel 1")).expect("a hub");
-    let deepest = certificate.surfaces.iter().map(|s| s.gouge.depth).fold(0.0, f64::max);
-    [deepest, hub.excess.value]
+    let deepest = certificate.surfaces.iter().map(|s| s.gouge.depth.get()).fold(0.0, f64::max);
+    [deepest, hub.excess.value.get()]
 }
 
 #[test]

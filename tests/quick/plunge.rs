@@ -94,20 +94,20 @@ fn strokes_have_an_arc_about_the_axis_and_a_radial_width() {
         // The circle of the stroke outside of the circles that have moved up to it, a step away: a lune over
         // 2 acos(-s / 2R) when one circle stands there.
         let arc = 2.0 * (-0.5 * step / RADIUS).acos().to_degrees();
-        let (shown, bound) = (found.arc.unwrap().value, found.arc_bound.unwrap().value.get());
+        let (shown, bound) = (found.arc.unwrap().value.get(), found.arc_bound.unwrap().value.get());
         assert!(shown <= arc + 0.01 && arc <= bound && shown > arc - 25.0, "{tilt} {step}: {shown} {arc} {bound}");
-        let width = found.width.unwrap().value;
+        let width = found.width.unwrap().value.get();
         assert!(width <= step + 0.01 && width > step - 2.0 * cell, "{width}");
         // A stroke has no depth that `max-depth` could judge.
         assert!(found.slot_depth.is_none() && found.depth.is_none());
-        assert!(found.middle.is_none_or(|m| m.value < 0.01), "{:?}", found.middle);
+        assert!(found.middle.is_none_or(|m| m.value.get() < 0.01), "{:?}", found.middle);
     }
     // Of full material the middle of the end meets all.
     let program = block(RADIUS, 1.4);
     let motion = strokes(&program, 0.1, &[0.0]);
     let (found, codes) = judged(&program, &motion, 0.1);
-    assert!((found.middle.unwrap().value - 0.6).abs() < 0.08, "{:?}", found.middle);
-    assert!(found.arc.unwrap().value > 340.0 && found.width.unwrap().value > 1.9);
+    assert!((found.middle.unwrap().value.get() - 0.6).abs() < 0.08, "{:?}", found.middle);
+    assert!(found.arc.unwrap().value.get() > 340.0 && found.width.unwrap().value.get() > 1.9);
     assert!(codes.contains(&codes::verification::TOOL_LOAD.id()), "{codes:?}");
     // A tool that cuts at its centre may do that, and one that moves in by its width.
     let (_, codes) = judged(&block(RADIUS, RADIUS), &motion, 0.1);
@@ -365,7 +365,7 @@ fn strokes_clear_the_channel_with_their_teeth() {
     assert!(found.into_middle < 0.05, "{found:?}");
     let mut settings = Settings { cell: Some(0.3), after: None };
     let stock = simulate(program, motion, &mut settings, &Progress::default(), &mut Sink::default()).unwrap();
-    let (volume, removed) = (found.points as f64 * STEP.powi(3), stock.operations[0].removed);
+    let (volume, removed) = (found.points as f64 * STEP.powi(3), stock.operations[0].removed.get());
     assert!((volume - removed).abs() < 0.02 * removed, "{volume} {removed}");
     // In the middle between the walls, from half a millimetre over the allowance of the hub up.
     let part = &program.part;

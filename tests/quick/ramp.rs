@@ -110,7 +110,7 @@ fn the_verifier_measures_how_steeply_a_tool_goes_down() {
             for (limit, fails) in [(0.9 * angle, true), (1.1 * angle, false)] {
                 let program = ramping(limit);
                 let (found, codes) = judged(&program, &line(&program, tilt, angle, count, 1), 0.2);
-                let ramp = found.ramp.expect("a ramp").value;
+                let ramp = found.ramp.expect("a ramp").value.get();
                 println!("{angle} deg in {count} moves, tilted by {tilt}: {ramp:.4} deg");
                 assert!((ramp - angle).abs() < 1e-3, "{tilt} {angle} {count}: {ramp}");
                 let load = codes.contains(&codes::verification::TOOL_LOAD.id());
@@ -157,7 +157,7 @@ fn only_ways_down_with_material_under_the_middle_are_ramps() {
     let moves = [to(MoveKind::Rapid, at(-9.0, 9.0))].into_iter().chain(cuts).collect();
     let (found, _) = judged(&program, &of_one_operation(&program, moves), 0.1);
     let short = (0.3_f64 / 1.2).atan().to_degrees();
-    assert!((found.ramp.expect("a ramp").value - short).abs() < 1e-6, "{:?} {short}", found.ramp);
+    assert!((found.ramp.expect("a ramp").value.get() - short).abs() < 1e-6, "{:?} {short}", found.ramp);
 }
 
 /// A flat tool goes down in the middle of the block, from its top, in parts: a way down with the first part of each, and level
@@ -201,12 +201,12 @@ fn short_blocks_down_are_judged_together() {
         [(1.0, 0.0, 1, 0.0), (0.04, 0.0, 25, 0.0), (0.04, 0.02, 25, 0.0), (0.04, 0.0, 25, 0.5), (0.02, 0.0, 50, 0.0)]
     {
         let (found, refused) = said([0.0, down], [level, 0.0], count, peck);
-        assert!(refused && found.middle.is_some_and(|m| m.value > 0.5), "{down} {level} {peck}");
+        assert!(refused && found.middle.is_some_and(|m| m.value.get() > 0.5), "{down} {level} {peck}");
     }
     // A way down at 60 deg between level blocks that are too short to matter.
     let (found, refused) = said([0.02, 0.02 * 3f64.sqrt()], [0.004, 0.0], 60, 0.0);
     let angle = (0.02 * 3f64.sqrt() / 0.024).atan().to_degrees();
-    let ramp = found.ramp.expect("a ramp").value;
+    let ramp = found.ramp.expect("a ramp").value.get();
     assert!(refused && (ramp - angle).abs() < 2.0, "{ramp} {angle}");
     // Gentle stairs, and one layer that a ridge can be.
     assert!(!said([0.0, 0.01], [0.05, 0.0], 40, 0.0).1);

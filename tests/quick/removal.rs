@@ -3,7 +3,7 @@
 use crate::support;
 use impellerc::base::entity::PrimaryMap;
 use impellerc::base::progress::Progress;
-use impellerc::base::units::Mm3PerMin;
+use impellerc::base::units::{Mm3PerMin, Share};
 use impellerc::diagnostics::Sink;
 use impellerc::ir::{MoveKind, Program, Tool};
 use impellerc::plan::passes::pipeline::{self, Plan};
@@ -39,16 +39,16 @@ fn limited(program: &Program, max_rate: f64) -> Program {
 fn feeds_keep_the_removal_rate_and_the_power() {
     let program = support::channel_only(0.2);
     let free = simulated(&program, &planned(&program));
-    let most = free.rate.expect("cuts").value * 60.0;
+    let most = free.rate.expect("cuts").by_minute().value;
     let limit = 0.4 * most;
 
     let within = limited(&program, limit);
     let plan = planned(&within);
     let kept = simulated(&within, &plan);
-    let rate = kept.rate.expect("cuts").value * 60.0;
+    let rate = kept.rate.expect("cuts").by_minute().value;
     println!("largest rate {most:.0} mm3/min without a limit; {rate:.0} with the limit {limit:.0}");
     assert!(rate <= limit && rate > 0.85 * limit, "{rate} of {limit}");
-    assert!((kept.removed - free.removed).abs() < 1e-6 * free.removed, "the paths are the same");
+    assert!((kept.removed.get() - free.removed.get()).abs() < 1e-6 * free.removed.get(), "the paths are the same");
     // Blocks with small chips keep their feed.
     let cuts = plan.motion.operations[0].moves.iter().filter(|m| m.kind == MoveKind::Cut);
     let (fast, all) = cuts.fold((0, 0), |(fast, all), m| (fast + usize::from(m.feed > Some(200.0)), all + 1));
@@ -56,11 +56,11 @@ fn feeds_keep_the_removal_rate_and_the_power() {
     assert!(fast > all / 10 && fast < all, "{fast} of {all}");
 
     // The lower feeds count for the removal, not for the feed of the block.
-    let shares = |removal: &[f64]| {
+    let shares = |removal: &[Share]| {
         let run = run(&within, &plan.motion, 0, removal);
         [MotionLimit::Removal, MotionLimit::BlockFeed].map(|limit| {
             let own = run.limits.iter().filter(|l| l.limit == limit);
-            own.map(|l| l.time[0]).sum::<f64>() / run.time[0]
+            own.map(|l| l.time[0].get()).sum::<f64>() / run.time[0].get()
         })
     };
     let ([removal, block], [none, all]) = (shares(&kept.removal), shares(&[]));
@@ -71,9 +71,9 @@ fn feeds_keep_the_removal_rate_and_the_power() {
 
     let mut strong = program.clone();
     strong.stock.material = Some(Material::Titanium);
-    let needed = simulated(&strong, &planned(&strong)).power.expect("a material").value;
+    let needed = simulated(&strong, &planned(&strong)).power.expect("a material").value.get();
     strong.machine.power = Some(0.5 * needed);
-    let power = simulated(&strong, &planned(&strong)).power.expect("a material").value;
+    let power = simulated(&strong, &planned(&strong)).power.expect("a material").value.get();
     println!("largest power {needed:.3} kW without a limit; {power:.3} kW with half of it");
     assert!(power <= 0.5 * needed && power > 0.4 * needed, "{power} of {needed}");
 }

@@ -268,12 +268,12 @@ fn worst_places_that_look_alike_are_listed_once_and_by_size() {
     for s in &mut certificate.surfaces {
         let face = s.surface.contains("pressure face");
         let sector = f64::from(s.id.sector);
-        s.gouge.depth = if face { 0.004_12 + 1e-9 * (4.0 - (sector - 4.0).abs()) } else { 0.0 };
+        s.gouge.depth = Mm(if face { 0.004_12 + 1e-9 * (4.0 - (sector - 4.0).abs()) } else { 0.0 });
         if face && s.id.sector == 2 {
-            s.gouge.depth = 0.007;
+            s.gouge.depth = Mm(0.007);
         }
-        s.gouge_bound = (s.gouge.depth * 1e5).ceil() / 1e5;
-        (s.excess.value, s.excess_bound, s.percentiles, s.not_reached) = (-1e-3, 0.0, [Mm(0.0); 3], Mm2(0.0));
+        s.gouge_bound = Mm((s.gouge.depth.get() * 1e5).ceil() / 1e5);
+        (s.excess.value, s.excess_bound, s.percentiles, s.not_reached) = (Mm(-1e-3), Mm(0.0), [Mm(0.0); 3], Mm2(0.0));
     }
     let html = report::report(&Input {
         program,

@@ -3,6 +3,7 @@
 use crate::report::{COMPILED, between, inflated};
 use crate::support::browser::{self, Page, count};
 use crate::support::pinned;
+use impellerc::base::units::Sec;
 use impellerc::verify::dynamics::MotionLimit;
 use serde_json::Value;
 
@@ -400,8 +401,9 @@ fn every_move_has_the_limit_of_its_feed() {
     for (run, operation) in certificate.machine.runs.iter().zip(&motion.operations) {
         assert!(run.of_moves.is_sorted_by(|a, b| a.index < b.index));
         assert!(run.of_moves.len() + 2 >= operation.moves.iter().filter(|m| m.time > 0.0).count());
-        let whole: f64 = run.time.iter().sum();
-        let at_feed: f64 = run.limits.iter().filter(|l| l.limit == MotionLimit::Feed).flat_map(|l| l.time).sum();
+        let whole = run.time.into_iter().sum::<Sec>().get();
+        let at_feed = run.limits.iter().filter(|l| l.limit == MotionLimit::Feed).flat_map(|l| l.time);
+        let at_feed = at_feed.sum::<Sec>().get();
         let of_moves = run.of_moves.iter().filter(|m| run.limits[m.limit].limit == MotionLimit::Feed);
         let by_moves: f64 = of_moves.map(|m| operation.moves[m.index as usize].time).sum();
         assert!((by_moves - at_feed).abs() < 0.2 * whole, "{by_moves} s at feed by moves, {at_feed} s of {whole} s");

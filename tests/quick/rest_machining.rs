@@ -85,7 +85,7 @@ fn a_repeated_operation_disappears_where_it_was_done() {
     assert!((fresh[1] / fresh[0] - 1.0).abs() < 0.02, "{fresh:?}");
     // The first operation is what it was.
     assert_eq!(length(&all.cl.operations[0].passes), length(&less.cl.operations[0].passes));
-    let volumes = [simulated(&whole, &all), simulated(&rest, &less)].map(|s| s.rest());
+    let volumes = [simulated(&whole, &all), simulated(&rest, &less)].map(|s| s.rest().get());
     let bound = THICKNESS * floor(&whole);
     println!("rest {volumes:?} mm3, bound {bound:.1} mm3");
     // Cuts in air were taken away, not those in stock.
@@ -178,10 +178,10 @@ fn links_of_what_is_left_meet_no_stock() {
     let inside = less.cl.operations[3].passes.iter().filter(|p| p.label.contains("rest")).count();
     assert!(inside >= 2, "no line is left and entered in between");
     let [before, after] = [simulated(&whole, &all), simulated(&rest, &less)].map(|s| s.operations[3].clone());
-    println!("rest {} {}, by links {}", before.rest, after.rest, after.by_links);
+    println!("rest {} {}, by links {}", before.rest, after.rest, after.by_links.get());
     // A cut is entered where the room is free but for the thickness.
-    assert!(after.by_links < 0.01 * after.removed && after.collisions.is_empty(), "{:?}", after.collisions);
-    let left = after.rest - before.rest;
+    assert!(after.by_links.get() < 0.01 * after.removed.get() && after.collisions.is_empty(), "{:?}", after.collisions);
+    let left = after.rest.get() - before.rest.get();
     assert!(left >= -1e-6 && left < 0.1 * THICKNESS * floor(&whole), "{left}");
 }
 

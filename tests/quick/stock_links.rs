@@ -32,7 +32,8 @@ fn least(program: &Program, motion: &Motion, at: usize, of: fn(&ToolSolid, f64, 
     let all = piece::pieces(&program.machine, motion, at);
     let links: Vec<piece::Piece> = all.into_iter().filter(|p| p.kind == MoveKind::Link).collect();
     let solid = &program.tools[program.operations[motion.operations[at].operation].tool].solid;
-    clearance::least(&links, solid, of, &cloud, SPACING * std::f64::consts::FRAC_1_SQRT_2, FAR).map_or(FAR, |c| c.found)
+    clearance::least(&links, solid, of, &cloud, SPACING * std::f64::consts::FRAC_1_SQRT_2, FAR)
+        .map_or(FAR, |c| c.found.get())
 }
 
 /// The small job, whose floor in two sectors follows the simulated stock, or none of whose operations does.
@@ -68,8 +69,8 @@ fn the_tool_goes_from_face_to_face_through_the_air_of_the_stock() {
     assert!(least(&known, &with, flank, ToolSolid::cutter_distance) >= 0.1);
     let (report, _) = jobs::simulated(&known, &with, 0.2);
     for operation in &report.operations {
-        println!("{} mm3 by links, {} collisions", operation.by_links, operation.collisions.len());
+        println!("{} mm3 by links, {} collisions", operation.by_links.get(), operation.collisions.len());
     }
     assert!(report.operations[flank].collisions.is_empty());
-    assert_eq!(report.operations[flank].by_links, 0.0);
+    assert_eq!(report.operations[flank].by_links.get(), 0.0);
 }

@@ -84,7 +84,7 @@ fn agrees_with_the_surface_verifier() {
     }
     // At the rims of the cut the nearest surface is that of the blank, which is no end of a cut.
     assert!(seen * 20 > samples.len() * 19, "{seen} of {}", samples.len());
-    let removed = found.operations[0].removed;
+    let removed = found.operations[0].removed.get();
     assert!(removed > 100.0 && found.operations[0].collisions.is_empty(), "{removed}");
 }
 
@@ -110,12 +110,16 @@ fn volumes_agree_and_threads_do_not_matter() {
     let ((one, field), (two, other)) = (run(1), run(2));
     assert!(one == two && field == other && field.fingerprint() == other.fingerprint());
     let operation = &one.operations[0];
-    assert!((one.blank - operation.removed - operation.rest).abs() < 1e-6);
-    assert!(operation.air > 0.0 && operation.air < operation.time);
+    assert!((one.blank.get() - operation.removed.get() - operation.rest.get()).abs() < 1e-6);
+    assert!(operation.air.get() > 0.0 && operation.air < operation.time);
     // Another way to the same volume: the divergence theorem over the triangles. Edges are rounded within a cell.
     let fresh = Field::turned(&program.stock.profile, CELL).unwrap();
     let by_mesh = fresh.mesh().volume() - field.mesh().volume();
-    assert!((by_mesh - operation.removed).abs() < 0.1 * operation.removed, "{by_mesh} {}", operation.removed);
+    assert!(
+        (by_mesh - operation.removed.get()).abs() < 0.1 * operation.removed.get(),
+        "{by_mesh} {}",
+        operation.removed.get()
+    );
 }
 
 /// A coarser field has rays of the field, so that its mesh shows the same stock.

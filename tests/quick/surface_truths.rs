@@ -53,13 +53,13 @@ fn certify_on(chain: &Chain, shape: &dyn Shape, solid: &ToolSolid, poses: &[Rota
 /// Found figures equal the truth, and bounds hold without giving away more than they may.
 #[track_caller]
 fn agrees(report: &SurfaceReport, gouge: f64, excess: f64) {
-    let found = (report.gouge.value, report.excess.value);
+    let found = (report.gouge.value.get(), report.excess.value.get());
     assert!((found.0 + gouge).abs() < TENTH, "gouge {} um, truth {} um", -found.0 * 1e3, gouge * 1e3);
     assert!((found.1 - excess).abs() < TENTH, "excess {} um, truth {} um", found.1 * 1e3, excess * 1e3);
     let slack = SLACK + TENTH;
-    assert!((gouge.max(0.0) - 1e-9..gouge.max(0.0) + slack).contains(&report.gouge_bound), "{report:?}");
+    assert!((gouge.max(0.0) - 1e-9..gouge.max(0.0) + slack).contains(&report.gouge_bound.get()), "{report:?}");
     let most = excess.max(0.0);
-    assert!((most - 1e-9..most * 1.02 + slack).contains(&report.excess_bound), "{report:?}");
+    assert!((most - 1e-9..most * 1.02 + slack).contains(&report.excess_bound.get()), "{report:?}");
 }
 
 fn plane(side: f64) -> impl Shape {
@@ -176,9 +176,13 @@ fn plunge_of_an_exact_depth() {
             let solid = tool(cutter, 20.0);
             let pose = |z: f64| RotaryPose { tip: Point3::new(5.3, 4.1, z), rotary: [0.0; 2] };
             let report = certify(&plane(10.0), &solid, &[pose(30.0), pose(-depth), pose(30.0)]);
-            assert!((report.gouge.depth - depth).abs() < TENTH, "{} mm", report.gouge.depth);
+            assert!((report.gouge.depth.get() - depth).abs() < TENTH, "{} mm", report.gouge.depth.get());
             let most = if depth > UNPROVED_GOUGE { RADIUS } else { depth + SLACK };
-            assert!((depth - 1e-9..most + TENTH).contains(&report.gouge_bound), "{} mm", report.gouge_bound);
+            assert!(
+                (depth - 1e-9..most + TENTH).contains(&report.gouge_bound.get()),
+                "{} mm",
+                report.gouge_bound.get()
+            );
             assert_eq!(report.gouge.at.map(|at| at.index.min(1)), Some(1));
         }
     }

@@ -32,13 +32,13 @@ fn loops_keep_to_their_arc_and_are_one_run() {
         loops += m.time;
         match m.kind {
             MoveKind::Cut => {
-                cuts += usize::from(found.moves[i].arc > 0.0);
-                largest[0] = largest[0].max(found.moves[i].arc);
+                cuts += usize::from(found.moves[i].arc.get() > 0.0);
+                largest[0] = largest[0].max(found.moves[i].arc.get());
             }
             // Links go through what is cut.
             MoveKind::Link => {
                 returns += m.time;
-                largest[1] = largest[1].max(found.moves[i].arc);
+                largest[1] = largest[1].max(found.moves[i].arc.get());
             }
             MoveKind::Rapid => rapids.push(m.pass),
         }
@@ -51,6 +51,6 @@ fn loops_keep_to_their_arc_and_are_one_run() {
     // A slot is one run: at rapid the tool only approaches it, and leaves it.
     let passes: std::collections::BTreeSet<u32> = rapids.iter().copied().collect();
     assert!(rapids.len() <= 4 * passes.len().max(1), "{} rapids of {} slots", rapids.len(), passes.len());
-    let removed = 100.0 * found.by_links / found.removed;
+    let removed = 100.0 * found.by_links.get() / found.removed.get();
     assert!(removed < 0.1, "links remove {removed} % of the stock");
 }

@@ -44,7 +44,7 @@ fn a_wrong_program_takes_no_more_than_three_times_the_work_of_the_right_one() {
     let (right, certificate) = measured(program, motion);
     println!("right: {right} points and cells");
     // Of what holds, bounds are as close as ever.
-    assert!(certificate.surfaces.iter().all(|s| s.gouge_bound <= s.gouge.depth + 6e-4));
+    assert!(certificate.surfaces.iter().all(|s| s.gouge_bound.get() <= s.gouge.depth.get() + 6e-4));
     let down = |by: f64| changed(program, motion, 1, move |_, tip, rotary| (tip - Vector3::z() * by, rotary));
     let wrong = [
         ("2 mm lower", down(2.0)),
@@ -61,14 +61,14 @@ fn a_wrong_program_takes_no_more_than_three_times_the_work_of_the_right_one() {
     for (what, motion) in wrong {
         let (points, certificate) = measured(program, &motion);
         let deepest = certificate.surfaces.iter().max_by(|a, b| a.gouge.depth.total_cmp(&b.gouge.depth)).unwrap();
-        println!("{what}: {points} points and cells, {:.2} mm deep", deepest.gouge.depth);
+        println!("{what}: {points} points and cells, {:.2} mm deep", deepest.gouge.depth.get());
         assert!(points <= 3 * right, "{what}: {points} for {right}");
-        assert!(deepest.gouge.depth > 0.5, "{what}: {deepest:?}");
+        assert!(deepest.gouge.depth.get() > 0.5, "{what}: {deepest:?}");
         // The ball of these operations has 1 mm: a bound that was not looked for is no less, and never below what is found.
         for s in &certificate.surfaces {
-            let far = -s.gouge.value > 0.4;
-            assert!(s.gouge_bound >= s.gouge.depth, "{what}: {}", s.surface);
-            assert!(!far || s.gouge_bound >= 1.0 - 1e-9, "{what}: {} {}", s.surface, s.gouge_bound);
+            let far = -s.gouge.value.get() > 0.4;
+            assert!(s.gouge_bound.get() >= s.gouge.depth.get(), "{what}: {}", s.surface);
+            assert!(!far || s.gouge_bound.get() >= 1.0 - 1e-9, "{what}: {} {}", s.surface, s.gouge_bound.get());
         }
         let text = impellerc::report::proof::details::details(program, &motion, &certificate);
         assert!(text.contains("has no closer bound than the radius of the cutter"), "{what}");

@@ -56,7 +56,7 @@ fn keeps(program: &Program, motion: &Motion, sink: &mut Sink) -> bool {
     let asked = |id: SurfaceId| VANES.contains(&id.sector) && excess.scope.surfaces.contains(&id.kind.class());
     let milled: Vec<_> = certificate.surfaces.iter().filter(|s| asked(s.id)).collect();
     assert!(milled.len() >= VANES.len() * excess.scope.surfaces.len(), "surfaces are missing");
-    not_milled && milled.iter().all(|s| s.excess_bound <= excess.bound.value())
+    not_milled && milled.iter().all(|s| s.excess_bound.get() <= excess.bound.value())
 }
 
 /// Plans and verifies; the passes of a vane, and whether all contracts are kept.

@@ -37,23 +37,31 @@ fn roughing_goes_on_from_any_block() {
         let cut = |c: &Compiled| c.plan.motion.operations[0].moves.len();
         println!(
             "broken after {:.0} of {:.0} mm3: {} instead of {} moves, rest {:.3} instead of {:.3} mm, {:.0} instead of {:.0} mm3",
-            report.operations[0].removed,
-            due.operations[0].removed,
+            report.operations[0].removed.get(),
+            due.operations[0].removed.get(),
             cut(&again),
             cut(whole),
             rest(&again),
             rest(whole),
-            found.rest(),
-            due.rest()
+            found.rest().get(),
+            due.rest().get()
         );
         // What is left at the end is what the whole run leaves: volumes differ by the edges that the mesh rounds, at the
         // start, and the thickest rest by less than a cell.
-        let rounded = (report.rest() - found.blank).abs();
-        assert!((found.rest() - due.rest()).abs() < rounded + 0.003 * due.rest(), "{} {}", found.rest(), due.rest());
+        let rounded = (report.rest().get() - found.blank.get()).abs();
+        assert!(
+            (found.rest().get() - due.rest().get()).abs() < rounded + 0.003 * due.rest().get(),
+            "{} {}",
+            found.rest().get(),
+            due.rest().get()
+        );
         assert!((rest(&again) - rest(whole)).abs() < CELL);
         // The second tool finds its rest as before, and the first is not sent where it has been.
-        assert!((found.operations[1].removed - due.operations[1].removed).abs() < 0.25 * due.operations[1].removed);
-        let left = 1.0 - report.operations[0].removed / due.operations[0].removed;
+        assert!(
+            (found.operations[1].removed.get() - due.operations[1].removed.get()).abs()
+                < 0.25 * due.operations[1].removed.get()
+        );
+        let left = 1.0 - report.operations[0].removed.get() / due.operations[0].removed.get();
         assert!((cut(&again) as f64) < (left + 0.15) * cut(whole) as f64, "{} moves of {}", cut(&again), cut(whole));
         assert!(found.collisions().next().is_none());
     }
@@ -71,8 +79,12 @@ fn a_finished_operation_finds_nothing() {
         Err(_) => assert!(sink.diags().iter().any(|d| d.code == codes::planning::NO_REST)),
         Ok(plan) => {
             let (found, _) = simulated(&again, &plan.motion, CELL);
-            println!("removed again {:.1} of {:.1} mm3", found.operations[0].removed, report.operations[0].removed);
-            assert!(found.operations[0].removed < 0.005 * report.operations[0].removed);
+            println!(
+                "removed again {:.1} of {:.1} mm3",
+                found.operations[0].removed.get(),
+                report.operations[0].removed.get()
+            );
+            assert!(found.operations[0].removed.get() < 0.005 * report.operations[0].removed.get());
         }
     }
 }

@@ -3,7 +3,7 @@
 
 use crate::support;
 use impellerc::base::entity::PrimaryMap;
-use impellerc::base::units::Mm;
+use impellerc::base::units::{Mm, Sec};
 use impellerc::diagnostics::Sink;
 use impellerc::ir::{Contract, ContractKind, JointMove, Motion, MotionOperation, MoveKind, OperationKind, Program};
 use impellerc::plan::passes::pipeline;
@@ -69,7 +69,7 @@ fn least(program: &Program, motion: &Motion, kind: MoveKind, of: fn(&ToolSolid, 
         piece::pieces(&program.machine, motion, 0).into_iter().filter(|p| p.kind == kind).collect();
     let solid = &program.tools[program.operations.iter().next().unwrap().1.tool].solid;
     clearance::least(&pieces, solid, of, &cloud, spacing * std::f64::consts::FRAC_1_SQRT_2, far)
-        .map_or(far, |c| c.found)
+        .map_or(far, |c| c.found.get())
 }
 
 #[test]
@@ -88,7 +88,7 @@ fn zigzag_lines_are_joined_by_short_ways_that_stay_clear() {
     println!("{} of {count} lines are reached by short ways", joined(&zigzag));
     assert!(10 * joined(&zigzag) >= 9 * count);
     // The contact does not move; only directions, and ways between lines.
-    let time = |program: &Program, motion: &Motion| dynamics::run(program, motion, 0, &[]).time;
+    let time = |program: &Program, motion: &Motion| dynamics::run(program, motion, 0, &[]).time.map(Sec::get);
     let ([cut, link, rapid], before) = (time(&back, &zigzag), time(&there, &one_way));
     println!("cut, link, rapid: {cut:.1} {link:.1} {rapid:.1} s; one-way {before:?} s");
     assert!((cut / before[0] - 1.0).abs() < 0.02 && 3.0 * (link + rapid) < before[1] + before[2]);

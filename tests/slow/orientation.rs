@@ -8,7 +8,7 @@
 use crate::support;
 use impellerc::base::entity::PrimaryMap;
 use impellerc::base::progress::Progress;
-use impellerc::base::units::{Mm, MmPerMin, Rpm};
+use impellerc::base::units::{Mm, MmPerMin, Rpm, Sec};
 use impellerc::diagnostics::{Severity, Sink};
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::five_axis::{Carried, CarriedKind};
@@ -119,7 +119,7 @@ fn row(program: &Program, motion: &Motion) -> Row {
     let asked = [run.required_acceleration[3].value.0, run.required_acceleration[4].value.0];
     let cuts = motion.operations[0].moves.iter().filter(|m| m.kind == MoveKind::Cut);
     let at_feed = cuts.map(|m| m.time).sum();
-    Row { turn, length, time: run.time[0], whole: run.time.iter().sum(), at_feed, asked }
+    Row { turn, length, time: run.time[0].get(), whole: run.time.into_iter().sum::<Sec>().get(), at_feed, asked }
 }
 
 fn planned(program: &Program) -> Motion {
@@ -157,7 +157,7 @@ fn left_on_faces(program: &Program, motion: &Motion) -> f64 {
         &Progress::default(),
     );
     let face = |r: &&surface::SurfaceReport| r.id.sector == 0 && matches!(r.id.kind, SurfaceKind::Face(_));
-    found.iter().filter(face).map(|r| r.excess.value.max(r.gouge.value.abs())).fold(0.0, f64::max)
+    found.iter().filter(face).map(|r| r.excess.value.get().max(r.gouge.value.get().abs())).fold(0.0, f64::max)
 }
 
 /// A method with its plan.
@@ -309,8 +309,8 @@ fn clearances(program: &Program, motion: &Motion) -> [f64; 3] {
     let half = spacing * std::f64::consts::FRAC_1_SQRT_2;
     let least = |f: fn(&ToolSolid, f64, f64) -> f64| {
         clearance::least(&pieces, solid, f, &cloud, half, 3.0).map_or(3.0, |c| {
-            println!("  found {:.3} mm, at least {:.3} mm", c.found, c.distance);
-            c.distance
+            println!("  found {:.3} mm, at least {:.3} mm", c.found.get(), c.distance.get());
+            c.distance.get()
         })
     };
     [least(side), least(shank), least(holder)]
@@ -379,7 +379,7 @@ fn axes_keep_clear_of_a_fixture() {
     let least = |motion: &Motion| {
         let found = obstacles::check(&clamped, motion, &Progress::default());
         println!("{:?}", found[0]);
-        found[0].clearance.as_ref().map_or(20.0, |c| c.distance)
+        found[0].clearance.as_ref().map_or(20.0, |c| c.distance.get())
     };
     let [without, with] = [least(&COARSE.motion), least(&planned(&clamped))];
     assert!(without < 0.0 && with >= 0.5, "{without} {with}");

@@ -81,19 +81,19 @@ fn the_stock_that_stays_is_the_part_and_what_finishing_leaves() {
         let mut settings = Settings { cell: Some(cell), after: None };
         let stock =
             simulate(&program, &motion, &mut settings, &Progress::default(), &mut Sink::default()).expect("a stock");
-        let removed: f64 = stock.operations.iter().map(|o| o.removed).sum();
-        let gap = stock.rest() - part.value - left;
+        let removed: f64 = stock.operations.iter().map(|o| o.removed.get()).sum();
+        let gap = stock.rest().get() - part.value - left;
         println!(
             "cell {:.3}: blank {blank:.1} (rays {:.1}), removed {removed:.1}, rest {:.1}, part {:.1} +- {:.3}, left {left:.1}, gap {gap:.1}, area {area:.0}",
-            stock.cell,
-            stock.blank,
-            stock.rest(),
+            stock.cell.get(),
+            stock.blank.get(),
+            stock.rest().get(),
             part.value,
             part.error
         );
-        assert!((stock.blank - removed - stock.rest()).abs() < 1e-6 * blank);
+        assert!((stock.blank.get() - removed - stock.rest().get()).abs() < 1e-6 * blank);
         // Rays know nothing between each other: over the surface their errors are shares of a cell that cancel out.
-        let bound = 0.02 * stock.cell * area;
-        assert!(gap.abs() < bound && (stock.blank - blank).abs() < bound, "{gap} {bound}");
+        let bound = 0.02 * stock.cell.get() * area;
+        assert!(gap.abs() < bound && (stock.blank.get() - blank).abs() < bound, "{gap} {bound}");
     }
 }

@@ -153,13 +153,15 @@ fn a_tapered_ball_roughs() {
     println!(
         "tapered ball: {missing:.4} mm missing, proved {:.5} mm; {:.1} mm3 removed, {:.2} by links; cleared {:.2} % to {:.2} %",
         vanes[2].bound.get(),
-        stock.removed,
-        stock.by_links,
+        stock.removed.get(),
+        stock.by_links.get(),
         100.0 * rest[1].cleared.get(),
         100.0 * rest[2].cleared.get()
     );
     assert!(missing < 1e-3 && vanes[2].bound.get() < 1e-3, "{missing} {}", vanes[2].bound.get());
-    assert!(stock.collisions.is_empty() && stock.removed > 3.0 && stock.by_links < 0.05 * stock.removed);
+    assert!(
+        stock.collisions.is_empty() && stock.removed.get() > 3.0 && stock.by_links.get() < 0.05 * stock.removed.get()
+    );
     assert!(rest[2].cleared > rest[1].cleared);
 }
 
@@ -172,10 +174,15 @@ fn links_remove_nothing() {
     let mut settings = Settings { cell: Some(0.2), ..Settings::default() };
     let report = simulate(program, motion, &mut settings, &Progress::default(), &mut Sink::default()).expect("a stock");
     for (operation, most) in report.operations.iter().zip([1e-3, 1e-2]) {
-        println!("{}: links remove {:.3} of {:.3} mm3", operation.name, operation.by_links, operation.removed);
-        let [link, cut] = [operation.link, operation.rate].map(|peak| peak.map_or(0.0, |p| p.value));
+        println!(
+            "{}: links remove {:.3} of {:.3} mm3",
+            operation.name,
+            operation.by_links.get(),
+            operation.removed.get()
+        );
+        let [link, cut] = [operation.link, operation.rate].map(|peak| peak.map_or(0.0, |p| p.value.get()));
         assert!(operation.collisions.is_empty() && link <= cut, "{}: {link} {cut}", operation.name);
-        assert!(operation.by_links < most * operation.removed, "{}", operation.name);
+        assert!(operation.by_links.get() < most * operation.removed.get(), "{}", operation.name);
     }
 }
 
@@ -310,7 +317,7 @@ fn is_roughed_from_one_item(program: Program) {
         assert!(contract.holds, "{}: {}", contract.name(), contract.found);
     }
     for operation in &compiled.certificate.stock.as_ref().expect("a stock").operations {
-        let [link, cut] = [operation.link, operation.rate].map(|peak| peak.map_or(0.0, |p| p.value));
+        let [link, cut] = [operation.link, operation.rate].map(|peak| peak.map_or(0.0, |p| p.value.get()));
         assert!(operation.collisions.is_empty() && link <= cut, "{}: {link} {cut}", operation.name);
     }
 }

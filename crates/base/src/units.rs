@@ -3,14 +3,29 @@
 //! Figures that are made for texts, such as those of a certificate, have angles in degrees, and say so.
 
 use serde::{Deserialize, Serialize};
+use std::cmp::Ordering;
 use std::fmt;
+use std::iter::Sum;
+use std::ops::AddAssign;
 
 macro_rules! number {
     ($(#[$doc:meta])* $name:ident) => {
         $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize, Deserialize)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd, Serialize, Deserialize)]
         #[serde(transparent)]
         pub struct $name(pub f64);
+
+        impl Sum for $name {
+            fn sum<I: Iterator<Item = Self>>(quantities: I) -> Self {
+                Self(quantities.map(Self::get).sum())
+            }
+        }
+
+        impl AddAssign for $name {
+            fn add_assign(&mut self, other: Self) {
+                self.0 += other.0;
+            }
+        }
 
         impl From<f64> for $name {
             fn from(number: f64) -> Self {
@@ -28,6 +43,11 @@ macro_rules! number {
             /// The bare number, in the unit of the type.
             pub const fn get(self) -> f64 {
                 self.0
+            }
+
+            /// The order of all numbers, those that are not finite included.
+            pub fn total_cmp(&self, other: &Self) -> Ordering {
+                self.0.total_cmp(&other.0)
             }
         }
     };
@@ -91,6 +111,23 @@ quantity!(
     Mm3PerMin,
     "mm3/min"
 );
+quantity!(
+    /// A removal rate in cubic millimetres per second.
+    Mm3PerSec,
+    "mm3/s"
+);
+quantity!(
+    /// A power in kilowatts.
+    Kw,
+    "kW"
+);
+
+impl Mm3PerSec {
+    /// The same by minutes, as people state it.
+    pub fn by_minute(self) -> Mm3PerMin {
+        Mm3PerMin(self.0 * 60.0)
+    }
+}
 
 /// An angle in radians; it prints in degrees.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize, Deserialize)]

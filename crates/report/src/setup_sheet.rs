@@ -122,7 +122,7 @@ fn program_section(input: SheetInput<'_>) -> SheetSection {
         format!("Machine: {}", program.machine.name),
         format!(
             "Machining time: {} (h:mm:ss), from a model of the control, without tool changes",
-            clock(certificate.time())
+            clock(certificate.time().get())
         ),
     ];
     let [made, sectors] = certificate.sectors();

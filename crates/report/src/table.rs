@@ -1,7 +1,7 @@
 //! One table, and how each kind of text shows it: columns on a terminal, Markdown, the page of the report, a sheet for printing.
 
 use crate::markup::escaped;
-use base::units::{Deg, Mm, Mm2, Share};
+use base::units::{Deg, Mm, Mm2, Mm3, Share};
 use std::borrow::Cow;
 
 /// How a number is written: its factor, its decimals, and what follows it.
@@ -51,8 +51,8 @@ pub(crate) enum Figure {
 
 impl Figure {
     /// What stands where there is no figure.
-    pub(crate) fn or(value: Option<f64>, none: &str) -> Self {
-        value.map_or_else(|| Self::Words(none.to_owned()), Self::Number)
+    pub(crate) fn or(value: Option<impl Into<f64>>, none: &str) -> Self {
+        value.map_or_else(|| Self::Words(none.to_owned()), |value| Self::Number(value.into()))
     }
 }
 
@@ -73,7 +73,7 @@ macro_rules! quantities {
     };
 }
 
-quantities!(Mm, Mm2, Deg, Share);
+quantities!(Mm, Mm2, Mm3, Deg, Share);
 
 impl From<usize> for Figure {
     fn from(count: usize) -> Self {

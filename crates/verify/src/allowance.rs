@@ -98,7 +98,7 @@ pub(super) fn report(program: &Program, motion: &Motion, found: &AllowanceReport
     };
     let text = format!(
         "roughing {} the {}; the control may deviate by {tolerance} (`tolerance rough`)",
-        left(n.place.value),
+        left(n.place.value.get()),
         n.surface
     );
     let mut diag = Diag::error(verification::ROUGH_TOLERANCE, text)

@@ -14,7 +14,7 @@ use super::stated_points::{ImportedReport, StatedReport};
 use super::stock::StockReport;
 use super::surface::SurfaceReport;
 use base::source::Span;
-use base::units::Mm;
+use base::units::{Mm, Sec};
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
@@ -31,10 +31,10 @@ pub struct OperationReport {
     pub passes: usize,
     /// Moves.
     pub moves: usize,
-    /// Length of the tip path while cutting, linking and at rapid, mm.
-    pub length: [f64; 3],
-    /// Time of cutting, links and rapids, s.
-    pub time: [f64; 3],
+    /// Length of the tip path while cutting, linking and at rapid.
+    pub length: [Mm; 3],
+    /// Time of cutting, links and rapids.
+    pub time: [Sec; 3],
     /// Spline blocks, where the operation has some.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub splines: Option<SplineReport>,
@@ -178,15 +178,15 @@ pub struct Certificate {
 }
 
 impl Certificate {
-    /// Time of all operations, s.
-    pub fn time(&self) -> f64 {
+    /// Time of all operations.
+    pub fn time(&self) -> Sec {
         self.operations.iter().flat_map(|o| o.time).sum()
     }
 
     /// The most by which the control leaves the programmed motion, and the operation.
     pub fn deviation(&self) -> Option<(Mm, &str)> {
         let all = self.operations.iter().zip(&self.machine.runs).map(|(o, run)| (run.contour.value, o.name.as_str()));
-        all.max_by(|a, b| a.0.get().total_cmp(&b.0.get()))
+        all.max_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     /// Sectors that are machined, and all sectors: of each kind of surface that is machined at all, so many at least. A passage

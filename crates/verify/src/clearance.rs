@@ -2,6 +2,7 @@
 //! whole tool to the stock at rapid.
 
 use super::proof::piece::{At, Piece};
+use base::units::Mm;
 use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 use tool_stock::collide::{Cloud, ToolSolid};
@@ -40,13 +41,13 @@ impl KnownPose {
 /// Least distance of a part of a tool.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Clearance {
-    /// Lower bound of the distance, mm: the measured distance less what the spacing of the samples may hide.
-    pub distance: f64,
-    /// Distance of the nearest sample, mm.
-    pub found: f64,
+    /// Lower bound of the distance: the measured distance less what the spacing of the samples may hide.
+    pub distance: Mm,
+    /// Distance of the nearest sample.
+    pub found: Mm,
     /// Nearest sample of the surface, part frame, mm.
     pub point: [f64; 3],
-    /// Tool tip at this time.
+    /// Tool tip at this time, part frame, mm.
     pub tip: [f64; 3],
     /// Move.
     pub at: At,
@@ -98,8 +99,8 @@ pub fn least(
                 bound = found;
                 let p = &cloud.points()[index];
                 best = Some(Clearance {
-                    distance: found,
-                    found,
+                    distance: Mm(found),
+                    found: Mm(found),
                     point: [p.position.x, p.position.y, p.position.z],
                     tip: [tip.x, tip.y, tip.z],
                     at: piece.at,
@@ -114,13 +115,13 @@ pub fn least(
         }
     }
     best.map(|mut c| {
-        c.distance = c.distance.min(unseen);
+        let distance = c.distance.get().min(unseen);
         // The nearest point of the surface lies beside the nearest sample, not in front of it.
-        c.distance = if c.distance > half_spacing {
-            (c.distance * c.distance - half_spacing * half_spacing).sqrt()
+        c.distance = Mm(if distance > half_spacing {
+            (distance * distance - half_spacing * half_spacing).sqrt()
         } else {
-            c.distance - half_spacing
-        };
+            distance - half_spacing
+        });
         c
     })
 }

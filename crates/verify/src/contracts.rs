@@ -89,7 +89,7 @@ impl Judge<'_> {
         if !holds {
             sink.push(self.failure(contract, &figure));
         }
-        let blank = self.certificate.stock.as_ref().map(|stock| stock.blank);
+        let blank = self.certificate.stock.as_ref().map(|stock| stock.blank.get());
         if contract.kind == ContractKind::RestVolume && blank.is_some_and(|blank| contract.bound.value() >= blank) {
             sink.push(
                 Diag::warning(codes::job::DOUBTFUL, "the rest volume may be as large as the whole blank")
@@ -179,7 +179,7 @@ impl Judge<'_> {
             (ContractKind::Engagement(_), Some(stock)) => format!(
                 "the stock shows {figure}; the bound includes what lies between its rays, {} mm apart: a smaller \
                  `--stock-cell` narrows it",
-                trim(stock.cell, 4)
+                trim(stock.cell.get(), 4)
             ),
             _ => format!("the nearest sample is {figure} away; the bound includes the surface between samples"),
         }

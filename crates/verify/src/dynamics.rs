@@ -28,7 +28,7 @@ pub use active::{ActiveLimit, MotionLimit, MoveLimit};
 
 use super::proof::piece::At;
 use active::ActiveTimes;
-use base::units::{Deg, Mm, Share};
+use base::units::{Deg, Mm, Sec, Share};
 use five_axis::control::Planning;
 use five_axis::{Chain, Joints, Machine, between, linuxcnc};
 use ir::motion::MotionOperation;
@@ -69,20 +69,20 @@ impl<Q: Copy + From<f64> + Into<f64>> Peak<Q> {
 /// Run of one operation.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Run {
-    /// Time of cutting, links and rapids within the limits of speed, acceleration and jerk, s.
-    pub time: [f64; 3],
-    /// Time of the same without limits of jerk, s: no run of these blocks within the limits of acceleration is faster.
-    pub within_accelerations: [f64; 3],
-    /// Time of the same without limits of acceleration, s.
-    pub programmed: [f64; 3],
+    /// Time of cutting, links and rapids within the limits of speed, acceleration and jerk.
+    pub time: [Sec; 3],
+    /// Time of the same without limits of jerk: no run of these blocks within the limits of acceleration is faster.
+    pub within_accelerations: [Sec; 3],
+    /// Time of the same without limits of acceleration.
+    pub programmed: [Sec; 3],
     /// Time of cutting, links and rapids by active limit. The sum of all is `time`.
     pub limits: Vec<ActiveLimit>,
     /// The limit of each move that takes time, in their order; not part of the file.
     #[serde(skip)]
     pub of_moves: Vec<MoveLimit>,
-    /// Time of each move of the operation, s; their sum is that of `time`. Not part of the file.
+    /// Time of each move of the operation; their sum is that of `time`. Not part of the file.
     #[serde(skip)]
-    pub move_times: Vec<f64>,
+    pub move_times: Vec<Sec>,
     /// Least share of the programmed feed that a cutting block reaches, and this block.
     pub slowest: Peak<Share>,
     /// Largest reached speed of X, Y, Z and the rotary axes, as a share of the limit.
@@ -254,9 +254,9 @@ impl Run {
     /// Run of an operation without moves.
     fn none() -> Self {
         Self {
-            time: [0.0; 3],
-            within_accelerations: [0.0; 3],
-            programmed: [0.0; 3],
+            time: [Sec(0.0); 3],
+            within_accelerations: [Sec(0.0); 3],
+            programmed: [Sec(0.0); 3],
             limits: Vec::new(),
             of_moves: Vec::new(),
             move_times: Vec::new(),
@@ -287,8 +287,8 @@ impl Run {
             let cell = &cells[part.cell];
             let at = At { operation, index: cell.block };
             let kind = number(cell.kind);
-            self.time[kind] += part.time;
-            self.programmed[kind] += part.width;
+            self.time[kind] += Sec(part.time);
+            self.programmed[kind] += Sec(part.width);
             self.raise_shares(limits, cell, part, at);
             let first = i.checked_sub(1).is_none_or(|b| parts[b].cell != part.cell);
             let corner = if first { rounded_corner(limits, cells, part) } else { [0.0; 2] };
@@ -349,7 +349,7 @@ fn rounded_corner(limits: &RunLimits, cells: &[MotionCell], part: &MovePart) -> 
 
 /// Run of one operation of a motion. `removal`: for each move its feed as a share of the feed at which tool or spindle reach a
 /// limit of removal; moves without an entry reach none.
-pub fn run(program: &Program, motion: &Motion, operation: usize, removal: &[f64]) -> Run {
+pub fn run(program: &Program, motion: &Motion, operation: usize, removal: &[Share]) -> Run {
     let mut report = Run::none();
     let Some(moves) = motion.operations.get(operation) else { return report };
     let declared = &program.operations[moves.operation];
@@ -367,23 +367,23 @@ pub fn run(program: &Program, motion: &Motion, operation: usize, removal: &[f64]
     let cells = cells(machine, &limits, moves, removal);
     let trapezoids = trapezoids(&limits, &cells);
     for part in &trapezoids {
-        report.within_accelerations[number(cells[part.cell].kind)] += part.time;
+        report.within_accelerations[number(cells[part.cell].kind)] += Sec(part.time);
     }
     let limited = limits.jerk.iter().any(|j| j.is_finite());
     let parts = if limited { jerk::run(&limits, &cells) } else { trapezoids };
     let operation = u32::try_from(operation).unwrap_or(u32::MAX);
     let mut errors = report.measure(&limits, &cells, &parts, operation, machine.cycle);
-    report.move_times = vec![0.0; moves.moves.len()];
+    report.move_times = vec![Sec(0.0); moves.moves.len()];
     for part in &parts {
         if let Some(time) = report.move_times.get_mut(cells[part.cell].block as usize) {
-            *time += part.time;
+            *time += Sec(part.time);
         }
     }
     let corner = |at: usize, rate: f64| jerk::corner_shares(&limits, &cells, at, rate * rate);
     (report.limits, report.of_moves) = ActiveTimes::of_run(&limits, &cells, &parts, corner).named(machine.names());
     // Runs with a limit of jerk use smaller parts of the blocks, which may permit a faster run.
     for (least, time) in report.within_accelerations.iter_mut().zip(report.time) {
-        *least = least.min(time);
+        *least = Sec(least.get().min(time.get()));
     }
     if machine.planning == Planning::LinuxCnc {
         // The tolerance that the post writes for the whole program.
@@ -399,7 +399,7 @@ pub fn run(program: &Program, motion: &Motion, operation: usize, removal: &[f64]
 }
 
 /// Cells of all blocks with a time, and the corners between them.
-fn cells(machine: &Machine, limits: &RunLimits, operation: &MotionOperation, removal: &[f64]) -> Vec<MotionCell> {
+fn cells(machine: &Machine, limits: &RunLimits, operation: &MotionOperation, removal: &[Share]) -> Vec<MotionCell> {
     let moves = &operation.moves;
     let mut cells = Vec::new();
     let mut last: Option<MotionBlock> = None;
@@ -410,7 +410,7 @@ fn cells(machine: &Machine, limits: &RunLimits, operation: &MotionOperation, rem
             let ends = [&pair[0].joints, &m.joints];
             let mut block = block(machine, limits.length, ends, (index, m.kind, m.time), &mut cells);
             let feed = block.tip.norm() / limits.feeds[number(m.kind)];
-            let removal = removal.get(i + 1).copied().unwrap_or(0.0);
+            let removal = removal.get(i + 1).map_or(0.0, |share| share.get());
             cells[block.cells.clone()].iter_mut().for_each(|cell| (cell.feed, cell.removal) = (feed, removal));
             join(limits, last.as_ref(), &mut block, operation.runs_on(i + 1), &mut cells);
             last = Some(block);

@@ -15,7 +15,7 @@ pub fn report(program: &Program, motion: &Motion, certificate: &Certificate, sin
     };
     // Figures that appear only in the report.
     let shown = certificate.stock.iter().flat_map(|s| &s.operations);
-    let curves = shown.filter(|o| o.moves.iter().any(|m| !(m.rate.is_finite() && m.arc.is_finite())));
+    let curves = shown.filter(|o| o.moves.iter().any(|m| !(m.rate.get().is_finite() && m.arc.get().is_finite())));
     unknown
         .extend(curves.map(|o| ["stock", "operations", &o.operation.to_string(), "moves"].map(str::to_owned).into()));
     let Some(first) = unknown.first() else { return };

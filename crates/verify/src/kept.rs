@@ -79,8 +79,7 @@ pub fn check(program: &Program, sweeps: &[Sweep<'_>], off: f64, progress: &Progr
     let mut surfaces: Vec<(KeptReport, Vec<u32>)> = Vec::new();
     for (c, d) in covered.iter().zip(&deepest) {
         let gouge = surface::extreme(&c.surface, d.found, -1.0, sweeps);
-        // A deep cut is described by its depth; the bound of g gives the part of the depth that was not measured.
-        let gouge_bound = (-d.low.min(gouge.value)).max(0.0) + (gouge.depth - (-gouge.value).max(0.0)) + off;
+        let gouge_bound = gouge.proved_depth(d.low) + off;
         let SurfaceId { kind, sector } = c.surface.id;
         let report = KeptReport {
             surface: String::new(),
@@ -93,8 +92,8 @@ pub fn check(program: &Program, sweeps: &[Sweep<'_>], off: f64, progress: &Progr
             Some((known, sectors)) => {
                 sectors.push(sector);
                 known.gouge_bound = Mm(known.gouge_bound.get().max(report.gouge_bound.get()));
-                let deeper = (report.gouge.depth, -report.gouge.value) > (known.gouge.depth, -known.gouge.value);
-                if deeper {
+                let depth = |cut: &Worst| (cut.depth, -cut.value.get());
+                if depth(&report.gouge) > depth(&known.gouge) {
                     *known = KeptReport { gouge_bound: known.gouge_bound, ..report };
                 }
             }
@@ -195,16 +194,16 @@ pub(super) fn deepest(
 pub(super) fn report(program: &Program, motion: &Motion, found: &KeptSurfaces, sink: &mut Sink) {
     for s in found.surfaces.iter().filter(|s| s.gouge_bound > found.allowed) {
         let (surface, allowed) = (&s.worst_on, length(found.allowed.get()));
-        let text = if s.gouge.depth > found.allowed.get() {
+        let text = if s.gouge.depth > found.allowed {
             format!(
                 "a cutter goes {} deep into the {surface}, a kept surface; allowed {allowed}",
-                length(s.gouge.depth)
+                length(s.gouge.depth.get())
             )
         } else {
             format!(
                 "the deepest cut found in the {surface}, a kept surface, is {}, but the proved bound is {}; allowed \
                  {allowed}",
-                length(s.gouge.depth),
+                length(s.gouge.depth.get()),
                 length(s.gouge_bound.get())
             )
         };

@@ -50,7 +50,7 @@ pub mod vane_allowance;
 pub use certificate::Certificate;
 
 use base::progress::{Progress, Work};
-use base::units::{Mm, length};
+use base::units::{Mm, Sec, length};
 use certificate::OperationReport;
 use diagnostics::{Aborted, Diag, Sink, codes::verification};
 use ir::{ContractKind, Motion, MoveKind, Program};
@@ -230,7 +230,7 @@ fn nearer_surroundings(certificate: &mut Certificate, reports: &[Option<splines:
 fn limits(program: &Program) -> Limits {
     let of = |kind: ContractKind| {
         let contracts = program.contracts.iter().filter(|c| c.kind == kind);
-        contracts.map(|c| Limit { bound: c.bound.value(), surfaces: c.scope.surfaces.clone() }).collect()
+        contracts.map(|c| Limit { bound: Mm(c.bound.value()), surfaces: c.scope.surfaces.clone() }).collect()
     };
     Limits { gouge: of(ContractKind::Gouge), excess: of(ContractKind::Excess) }
 }
@@ -372,8 +372,8 @@ fn operation_report(
         tool: tool.name.clone(),
         passes: operation.labels.len(),
         moves: operation.moves.len(),
-        length,
-        time,
+        length: length.map(Mm),
+        time: time.map(Sec),
         splines,
         shank: body(shank_distance),
         holder: body(holder_distance),
@@ -404,11 +404,11 @@ fn report_faults(program: &Program, motion: &Motion, certificate: &Certificate, 
         }
         sink.push(diag);
     }
-    if let Some(c) = certificate.rapid.as_ref().filter(|c| c.distance <= 0.0) {
+    if let Some(c) = certificate.rapid.as_ref().filter(|c| c.distance.get() <= 0.0) {
         sink.push(
             Diag::error(
                 verification::RAPID_IN_STOCK,
-                format!("at rapid the tool is {} inside the stock", length(-c.distance)),
+                format!("at rapid the tool is {} inside the stock", length(-c.distance.get())),
             )
             .place(describe(program, motion, Some(c.at)), Point3::from(c.point))
             .block(c.at.operation, c.at.index)
@@ -416,7 +416,7 @@ fn report_faults(program: &Program, motion: &Motion, certificate: &Certificate, 
         );
     }
     let missed: f64 =
-        certificate.surfaces.iter().filter(|s| s.excess.value >= surface::FAR).map(|s| s.area.get()).sum();
+        certificate.surfaces.iter().filter(|s| s.excess.value.get() >= surface::FAR).map(|s| s.area.get()).sum();
     let judged = program.contracts.iter().any(|c| c.kind == ContractKind::Excess);
     if missed > 0.0 && !judged {
         sink.push(Diag::remark(

@@ -232,7 +232,7 @@ fn to_pole(chain: &Chain, from: f64, to: f64) -> f64 {
 /// The axis of a run nearest to its speed limit.
 fn fastest(program: &Program, motion: &Motion, run: &Run) -> Option<FastestAxis> {
     let names = program.machine.names();
-    let (axis, peak) = names.into_iter().zip(run.speed).max_by(|a, b| a.1.value.get().total_cmp(&b.1.value.get()))?;
+    let (axis, peak) = names.into_iter().zip(run.speed).max_by(|a, b| a.1.value.total_cmp(&b.1.value))?;
     let at = peak.at?;
     let end = motion.operations.get(at.operation as usize)?.moves.get(at.index as usize)?;
     let tip = program.machine.forward(&end.joints).tip;

@@ -5,8 +5,8 @@ use super::clearance::Clearance;
 use super::dynamics::{Deviation, Run};
 use super::proof::piece::At;
 use super::stock::{OperationStock, Peak, StockReport};
-use super::surface::SurfaceReport;
-use base::units::{Deg, Mm, length};
+use super::surface::{SurfaceReport, Worst};
+use base::units::{Deg, Mm, Sec, Share, length};
 use wheel::contract::{ContractKind, Cuts, Guarded, Region};
 use wheel::part::SurfaceClass;
 
@@ -67,15 +67,12 @@ pub(super) fn measure(
 ) -> Result<Figure, Unmeasured> {
     let stock = || certificate.stock.as_ref().ok_or(Unmeasured::NeedsStock);
     match kind {
-        ContractKind::Gouge => {
-            Ok(worst(certificate, narrow, region, |s| (s.gouge_bound, s.gouge.depth, s.gouge.point, s.gouge.at)))
-        }
+        ContractKind::Gouge => Ok(worst(certificate, narrow, region, gouge)),
         ContractKind::Excess => {
             let mut region = region.clone();
             for (o, done) in region.rows.iter_mut().flat_map(|row| row.iter_mut().enumerate()) {
                 *done &= after.is_none_or(|last| o <= last);
             }
-            let excess = |s: &SurfaceReport| (s.excess_bound, s.excess.value, s.excess.point, s.excess.at);
             Ok(worst(certificate, narrow, &region, excess))
         }
         ContractKind::Clearance(body) => Ok(clearance(certificate, narrow, body, region)),
@@ -85,12 +82,26 @@ pub(super) fn measure(
         ContractKind::OrientationError => Ok(deviation(certificate, region, orientation)),
         ContractKind::Rest => rest(certificate, region, after),
         ContractKind::Air => air(stock()?, region),
-        // The stock has mm3/s.
-        ContractKind::RemovalRate => Ok(largest(stock()?, region, |o| o.rate, 60.0)),
+        ContractKind::RemovalRate => Ok(largest(stock()?, region, |o| o.rate.map(Peak::by_minute))),
         ContractKind::Engagement(cuts) => Ok(engagement(stock()?, region, cuts)),
-        ContractKind::Slot => Ok(largest(stock()?, region, |o| o.slot, 1.0)),
+        ContractKind::Slot => Ok(largest(stock()?, region, |o| o.slot.map(|p| p.map(Share::get)))),
         ContractKind::RestVolume => rest_volume(stock()?, after, narrow),
     }
+}
+
+/// A quantity of a surface: its proved bound, its largest computed value, and the place of this value.
+struct OnSurface<'a> {
+    bound: Mm,
+    computed: Mm,
+    worst: &'a Worst,
+}
+
+fn gouge(s: &SurfaceReport) -> OnSurface<'_> {
+    OnSurface { bound: s.gouge_bound, computed: s.gouge.depth, worst: &s.gouge }
+}
+
+fn excess(s: &SurfaceReport) -> OnSurface<'_> {
+    OnSurface { bound: s.excess_bound, computed: s.excess.value, worst: &s.excess }
 }
 
 /// The largest bound and the largest computed value over the surfaces of a region; for each surface only the operations of the
@@ -99,7 +110,7 @@ fn worst(
     certificate: &Certificate,
     narrow: &dyn NarrowMeasure,
     region: &Region,
-    pick: impl Fn(&SurfaceReport) -> (f64, f64, [f64; 3], Option<At>),
+    pick: fn(&SurfaceReport) -> OnSurface<'_>,
 ) -> Figure {
     let mut known: Vec<(&[bool], Vec<SurfaceReport>)> = Vec::new();
     let mut found: Option<Figure> = None;
@@ -115,11 +126,17 @@ fn worst(
         let narrowed = known.iter().find(|(operations, _)| !whole && operations == row);
         let reports = narrowed.map_or(&certificate.surfaces, |(_, reports)| reports);
         for s in reports.iter().filter(|s| s.id.kind.class() == surface) {
-            let (value, computed, point, at) = pick(s);
-            largest = largest.max(computed);
-            if found.as_ref().is_none_or(|f| value > f.value) {
-                let operation = at.map(|a| a.operation as usize);
-                found = Some(Figure { value, found: None, what: s.surface.clone(), point: Some(point), at, operation });
+            let OnSurface { bound, computed, worst } = pick(s);
+            largest = largest.max(computed.get());
+            if found.as_ref().is_none_or(|f| bound.get() > f.value) {
+                found = Some(Figure {
+                    value: bound.get(),
+                    found: None,
+                    what: s.surface.clone(),
+                    point: Some(worst.point),
+                    at: worst.at,
+                    operation: worst.at.map(|a| a.operation as usize),
+                });
             }
         }
     }
@@ -159,8 +176,8 @@ fn clearance(certificate: &Certificate, narrow: &dyn NarrowMeasure, body: Guarde
     let least = all.into_iter().min_by(|a, b| a.1.distance.total_cmp(&b.1.distance));
     match least {
         Some((name, c)) => Figure {
-            value: c.distance,
-            found: Some(c.found),
+            value: c.distance.get(),
+            found: Some(c.found.get()),
             what: name.to_owned(),
             point: Some(c.point),
             at: Some(c.at),
@@ -177,7 +194,7 @@ fn time(certificate: &Certificate, region: &Region) -> Figure {
     let mut longest: Option<(usize, f64)> = None;
     let mut sum = 0.0;
     for (o, report) in times {
-        let time: f64 = report.time.iter().sum();
+        let time = report.time.into_iter().sum::<Sec>().get();
         sum += time;
         if longest.is_none_or(|(_, t)| time > t) {
             longest = Some((o, time));
@@ -193,25 +210,26 @@ fn air(stock: &StockReport, region: &Region) -> Result<Figure, Unmeasured> {
     let chosen = region.operations();
     let (mut sum, mut worst): ([f64; 2], Option<&OperationStock>) = ([0.0; 2], None);
     for o in stock.operations.iter().filter(|o| chosen.get(o.operation as usize) == Some(&true)) {
-        sum = [sum[0] + o.feed[0], sum[1] + o.feed[1]];
+        sum = [sum[0] + o.feed[0].get(), sum[1] + o.feed[1].get()];
         if worst.is_none_or(|w| o.feed[1] > w.feed[1]) {
             worst = Some(o);
         }
     }
-    let what = worst.map_or_else(String::new, |w| format!("{} of it in {}", wheel::contract::clock(w.feed[1]), w.name));
+    let what =
+        worst.map_or_else(String::new, |w| format!("{} of it in {}", wheel::contract::clock(w.feed[1].get()), w.name));
     let value = if sum[0] > 0.0 { sum[1] / sum[0] } else { 0.0 };
     Ok(Figure { value, found: None, what, point: None, at: None, operation: worst.map(|w| w.operation as usize) })
 }
 
-/// The largest of the peaks of the chosen operations, in the unit of the contract, which is `unit` of the stock's.
-fn largest(stock: &StockReport, region: &Region, peak: impl Fn(&OperationStock) -> Option<Peak>, unit: f64) -> Figure {
+/// The largest of the peaks of the chosen operations, in the unit of the contract.
+fn largest(stock: &StockReport, region: &Region, peak: impl Fn(&OperationStock) -> Option<Peak<f64>>) -> Figure {
     let chosen = region.operations();
     let operations = stock.operations.iter().filter(|o| chosen.get(o.operation as usize) == Some(&true));
     let largest = operations.filter_map(|o| peak(o).map(|p| (o, p))).max_by(|a, b| a.1.value.total_cmp(&b.1.value));
     largest.map_or_else(
         || none(0.0, "nothing is removed"),
         |(o, p)| Figure {
-            value: p.value * unit,
+            value: p.value,
             found: None,
             what: o.name.clone(),
             point: Some(p.tip),
@@ -231,7 +249,7 @@ fn engagement(stock: &StockReport, region: &Region, cuts: Cuts) -> Figure {
         let o = stock.operations.iter().find(|o| Some(o.operation as usize) == f.operation)?;
         of(o).map(|b| b.found.get())
     };
-    let figure = largest(stock, region, |o| of(o).map(|b| Peak { value: b.value.get(), at: b.at, tip: b.tip }), 1.0);
+    let figure = largest(stock, region, |o| of(o).map(|b| Peak { value: b.value.get(), at: b.at, tip: b.tip }));
     Figure { found: found(&figure), ..figure }
 }
 
@@ -242,7 +260,7 @@ fn rest_volume(stock: &StockReport, after: Option<usize>, narrow: &dyn NarrowMea
         Some(o) => stock.operations.iter().find(|s| s.operation as usize == o),
         None => stock.operations.last(),
     };
-    let rest = last.map_or(stock.blank, |o| o.rest);
+    let rest = last.map_or(stock.blank, |o| o.rest).get();
     let name = last.map_or("the blank", |o| o.name.as_str());
     Ok(Figure {
         value: rest - part,
@@ -257,7 +275,7 @@ fn rest_volume(stock: &StockReport, after: Option<usize>, narrow: &dyn NarrowMea
 fn axis_speed(certificate: &Certificate, region: &Region) -> Figure {
     let chosen = region.operations();
     let uses = certificate.machine.fastest.iter().enumerate().filter(|(o, _)| chosen.get(*o) == Some(&true));
-    let fastest = uses.filter_map(|(_, f)| f.as_ref()).max_by(|a, b| a.share.get().total_cmp(&b.share.get()));
+    let fastest = uses.filter_map(|(_, f)| f.as_ref()).max_by(|a, b| a.share.total_cmp(&b.share));
     match fastest {
         Some(f) => Figure {
             value: f.share.get(),

@@ -68,14 +68,14 @@ pub fn check(program: &Program, motion: &Motion, progress: &Progress) -> Vec<Obs
 /// Reports collisions as errors, one per solid.
 pub fn report(program: &Program, motion: &Motion, found: &[ObstacleReport], sink: &mut Sink) {
     for f in found {
-        let Some(c) = f.clearance.as_ref().filter(|c| c.distance <= 0.0) else { continue };
+        let Some(c) = f.clearance.as_ref().filter(|c| c.distance.get() <= 0.0) else { continue };
         let Some(operation) = motion.operations.get(c.at.operation as usize) else { continue };
         let kind = match operation.moves.get(c.at.index as usize).map(|m| m.kind) {
             Some(MoveKind::Rapid) => "at rapid",
             Some(MoveKind::Link) => "in a link",
             _ => "while cutting",
         };
-        let (part, solid, depth) = (&f.part, &f.solid, length(-c.distance));
+        let (part, solid, depth) = (&f.part, &f.solid, length(-c.distance.get()));
         let span = program.operations[operation.operation].span;
         sink.push(
             Diag::error(verification::CARRIED, format!("{kind} the {part} goes {depth} into the {solid}"))

@@ -138,11 +138,11 @@ pub fn widest(reports: &[Option<SplineReport>]) -> f64 {
 }
 
 impl Limits {
-    /// Bounds that leave room for a distance, mm.
+    /// Bounds that are less by a distance, mm.
     #[must_use]
     pub fn narrowed(mut self, by: f64) -> Self {
         for limit in self.gouge.iter_mut().chain(&mut self.excess) {
-            limit.bound -= by;
+            limit.bound = Mm(limit.bound.get() - by);
         }
         self
     }
@@ -151,9 +151,9 @@ impl Limits {
 /// Adds a distance to the proved bounds of surfaces, mm.
 pub fn widen(surfaces: &mut [SurfaceReport], by: f64) {
     for surface in surfaces {
-        surface.gouge_bound += by;
-        if surface.excess_bound < FAR {
-            surface.excess_bound += by;
+        surface.gouge_bound += Mm(by);
+        if surface.excess_bound.get() < FAR {
+            surface.excess_bound += Mm(by);
         }
     }
 }
@@ -161,6 +161,6 @@ pub fn widen(surfaces: &mut [SurfaceReport], by: f64) {
 /// Takes a distance from a clearance, mm.
 pub fn nearer(clearance: &mut Option<Clearance>, by: f64) {
     if let Some(clearance) = clearance {
-        clearance.distance -= by;
+        clearance.distance = Mm(clearance.distance.get() - by);
     }
 }

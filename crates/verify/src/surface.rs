@@ -41,18 +41,27 @@ pub const NOT_REACHED: f64 = 0.1;
 /// A place on a surface with the values measured there.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Worst {
-    /// g there, mm.
-    pub value: f64,
+    /// g there.
+    pub value: Mm,
     /// Position, part frame, mm.
     pub point: [f64; 3],
     /// Parameters of the surface.
     pub parameters: [f64; 2],
     /// Move that is nearest; `None` where no cutter is near.
     pub at: Option<At>,
-    /// Depth to which cutters reach into the material from the place, against the normal, mm. For a shallow cut it is
-    /// -g. For a cutter that plunges deeper than its radius it is greater, since no point lies deeper inside of a
+    /// Depth to which cutters reach into the material from the place, against the normal. For a shallow cut it is -g.
+    /// For a cutter that plunges deeper than its radius it is greater, since no point lies deeper inside of a
     /// cutter than the radius.
-    pub depth: f64,
+    pub depth: Mm,
+}
+
+impl Worst {
+    /// Proved depth of a cut, mm, from a lower bound of g. A deep cut is described by its depth; the bound of g gives the part
+    /// of the depth that was not measured.
+    pub(super) fn proved_depth(&self, low: f64) -> f64 {
+        let (value, depth) = (self.value.get(), self.depth.get());
+        (-low.min(value)).max(0.0) + (depth - (-value).max(0.0))
+    }
 }
 
 /// Figures of one surface.
@@ -68,12 +77,12 @@ pub struct SurfaceReport {
     pub area: Mm2,
     /// Deepest measured cut: the least g.
     pub gouge: Worst,
-    /// Proved bound of the depth of any cut into the surface, mm.
-    pub gouge_bound: f64,
+    /// Proved bound of the depth of any cut into the surface.
+    pub gouge_bound: Mm,
     /// Largest measured excess: the largest g.
     pub excess: Worst,
-    /// Proved bound of the excess, mm; [`FAR`] where no cutter is near.
-    pub excess_bound: f64,
+    /// Proved bound of the excess; [`FAR`] where no cutter is near.
+    pub excess_bound: Mm,
     /// The g below which 5, 50 and 95 percent of the area lie.
     pub percentiles: [Mm; 3],
     /// Area where g is more than [`NOT_REACHED`].
@@ -221,8 +230,8 @@ pub struct Limits {
 /// The bound of a contract with its surfaces; an empty list means all surfaces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Limit {
-    /// Bound, mm.
-    pub bound: f64,
+    /// Bound.
+    pub bound: Mm,
     /// Surfaces.
     pub surfaces: Vec<SurfaceClass>,
 }
@@ -230,7 +239,7 @@ pub struct Limit {
 /// The bounds that apply to a surface.
 fn on(limits: &[Limit], surface: SurfaceClass) -> impl Iterator<Item = f64> + '_ {
     let here = limits.iter().filter(move |l| l.surfaces.is_empty() || l.surfaces.contains(&surface));
-    here.map(|l| l.bound)
+    here.map(|l| l.bound.get())
 }
 
 /// The least bound above a measured value on a surface; a narrower bound is already violated.
@@ -261,15 +270,13 @@ fn report(patches: &[(usize, &PatchTask<'_>, &SampledPatch, &Proved)], sweeps: &
     let excess = extreme(surface, all.most, 1.0, sweeps);
     let area: f64 = cells.iter().map(|c| c.1).sum();
     let nearest_there = nearest_there(&cells);
-    // A deep cut is described by its depth; the bound of g gives the part of the depth that was not measured.
-    let gouge_bound = (-all.low.min(gouge.value)).max(0.0) + (gouge.depth - (-gouge.value).max(0.0));
     SurfaceReport {
         surface: surface.id.to_string(),
         samples: cells.len(),
         points: all.points,
         area: Mm2(area),
-        gouge_bound,
-        excess_bound: all.high.max(excess.value).clamp(0.0, FAR),
+        gouge_bound: Mm(gouge.proved_depth(all.low)),
+        excess_bound: Mm(all.high.max(excess.value.get()).clamp(0.0, FAR)),
         percentiles: percentiles(&cells, area).map(Mm),
         not_reached: Mm2(nearest_there.iter().map(|n| n.1).sum()),
         nearest_there: nearest_there.into_iter().map(|(o, area)| (o, Mm2(area))).collect(),
@@ -329,7 +336,7 @@ pub(super) fn extreme(surface: &PlacedSurface<'_>, found: Extreme, sign: f64, sw
     let (p, _, parameters) = place(surface, best);
     let (value, at) = deviation(&p, sweeps, FAR);
     let depth = if deep { most } else { (-value).max(0.0) };
-    Worst { value, point: [p.x, p.y, p.z], parameters, at, depth }
+    Worst { value: Mm(value), point: [p.x, p.y, p.z], parameters, at, depth: Mm(depth) }
 }
 
 /// g of successive nearby points. g changes no faster than the point moves, so that the last value gives a cutoff.

@@ -152,7 +152,7 @@ fn missing(
         place: surface::extreme(&c.surface, d.found, -1.0, sweeps),
     });
     // The search for the worst place may leave the strip at the border of a surface that the proof leaves out.
-    (worst.as_ref().map_or(bound, |w: &MissingAllowance| bound.max(-w.place.value)), worst)
+    (worst.as_ref().map_or(bound, |w: &MissingAllowance| bound.max(-w.place.value.get())), worst)
 }
 
 impl VaneReport {
@@ -169,10 +169,10 @@ pub(super) fn report(program: &Program, motion: &Motion, found: &[VaneReport], s
     for r in found.iter().filter(|r| r.bound > Mm(tolerance)) {
         let Some(operation) = motion.operations.get(r.operation as usize) else { continue };
         let (name, allowed) = (&r.name, length(tolerance));
-        let worst = r.worst.as_ref().filter(|w| -w.place.value > tolerance);
+        let worst = r.worst.as_ref().filter(|w| -w.place.value.get() > tolerance);
         let text = match worst {
             Some(w) => {
-                let (missing, surface) = (length(-w.place.value), &w.surface);
+                let (missing, surface) = (length(-w.place.value.get()), &w.surface);
                 format!(
                     "`{name}` leaves {missing} less than its allowance on the {surface}; at most {allowed} may be missing"
                 )

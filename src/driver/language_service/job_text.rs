@@ -236,7 +236,7 @@ impl JobText<'_> {
 
 /// Times, passes and choices of an item, which with several tools is several operations.
 fn operation_title(reports: &[&OperationReport], proof: &SavedProof) -> String {
-    let sums = [0, 1, 2].map(|k| reports.iter().map(|report| report.time[k]).sum::<f64>());
+    let sums = [0, 1, 2].map(|k| reports.iter().map(|report| report.time[k].get()).sum::<f64>());
     let all = clock(sums.iter().sum());
     let [cut, link, rapid] = sums.map(clock);
     let passes = match reports.iter().map(|report| report.passes).sum::<usize>() {

@@ -2,7 +2,7 @@
 
 use super::{A, Stop, along_x, motion, near, program, ran, support};
 use impellerc::base::entity::PrimaryMap;
-use impellerc::base::units::MmPerMin;
+use impellerc::base::units::{MmPerMin, Share};
 use impellerc::five_axis::Machine;
 use impellerc::five_axis::control::Planning;
 use impellerc::ir::{MoveKind, Operation, Program};
@@ -21,14 +21,14 @@ fn with_feed(program: Program, feed: f64) -> Program {
 /// Time of a limit in a kind of moves.
 fn time(run: &Run, kind: usize, limit: MotionLimit, axis: Option<&str>) -> f64 {
     let own = run.limits.iter().filter(|l| l.limit == limit && l.axis.as_deref() == axis);
-    own.map(|l| l.time[kind]).sum()
+    own.map(|l| l.time[kind].get()).sum()
 }
 
 /// Whether the times of all limits are the time of the run.
 pub(super) fn are_whole(run: &Run) -> bool {
     (0..3).all(|kind| {
-        let sum: f64 = run.limits.iter().map(|l| l.time[kind]).sum();
-        (sum - run.time[kind]).abs() <= 1e-9 * run.time[kind]
+        let (sum, time) = (run.limits.iter().map(|l| l.time[kind].get()).sum::<f64>(), run.time[kind].get());
+        (sum - time).abs() <= 1e-9 * time
     })
 }
 
@@ -54,7 +54,7 @@ fn lower_feeds_count_for_removal_where_it_is_near() {
         [(200.0, 0.9, [0.0, steady, 0.0]), (200.0, 0.7, [0.0, 0.0, steady]), (100.0, 0.9, [steady, 0.0, 0.0])]
     {
         let program = with_feed(program(support::machine()), process);
-        let run = run(&program, &motion(&program, MoveKind::Cut, &stops), 0, &[share; 7]);
+        let run = run(&program, &motion(&program, MoveKind::Cut, &stops), 0, &[Share(share); 7]);
         near(time(&run, 0, MotionLimit::Feed, None), feed, 1e-9);
         near(time(&run, 0, MotionLimit::Removal, None), removal, 1e-9);
         near(time(&run, 0, MotionLimit::BlockFeed, None), block, 1e-9);
@@ -62,7 +62,7 @@ fn lower_feeds_count_for_removal_where_it_is_near() {
     }
     // Only the blocks that have a share.
     let program = with_feed(program(support::machine()), 200.0);
-    let run = run(&program, &motion(&program, MoveKind::Cut, &stops), 0, &[0.0, 0.0, 0.9]);
+    let run = run(&program, &motion(&program, MoveKind::Cut, &stops), 0, &[0.0, 0.0, 0.9].map(Share));
     near(time(&run, 0, MotionLimit::Removal, None), 0.197, 0.01);
 }
 
@@ -96,15 +96,15 @@ fn on_a_circle_x_and_y_take_turns() {
     };
     let stops: Vec<Stop> = (0..=LAPS * CHORDS).map(place).collect();
     let run = ran(&with_feed(program(support::machine()), 2.0 * v), MoveKind::Cut, &stops);
-    let due = 4.0 * (0.5625_f64 / share).acos() / TAU * run.time[0];
+    let due = 4.0 * (0.5625_f64 / share).acos() / TAU * run.time[0].get();
     for axis in ["X", "Y"] {
         near(time(&run, 0, MotionLimit::Acceleration, Some(axis)), due, 0.03 * due);
     }
-    near(time(&run, 0, MotionLimit::BlockFeed, None), run.time[0] - 2.0 * due, 0.05 * due);
+    near(time(&run, 0, MotionLimit::BlockFeed, None), run.time[0].get() - 2.0 * due, 0.05 * due);
     assert!(are_whole(&run), "{run:?}");
     // The same blocks where the job asks for no more.
     let run = ran(&with_feed(program(support::machine()), v), MoveKind::Cut, &stops);
-    assert!(time(&run, 0, MotionLimit::Feed, None) > 0.95 * run.time[0], "{:?}", run.limits);
+    assert!(time(&run, 0, MotionLimit::Feed, None) > 0.95 * run.time[0].get(), "{:?}", run.limits);
 }
 
 /// A staircase whose feed was lowered to that of its corners: the half blocks beside corners belong to them, and the

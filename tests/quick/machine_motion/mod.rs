@@ -51,26 +51,26 @@ fn one_axis_runs_in_trapezoids() {
     let cut = |stops: &[Stop]| ran(&program, MoveKind::Cut, stops);
     // Up to speed, even, down; cut into blocks it is the same.
     let whole = cut(&along_x(&[0.0, 100.0], 100.0));
-    near(whole.time[0], 100.0 / 100.0 + 100.0 / A, 1e-12);
-    near(whole.programmed[0], 1.0, 1e-12);
+    near(whole.time[0].get(), 100.0 / 100.0 + 100.0 / A, 1e-12);
+    near(whole.programmed[0].get(), 1.0, 1e-12);
     let blocks = cut(&along_x(&[0.0, 0.3, 20.0, 20.01, 55.0, 99.5, 100.0], 100.0));
-    near(blocks.time[0], 1.0 + 100.0 / A, 1e-9);
+    near(blocks.time[0].get(), 1.0 + 100.0 / A, 1e-9);
     near(blocks.corners.value.get(), 0.0, 1e-9);
     // Too short for its speed.
-    near(cut(&along_x(&[0.0, 1.0], 500.0)).time[0], 2.0 * (1.0 / A).sqrt(), 1e-12);
-    near(cut(&along_x(&[0.0, 0.1, 0.4, 1.0], 500.0)).time[0], 2.0 * (1.0 / A).sqrt(), 1e-9);
+    near(cut(&along_x(&[0.0, 1.0], 500.0)).time[0].get(), 2.0 * (1.0 / A).sqrt(), 1e-12);
+    near(cut(&along_x(&[0.0, 0.1, 0.4, 1.0], 500.0)).time[0].get(), 2.0 * (1.0 / A).sqrt(), 1e-9);
     // The slowest block is run through with half of its feed or less.
     let run = cut(&along_x(&[0.0, 1.0], 500.0));
-    near(run.slowest.value.get(), (1.0 / 500.0) / run.time[0], 1e-12);
+    near(run.slowest.value.get(), (1.0 / 500.0) / run.time[0].get(), 1e-12);
     // Another feed from the second block on.
     let mut stops = along_x(&[0.0, 50.0, 150.0], 50.0);
     stops[2].3 = 100.0 / 200.0;
     let (v, w) = (50.0, 200.0);
     let due = 50.0 / v + v / (2.0 * A) + 100.0 / w + (w - v).powi(2) / (2.0 * A * w) + w / (2.0 * A);
-    near(cut(&stops).time[0], due, 1e-9);
+    near(cut(&stops).time[0].get(), due, 1e-9);
     // Speeds above the limit of the axis are not reached.
     let fast = ran(&program, MoveKind::Rapid, &along_x(&[0.0, 200.0], 1000.0));
-    near(fast.time[2], 200.0 / 500.0 + 500.0 / A, 1e-12);
+    near(fast.time[2].get(), 200.0 / 500.0 + 500.0 / A, 1e-12);
     near(fast.speed[0].value.get(), 1.0, 1e-12);
 }
 
@@ -80,7 +80,7 @@ fn a_table_turns_in_a_trapezoid() {
     // The tip on the axis of C: nothing else moves.
     let stops = [([0.0; 3], 0.0, -0.5, 0.0), ([0.0; 3], 0.0, 2.0, 2.5 / PI)];
     let run = ran(&program, MoveKind::Rapid, &stops);
-    near(run.time[2], 2.5 / PI + PI / 20.0, 1e-9);
+    near(run.time[2].get(), 2.5 / PI + PI / 20.0, 1e-9);
     near(run.speed[4].value.get(), 1.0, 1e-9);
 }
 
@@ -93,7 +93,7 @@ fn a_corner_is_rounded_within_the_tolerance() {
     // At speed v the corner is rounded in the time v / a, by sqrt(2) v (v / a) / 8.
     let (v, corner) = (100.0, (8.0 * chord * A / 2.0_f64.sqrt()).sqrt());
     let leg = 50.0 / v + v / (2.0 * A) + (v - corner).powi(2) / (2.0 * A * v);
-    near(run.time[0], 2.0 * leg, 1e-9);
+    near(run.time[0].get(), 2.0 * leg, 1e-9);
     near(run.corners.value.get(), chord, 1e-12);
     // The rounded way itself, step by step: X slows down evenly while Y speeds up.
     let t = corner / A;
@@ -146,7 +146,7 @@ fn a_tip_on_a_line_under_a_turning_table_takes_the_time_of_a_dense_run() {
         let (from, to) = ([60.0, -20.0, 5.0], [40.0, 30.0, -5.0]);
         let (c0, turn, time) = (-FRAC_PI_2, PI, 1.2);
         let stops = [(from, 0.0, c0, 0.0), (to, 0.0, c0 + turn, time)];
-        let found = ran(&program, MoveKind::Link, &stops).time[1];
+        let found = ran(&program, MoveKind::Link, &stops).time[1].get();
         let path = |tau: f64| {
             let q = |s: f64| {
                 let t = s / time;
@@ -184,8 +184,8 @@ fn a_circle_of_chords_takes_the_time_of_the_circle() {
         ([-speed * sin, speed * cos, 0.0, 0.0, 0.0], [-speed * omega * cos, -speed * omega * sin, 0.0, 0.0, 0.0])
     };
     let dense = brute(&program.machine, TAU / omega, &path, false);
-    println!("chords {:.5} s, circle {dense:.5} s, asked for {:.5} s", run.time[0], TAU / omega);
-    near(run.time[0], dense, 0.02 * dense);
+    println!("chords {:.5} s, circle {dense:.5} s, asked for {:.5} s", run.time[0].get(), TAU / omega);
+    near(run.time[0].get(), dense, 0.02 * dense);
     // The corners of so fine a polygon are rounded by less than the sag of its chords.
     let sag = radius * (1.0 - (PI / f64::from(count)).cos());
     assert!(run.corners.value.get() > 0.0 && run.corners.value <= Mm(sag), "{} {sag}", run.corners.value);
@@ -275,8 +275,8 @@ fn slower_axes_take_longer() {
         };
         let stops: Vec<Stop> = (0..200).map(place).collect();
         let run = ran(&program, MoveKind::Cut, &stops);
-        assert!(run.time[0] > last && run.time[0] >= run.programmed[0], "{share}: {run:?}");
-        last = run.time[0];
+        assert!(run.time[0].get() > last && run.time[0].get() >= run.programmed[0].get(), "{share}: {run:?}");
+        last = run.time[0].get();
     }
 }
 
@@ -302,23 +302,23 @@ fn with_jerk_one_axis_runs_in_seven_phases() {
         let run = ran(&program, MoveKind::Cut, &along_x(&places, speed));
         let ramp = curve(0.0, speed, A, J);
         let due = 2.0 * ramp + (100.0 - speed * ramp) / speed;
-        println!("{:.5} s, seven phases {due:.5} s", run.time[0]);
-        assert!(run.time[0] >= due - 1e-9 && run.time[0] <= 1.05 * due, "{} {due}", run.time[0]);
+        println!("{:.5} s, seven phases {due:.5} s", run.time[0].get());
+        assert!(run.time[0].get() >= due - 1e-9 && run.time[0].get() <= 1.05 * due, "{} {due}", run.time[0].get());
         // Without the jerk it is the trapezoid, and that is the bound.
-        near(run.within_accelerations[0], 1.0 + 100.0 / A, 1e-9);
-        near(run.programmed[0], 1.0, 1e-9);
+        near(run.within_accelerations[0].get(), 1.0 + 100.0 / A, 1e-9);
+        near(run.programmed[0].get(), 1.0, 1e-9);
         assert!(run.jerk[0].value.get() > 0.9 && run.jerk[0].value.get() <= 1.0 + 1e-9, "{:?}", run.jerk);
         assert!(run.jerk[1].value.get() == 0.0 && run.jerk[4].value.get() == 0.0);
     }
     // Large limits of jerk are none.
     let run = ran(&with_jerk(1e9, 1e6), MoveKind::Cut, &along_x(&[0.0, 100.0], 100.0));
-    near(run.time[0], run.within_accelerations[0], 0.01 * run.time[0]);
+    near(run.time[0].get(), run.within_accelerations[0].get(), 0.01 * run.time[0].get());
     // A turning table: the tip on the axis of C.
     let stops = [([0.0; 3], 0.0, -0.5, 0.0), ([0.0; 3], 0.0, 2.0, 2.5 / PI)];
     let run = ran(&program, MoveKind::Rapid, &stops);
     let ramp = curve(0.0, PI, 20.0, 200.0);
     let due = 2.0 * ramp + (2.5 - PI * ramp) / PI;
-    assert!(run.time[2] >= due - 1e-9 && run.time[2] <= 1.15 * due, "{} {due}", run.time[2]);
+    assert!(run.time[2].get() >= due - 1e-9 && run.time[2].get() <= 1.15 * due, "{} {due}", run.time[2].get());
     assert!(run.jerk[4].value.get() > 0.9 && run.jerk[4].value.get() <= 1.0 + 1e-9);
 }
 
@@ -350,9 +350,9 @@ fn with_jerk_a_corner_is_rounded_by_a_pulse() {
     let (ramp, slow) = (curve(0.0, 100.0, A, J), curve(corner, 100.0, A, J));
     let even = (50.0 - 50.0 * ramp - 0.5 * (100.0 + corner) * slow) / 100.0;
     let due = 2.0 * (ramp + slow + even);
-    println!("corner at {corner:.2} mm/s: {:.5} s, S-curves {due:.5} s", run.time[0]);
-    assert!(run.time[0] >= due * (1.0 - 1e-6) && run.time[0] <= 1.1 * due, "{} {due}", run.time[0]);
-    assert!(run.time[0] > run.within_accelerations[0]);
+    println!("corner at {corner:.2} mm/s: {:.5} s, S-curves {due:.5} s", run.time[0].get());
+    assert!(run.time[0].get() >= due * (1.0 - 1e-6) && run.time[0].get() <= 1.1 * due, "{} {due}", run.time[0].get());
+    assert!(run.time[0].get() > run.within_accelerations[0].get());
 }
 
 #[test]
@@ -365,10 +365,10 @@ fn less_jerk_takes_longer() {
     let mut last = 0.0;
     for share in [16.0, 4.0, 1.0, 0.25] {
         let run = ran(&with_jerk(50_000.0 * share, 200.0 * share), MoveKind::Cut, &stops);
-        println!("{share}: {:.4} s, without jerk {:.4} s", run.time[0], run.within_accelerations[0]);
-        assert!(run.time[0] > last && run.time[0] >= run.within_accelerations[0], "{share}: {run:?}");
+        println!("{share}: {:.4} s, without jerk {:.4} s", run.time[0].get(), run.within_accelerations[0].get());
+        assert!(run.time[0].get() > last && run.time[0].get() >= run.within_accelerations[0].get(), "{share}: {run:?}");
         assert!(run.jerk.iter().all(|j| j.value.get() <= 1.0 + 1e-9), "{run:?}");
-        last = run.time[0];
+        last = run.time[0].get();
     }
 }
 

@@ -1,7 +1,7 @@
 //! Times of any motion are finite and include every block: extreme feeds, limits and lengths, long operations.
 
 use super::{Stop, motion, program, ran, support, with_jerk};
-use impellerc::base::units::{Deg, Mm};
+use impellerc::base::units::{Deg, Mm, Sec};
 use impellerc::five_axis::Machine;
 use impellerc::five_axis::control::Planning;
 use impellerc::ir::{JointMove, MoveKind, Program};
@@ -12,8 +12,8 @@ use proptest::prelude::*;
 
 /// Every figure of a run.
 fn figures(run: &Run) -> Vec<f64> {
-    let limits = run.limits.iter().flat_map(|l| l.time);
-    let times = [run.time, run.within_accelerations, run.programmed].concat().into_iter().chain(limits);
+    let limits = run.limits.iter().flat_map(|l| l.time).map(Sec::get);
+    let times = [run.time, run.within_accelerations, run.programmed].concat().into_iter().map(Sec::get).chain(limits);
     let peaks = [run.speed, run.required_acceleration, run.jerk].concat();
     let others = [run.slowest.value.get(), run.corners.value.get(), run.cycle.value.get()];
     let contour = [run.contour.value, run.contour.corner].map(Mm::get);
@@ -87,7 +87,7 @@ proptest! {
         prop_assert!(figures(&run).iter().all(|x| x.is_finite() && *x >= 0.0), "{:?}", run);
         let due: f64 = motion.operations[0].moves.iter().map(|m| m.time).sum();
         let [spent, least, programmed] =
-            [run.time, run.within_accelerations, run.programmed].map(|t| t.iter().sum::<f64>());
+            [run.time, run.within_accelerations, run.programmed].map(|t| t.into_iter().sum::<Sec>().get());
         prop_assert!(super::active::are_whole(&run), "{:?}", run);
         prop_assert!((programmed - due).abs() <= 1e-9 * due, "programmed {} of {}", programmed, due);
         prop_assert!(least >= due * (1.0 - 1e-9), "{} is less than {}", least, due);
@@ -157,7 +157,7 @@ fn thousands_of_corners_that_each_change_the_pace() {
     for program in [program(support::machine()), with_jerk(50_000.0, 200.0)] {
         let [short, long] = [10, 4000].map(|pairs| ran(&program, MoveKind::Cut, &stops(pairs)));
         assert!(figures(&long).iter().all(|x| x.is_finite()), "{long:?}");
-        let ratio = long.time[0] / short.time[0];
+        let ratio = long.time[0].get() / short.time[0].get();
         assert!((ratio / 400.0 - 1.0).abs() < 0.02, "{ratio}");
     }
 }
@@ -177,7 +177,11 @@ fn an_operation_of_twenty_hours() {
             let stops: Vec<Stop> = (0..=blocks).map(place).collect();
             let run = ran(&program, MoveKind::Cut, &stops);
             assert!(figures(&run).iter().all(|x| x.is_finite()), "{run:?}");
-            assert!((run.time[0] / HOURS - 1.0).abs() < 1e-3, "{planning:?}, {blocks} blocks: {} s", run.time[0]);
+            assert!(
+                (run.time[0].get() / HOURS - 1.0).abs() < 1e-3,
+                "{planning:?}, {blocks} blocks: {} s",
+                run.time[0].get()
+            );
         }
     }
 }

@@ -96,12 +96,12 @@ fn ask(dialect: Dialect, program: &Program, lines: &[String], cell: f64) -> Said
     {
         let worst = certificate.surfaces.iter().max_by(|a, b| a.gouge.depth.total_cmp(&b.gouge.depth)).unwrap();
         said.gouge = worst.gouge.at.and_then(|at| {
-            Some((worst.gouge.depth, Point3::from(worst.gouge.point), worst.id, nc.line(at.operation, at.index)?))
+            Some((worst.gouge.depth.get(), Point3::from(worst.gouge.point), worst.id, nc.line(at.operation, at.index)?))
         });
         let bodies = certificate.operations.iter().flat_map(|o| [&o.shank, &o.holder]).flatten();
         said.bodies = bodies
             .min_by(|a, b| a.distance.total_cmp(&b.distance))
-            .and_then(|c| Some((c.distance, nc.line(c.at.operation, c.at.index)?)));
+            .and_then(|c| Some((c.distance.get(), nc.line(c.at.operation, c.at.index)?)));
     }
     for diag in sink.diags().iter().filter(|d| d.severity == Severity::Error) {
         let mut lines: Vec<usize> =

@@ -13,13 +13,13 @@ pub(crate) struct Alike {
 
 impl Alike {
     /// The member with the largest value; of equal values the last member.
-    pub(crate) fn worst<'a>(
+    pub(crate) fn worst<'a, Q: Into<f64>>(
         &self,
         surfaces: &'a [SurfaceReport],
-        value: impl Fn(&SurfaceReport) -> f64,
+        value: impl Fn(&SurfaceReport) -> Q,
     ) -> Option<(usize, &'a SurfaceReport)> {
         let members = self.members.iter().filter_map(|i| Some((*i, surfaces.get(*i)?)));
-        members.max_by(|a, b| value(a.1).total_cmp(&value(b.1)))
+        members.max_by(|a, b| value(a.1).into().total_cmp(&value(b.1).into()))
     }
 }
 
@@ -59,16 +59,16 @@ mod tests {
 
     fn surface(kind: SurfaceKind, sector: u32, depth: f64) -> SurfaceReport {
         let id = SurfaceId { kind, sector };
-        let worst = Worst { value: 0.0, point: [0.0; 3], parameters: [0.0; 2], at: None, depth };
+        let worst = Worst { value: Mm(0.0), point: [0.0; 3], parameters: [0.0; 2], at: None, depth: Mm(depth) };
         SurfaceReport {
             surface: id.to_string(),
             samples: 0,
             points: 0,
             area: Mm2(0.0),
             gouge: worst.clone(),
-            gouge_bound: depth,
+            gouge_bound: Mm(depth),
             excess: worst,
-            excess_bound: 0.0,
+            excess_bound: Mm(0.0),
             percentiles: [Mm(0.0); 3],
             not_reached: Mm2(0.0),
             nearest_there: Vec::new(),
@@ -88,14 +88,14 @@ mod tests {
             (SurfaceKind::Hub(PassageId::FIRST), 0, 5.0),
         ];
         let surfaces: Vec<_> = depths.into_iter().map(|(kind, sector, d)| surface(kind, sector, d)).collect();
-        let groups = alike(&surfaces, |s| Some(format!("{:.0}", s.gouge.depth)));
+        let groups = alike(&surfaces, |s| Some(format!("{:.0}", s.gouge.depth.get())));
         let found: Vec<_> = groups.iter().map(|g| (g.name.as_str(), g.members.as_slice())).collect();
         let due: [(&str, &[usize]); 3] =
             [("vanes 1-2, 5 pressure face", &[0, 1, 3]), ("vane 3 pressure face", &[2]), ("hub of channel 1", &[4])];
         assert_eq!(found, due);
         assert_eq!(groups[0].worst(&surfaces, |s| s.gouge.depth).map(|w| w.0), Some(3));
         // A surface that is not reported is in no group.
-        let deep = alike(&surfaces, |s| (s.gouge.depth > 6.0).then(String::new));
+        let deep = alike(&surfaces, |s| (s.gouge.depth.get() > 6.0).then(String::new));
         assert_eq!(deep.iter().map(|g| g.members.as_slice()).collect::<Vec<_>>(), [[2]]);
         assert_eq!(SurfaceKind::Hub(PassageId::FIRST).in_sectors(&[0, 1, 2, 7, 9]), "hub of channels 1-3, 8, 10");
     }

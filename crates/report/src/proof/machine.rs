@@ -2,7 +2,7 @@
 
 use super::Text;
 use crate::table::{Form, Table, figures, words};
-use base::units::{Share, length};
+use base::units::{Sec, Share, length};
 use ir::{Motion, Program};
 use std::collections::BTreeMap;
 use verify::Certificate;
@@ -94,7 +94,7 @@ pub(crate) fn axes(text: Text<'_>, certificate: &Certificate) -> Table {
 
 /// Where the tool stays at rapid.
 pub(super) fn at_rapid(certificate: &Certificate) -> String {
-    let distance = certificate.rapid.as_ref().map_or_else(|| "far".to_owned(), |c| length(c.distance));
+    let distance = certificate.rapid.as_ref().map_or_else(|| "far".to_owned(), |c| length(c.distance.get()));
     format!("at rapid the tool stays {distance} outside of the stock")
 }
 
@@ -129,7 +129,7 @@ pub(super) fn surroundings(program: &Program, motion: &Motion, certificate: &Cer
     }
     lines.extend(certificate.obstacles.iter().map(|c| match &c.clearance {
         Some(found) => {
-            let (distance, place) = (length(found.distance), describe(program, motion, Some(found.at)));
+            let (distance, place) = (length(found.distance.get()), describe(program, motion, Some(found.at)));
             format!("the {} comes within {distance} of the {}: {place}", c.part, c.solid)
         }
         None => format!("no tool comes within {SEARCH_DISTANCE} mm of the {}", c.solid),
@@ -148,12 +148,13 @@ pub(super) fn runs(program: &Program, certificate: &Certificate) -> Table {
          axis in deg; and how far they would by great circles, and by linear joints without TCP"
     );
     let machine = &certificate.machine;
+    let whole = |times: [Sec; 3]| times.into_iter().sum::<Sec>().get();
     let rows = certificate.operations.iter().zip(&machine.runs).zip(&machine.other_rules);
     let columns = vec![
         words("operation", 12, |r: &Row| r.0.name.clone()),
         figures("slowest", 9, Form::PERCENT, |r: &Row| r.1.slowest.value),
-        figures("no jerk", 9, Form::WHOLE, |r: &Row| clock(r.1.within_accelerations.iter().sum())),
-        figures("unbound", 9, Form::WHOLE, |r: &Row| clock(r.1.programmed.iter().sum())),
+        figures("no jerk", 9, Form::WHOLE, |r: &Row| clock(whole(r.1.within_accelerations))),
+        figures("unbound", 9, Form::WHOLE, |r: &Row| clock(whole(r.1.programmed))),
         figures("corners", 9, Form::UM, |r: &Row| r.1.corners.value),
         figures("cycle", 9, Form::UM, |r: &Row| r.1.cycle.value),
         figures("both", 9, Form::UM, |r: &Row| r.1.contour.value),
@@ -208,14 +209,15 @@ pub(crate) fn limit_rows(certificate: &Certificate) -> Vec<LimitRow<'_>> {
     let mut total: BTreeMap<String, f64> = BTreeMap::new();
     let mut whole = 0.0;
     for (o, run) in certificate.operations.iter().zip(&certificate.machine.runs) {
-        for (kind, moves) in KINDS.into_iter().enumerate().filter(|(kind, _)| run.time[*kind] > 0.0) {
-            let own = run.limits.iter().filter(|l| l.time[kind] > 0.0);
-            let limits: Vec<(String, f64)> = own.map(|l| (limit_words(l, kind), l.time[kind])).collect();
-            for (limit, time) in &limits {
-                *total.entry(limit.clone()).or_default() += time;
+        for (kind, moves) in KINDS.into_iter().enumerate().filter(|(kind, _)| run.time[*kind].get() > 0.0) {
+            let time = run.time[kind].get();
+            let own = run.limits.iter().filter(|l| l.time[kind].get() > 0.0);
+            let limits: Vec<(String, f64)> = own.map(|l| (limit_words(l, kind), l.time[kind].get())).collect();
+            for (limit, part) in &limits {
+                *total.entry(limit.clone()).or_default() += part;
             }
-            whole += run.time[kind];
-            rows.push(LimitRow { operation: &o.name, moves, time: run.time[kind], limits: longest_first(limits) });
+            whole += time;
+            rows.push(LimitRow { operation: &o.name, moves, time, limits: longest_first(limits) });
         }
     }
     let limits = longest_first(total.into_iter().collect());

@@ -11,6 +11,7 @@ pub mod summary;
 pub mod surfaces;
 
 use crate::table::Figure;
+use base::units::Mm;
 use verify::clearance::Clearance;
 use verify::surface::FAR;
 
@@ -40,12 +41,12 @@ impl Text<'_> {
 /// Text in place of a figure where no cutter comes near.
 pub(crate) const NOT_REACHED: &str = "not reached";
 
-/// A distance from a surface to the cutters, mm.
-pub(crate) fn reached(mm: f64) -> Figure {
+/// A distance from a surface to the cutters.
+pub(crate) fn reached(Mm(mm): Mm) -> Figure {
     if mm >= FAR { Figure::Words(NOT_REACHED.to_owned()) } else { Figure::Number(mm) }
 }
 
-/// A clearance, mm; `far` where nothing is within the search.
+/// A clearance; `far` where nothing is within the search.
 fn clearance(found: Option<&Clearance>, far: &str) -> Figure {
     Figure::or(found.map(|c| c.distance), far)
 }

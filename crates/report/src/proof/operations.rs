@@ -2,7 +2,7 @@
 
 use super::{Text, clearance};
 use crate::table::{Figure, Form, Table, figures, words};
-use base::units::trim;
+use base::units::{Mm, Sec, trim};
 use ir::{Operation, Program};
 use verify::Certificate;
 use verify::certificate::OperationReport;
@@ -35,8 +35,8 @@ fn total(operations: &[OperationReport]) -> OperationReport {
         tool: String::new(),
         passes: 0,
         moves: 0,
-        length: [0.0; 3],
-        time: [0.0; 3],
+        length: [Mm(0.0); 3],
+        time: [Sec(0.0); 3],
         splines: None,
         shank: None,
         holder: None,
@@ -78,7 +78,7 @@ pub(crate) fn operations(text: Text<'_>, program: &Program, certificate: &Certif
     let passes = |r: &Row| r.own(r.report.passes);
     let moves = |r: &Row| r.report.moves;
     let length = |k: usize| move |r: &Row| r.report.length[k];
-    let time = |k: usize| move |r: &Row| clock(r.report.time[k]);
+    let time = |k: usize| move |r: &Row| clock(r.report.time[k].get());
     let far =
         if matches!(text, Text::Page(_)) { format!("over {}", verify::search(program)) } else { "far".to_owned() };
     let shank = |r: &Row| r.own(clearance(r.report.shank.as_ref(), &far));
@@ -141,7 +141,7 @@ pub(crate) fn operations(text: Text<'_>, program: &Program, certificate: &Certif
                 words("tool", 0, tool),
                 figures("speed rpm", 0, Form::WHOLE, |r: &Row| r.declared(|o| trim(o.speed.get(), 1))),
                 figures("feed mm/min", 0, Form::WHOLE, |r: &Row| r.declared(|o| trim(o.feed.get(), 1))),
-                figures("time", 0, Form::WHOLE, |r: &Row| clock(r.report.time.iter().sum())),
+                figures("time", 0, Form::WHOLE, |r: &Row| clock(r.report.time.into_iter().sum::<Sec>().get())),
                 figures("restart point: line", 0, Form::WHOLE, restart),
             ];
             Table::new("", rows, columns)

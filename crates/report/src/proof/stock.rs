@@ -8,16 +8,19 @@ use wheel::contract::clock;
 
 type Row<'a> = (usize, &'a OperationStock);
 
+fn peak<Q: Into<f64>>(found: Option<Peak<Q>>) -> Figure {
+    Figure::or(found.map(|peak| peak.value), "-")
+}
+
 /// Effect of the operations on the stock.
 pub(crate) fn stock(text: Text<'_>, stock: &StockReport) -> Table {
     let rows = stock.operations.iter().enumerate();
-    let peak = |p: &Option<Peak>| Figure::or(p.map(|p| p.value), "-");
     let name = |r: &Row| r.1.name.clone();
-    let air = |r: &Row| clock(r.1.air);
-    let depth = move |r: &Row| peak(&r.1.depth);
-    let width = move |r: &Row| peak(&r.1.width);
-    let arc = move |r: &Row| peak(&r.1.arc);
-    let rate = move |r: &Row| peak(&r.1.rate);
+    let air = |r: &Row| clock(r.1.air.get());
+    let depth = |r: &Row| peak(r.1.depth);
+    let width = |r: &Row| peak(r.1.width);
+    let arc = |r: &Row| peak(r.1.arc);
+    let rate = |r: &Row| peak(r.1.rate);
     let collisions = |r: &Row| r.1.collisions.len();
     if let Text::Page(_) = text {
         let place = |k: usize| move |r: &Row| text.place(r.0, k);
@@ -34,8 +37,12 @@ pub(crate) fn stock(text: Text<'_>, stock: &StockReport) -> Table {
             figures("collisions with stock", 0, Form::WHOLE, collisions)
                 .mark(|r: &Row| if r.1.collisions.is_empty() { "" } else { "bad" }),
         ];
-        let blank = Form::THOUSANDS.of(stock.blank);
-        return Table::new(format!("Stock, in cells of {} mm: blank of {blank} cm\u{b3}", stock.cell), rows, columns);
+        let blank = Form::THOUSANDS.of(stock.blank.get());
+        return Table::new(
+            format!("Stock, in cells of {} mm: blank of {blank} cm\u{b3}", stock.cell.get()),
+            rows,
+            columns,
+        );
     }
     let columns = vec![
         words("operation", 12, name),
@@ -45,7 +52,7 @@ pub(crate) fn stock(text: Text<'_>, stock: &StockReport) -> Table {
         figures("t air", 8, Form::WHOLE, air),
         figures("air", 7, Form::PERCENT, |r: &Row| r.1.air_share()),
         figures("depth", 7, Form::HUNDREDTHS, depth),
-        figures("as slot", 7, Form::HUNDREDTHS, |r: &Row| Figure::or(r.1.slot_depth.map(|slot| slot.value.get()), "-")),
+        figures("as slot", 7, Form::HUNDREDTHS, |r: &Row| Figure::or(r.1.slot_depth.map(|slot| slot.value), "-")),
         figures("width", 7, Form::HUNDREDTHS, width),
         figures("arc", 7, Form::WHOLE, arc),
         figures("rate", 7, Form::TENTHS, rate),
@@ -53,9 +60,9 @@ pub(crate) fn stock(text: Text<'_>, stock: &StockReport) -> Table {
     ];
     let title = format!(
         "stock: cells of {} mm, {} rays, blank {:.0} mm3; volumes in mm3, largest engagement in mm, deg and mm3/s",
-        trim(stock.cell, 4),
+        trim(stock.cell.get(), 4),
         stock.rays,
-        stock.blank
+        stock.blank.get()
     );
     Table::new(title, rows, columns).with([
         "depth: extent of the chips along the axis; as slot: depth at full width that loads the tool as much, for `max-depth`"
@@ -69,11 +76,11 @@ pub(super) fn arcs(stock: &StockReport) -> Table {
     type Row<'a> = &'a OperationStock;
     let mut columns = vec![
         words("operation", 12, |o: &Row| o.name.clone()),
-        figures("air", 7, Form::WHOLE, |o: &Row| clock(o.arcs.air[0])),
-        figures("cutting", 7, Form::WHOLE, |o: &Row| clock(o.arcs.cutting())),
+        figures("air", 7, Form::WHOLE, |o: &Row| clock(o.arcs.air.time.get())),
+        figures("cutting", 7, Form::WHOLE, |o: &Row| clock(o.arcs.cutting().get())),
     ];
     columns.extend((0..arcs::CLASSES).map(|k| {
-        let time = move |o: &Row| match o.arcs.time[k] {
+        let time = move |o: &Row| match o.arcs.time[k].get() {
             time if time > 0.0 => clock(time),
             _ => "-".to_owned(),
         };

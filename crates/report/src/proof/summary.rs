@@ -65,7 +65,7 @@ pub fn first_line(certificate: &Certificate, verdict: Verdict<'_>) -> String {
         1 => ", 1 other fault".to_owned(),
         n => format!(", {n} other faults"),
     };
-    let time = clock(certificate.time());
+    let time = clock(certificate.time().get());
     format!(
         "{word} {name}: {held} of {all} contracts{hold}{others}, {made} of {sectors} sectors, {time}, {machine}, {post}\n"
     )
@@ -119,11 +119,11 @@ pub fn summary(program: &Program, certificate: &Certificate, verdict: Verdict<'_
 fn remarks(certificate: &Certificate) -> Vec<String> {
     let mut lines = Vec::new();
     let kept = &certificate.kept;
-    if let Some(worst) = kept.surfaces.iter().max_by(|a, b| a.gouge_bound.get().total_cmp(&b.gouge_bound.get())) {
+    if let Some(worst) = kept.surfaces.iter().max_by(|a, b| a.gouge_bound.total_cmp(&b.gouge_bound)) {
         lines.push(format!(
             "turned surfaces: gouge <= {} (found {}) on {}, allowed {}",
             length(worst.gouge_bound.get()),
-            length(worst.gouge.depth),
+            length(worst.gouge.depth.get()),
             worst.surface,
             length(kept.allowed.get())
         ));

@@ -27,8 +27,8 @@ struct SurfaceRow<'a> {
 type Row<'a> = SurfaceRow<'a>;
 
 /// A figure of a surface in mm as a text in um.
-fn um(mm: f64) -> String {
-    match reached(mm) {
+fn um(figure: Mm) -> String {
+    match reached(figure) {
         Figure::Number(mm) => Form::UM.of(mm),
         Figure::Words(words) => words,
     }
@@ -38,10 +38,10 @@ fn um(mm: f64) -> String {
 fn rows<'a>(
     surfaces: &'a [SurfaceReport],
     same: impl Fn(&SurfaceReport) -> Option<String>,
-    [deepest, most]: [fn(&SurfaceReport) -> f64; 2],
+    [deepest, most]: [fn(&SurfaceReport) -> Mm; 2],
 ) -> Vec<Row<'a>> {
-    let worse = |s: &SurfaceReport| s.gouge_bound.max(s.excess_bound);
-    let size = |group: &Alike| group.worst(surfaces, worse).map_or(0.0, |(_, s)| worse(s));
+    let worse = |s: &SurfaceReport| Mm(s.gouge_bound.get().max(s.excess_bound.get()));
+    let size = |group: &Alike| group.worst(surfaces, worse).map_or(Mm(0.0), |(_, s)| worse(s));
     let mut groups = alike(surfaces, same);
     groups.sort_by(|a, b| size(b).total_cmp(&size(a)));
     let row = |group: Alike| {
@@ -59,7 +59,7 @@ pub(crate) fn surfaces(text: Text<'_>, certificate: &Certificate) -> Table {
     let gouge_bound = |r: &Row| reached(r.deepest.gouge_bound);
     let excess = |r: &Row| reached(r.most.excess.value);
     let excess_bound = |r: &Row| reached(r.most.excess_bound);
-    let below = |k: usize| move |r: &Row| reached(r.deepest.percentiles[k].get());
+    let below = |k: usize| move |r: &Row| reached(r.deepest.percentiles[k]);
     match text {
         Text::Summary => {
             let same = |s: &SurfaceReport| {
@@ -92,8 +92,10 @@ pub(crate) fn surfaces(text: Text<'_>, certificate: &Certificate) -> Table {
                 figures("area, mm\u{b2}", 0, Form::WHOLE, |r: &Row| r.deepest.area),
                 figures("deepest cut found, \u{b5}m", 0, Form::UM, gouge).place(|r: &Row| text.place(r.at, 0)),
                 figures("proved: no deeper than", 0, Form::UM, gouge_bound),
-                figures("most left found, \u{b5}m", 0, Form::UM, |r: &Row| reached(r.most.excess.value.max(0.0)))
-                    .place(|r: &Row| text.place(r.at, 1)),
+                figures("most left found, \u{b5}m", 0, Form::UM, |r: &Row| {
+                    reached(Mm(r.most.excess.value.get().max(0.0)))
+                })
+                .place(|r: &Row| text.place(r.at, 1)),
                 figures("proved: no more than", 0, Form::UM, excess_bound),
                 figures("5 % lie below, \u{b5}m", 0, Form::UM, below(0)),
                 figures("50 % below", 0, Form::UM, below(1)),
@@ -104,7 +106,7 @@ pub(crate) fn surfaces(text: Text<'_>, certificate: &Certificate) -> Table {
         }
         Text::Details | Text::Sheet => {
             let same = |s: &SurfaceReport| {
-                let [p5, p50, p95] = s.percentiles.map(Mm::get);
+                let [p5, p50, p95] = s.percentiles;
                 let figures = [s.gouge.depth, s.gouge_bound, s.excess.value, s.excess_bound, p5, p50, p95].map(um);
                 Some(Form::TENTHS.of(s.area.get()) + &figures.concat())
             };
@@ -134,13 +136,13 @@ pub(crate) fn surfaces(text: Text<'_>, certificate: &Certificate) -> Table {
 /// What stands under the milled surfaces: the worst of all with its place in the program, and what is not reached.
 pub(super) fn worst(program: &Program, motion: &Motion, certificate: &Certificate) -> Vec<String> {
     let all = &certificate.surfaces;
-    let most = |f: fn(&SurfaceReport) -> f64| all.iter().max_by(|a, b| f(a).total_cmp(&f(b)));
-    let bound = |f: fn(&SurfaceReport) -> f64| all.iter().map(f).fold(0.0, f64::max);
-    let figure = |mm: f64| if mm >= FAR { NOT_REACHED.to_owned() } else { length(mm) };
+    let most = |f: fn(&SurfaceReport) -> Mm| all.iter().max_by(|a, b| f(a).total_cmp(&f(b)));
+    let bound = |f: fn(&SurfaceReport) -> Mm| Mm(all.iter().map(|s| f(s).get()).fold(0.0, f64::max));
+    let figure = |Mm(mm): Mm| if mm >= FAR { NOT_REACHED.to_owned() } else { length(mm) };
     let mut lines = Vec::new();
     if let Some(s) = most(|s| s.gouge.depth) {
         let (found, place) = (figure(s.gouge.depth), describe(program, motion, s.gouge.at));
-        let loose = |s: &SurfaceReport| s.gouge_bound > s.gouge.depth + 2.0 * surface::SLACK;
+        let loose = |s: &SurfaceReport| s.gouge_bound.get() > s.gouge.depth.get() + 2.0 * surface::SLACK;
         if all.iter().any(loose) {
             let broken = length(surface::UNPROVED_GOUGE);
             lines.push(format!("deepest gouge found {found} on {}: {place}", s.surface));
@@ -173,7 +175,7 @@ fn missing(certificate: &Certificate) -> impl Iterator<Item = String> {
     let limit = length(surface::NOT_REACHED);
     let mut groups: Vec<(f64, String)> = Vec::new();
     for group in alike(all, missed) {
-        let Some((_, s)) = group.worst(all, |s| s.not_reached.get()) else { continue };
+        let Some((_, s)) = group.worst(all, |s| s.not_reached) else { continue };
         let each = if group.members.len() > 1 { ", each" } else { "" };
         let (area, causes) = (s.not_reached.get(), missed(s).unwrap_or_default());
         // As written: areas that differ by rounding alone keep the order of their surfaces.
@@ -202,7 +204,7 @@ pub(crate) fn not_machined(certificate: &Certificate) -> Option<String> {
 /// Surfaces that the lathe made, the form of the part against its points, and roughing against the finished part.
 pub(super) fn kept(certificate: &Certificate) -> Table {
     let kept = &certificate.kept;
-    let place = |s: &&KeptReport| if s.gouge.depth > 0.0 { coordinates(s.gouge.point) } else { "-".to_owned() };
+    let place = |s: &&KeptReport| if s.gouge.depth.get() > 0.0 { coordinates(s.gouge.point) } else { "-".to_owned() };
     let columns = vec![
         words("surface", 27, |s: &&KeptReport| s.surface.clone()),
         figures("gouge", 8, Form::UM, |s: &&KeptReport| s.gouge.depth),
@@ -258,12 +260,12 @@ fn allowance(found: &AllowanceReport) -> Vec<String> {
         None => format!("roughing stays over {tolerance} outside of the finished part, which its control may add"),
         Some(n) => format!(
             "roughing comes within {} of {}, where its control may add {tolerance}",
-            length(n.place.value),
+            length(n.place.value.get()),
             n.surface
         ),
     };
     let vanes = found.vanes.iter().map(|r| {
-        let (found, bound) = (length(r.worst.as_ref().map_or(0.0, |w| -w.place.value)), length(r.bound.get()));
+        let (found, bound) = (length(r.worst.as_ref().map_or(0.0, |w| -w.place.value.get())), length(r.bound.get()));
         format!("{} leaves {} on the vanes; missing at most {found}, proved {bound}", r.name, r.leaves())
     });
     std::iter::once(first).chain(vanes).collect()

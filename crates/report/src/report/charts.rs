@@ -4,6 +4,7 @@ use super::Input;
 use crate::markup::escaped;
 use crate::proof::machine::{LimitRow, limit_rows};
 use crate::table::{Figure, Form, Table, figures, words};
+use base::units::Mm;
 use std::fmt::Write as _;
 use verify::stock::ArcTimes;
 use verify::stock::arcs::CLASS_WIDTH;
@@ -139,37 +140,39 @@ fn write_histogram(out: &mut String, name: &str, arcs: &ArcTimes, bound: Option<
     let (floor, column) = (top + height, width / 180.0 * CLASS_WIDTH);
     let start = left + column + AIR_BAR_GAP;
     let x = |arc: f64| start + arc / CLASS_WIDTH * column;
-    let most = arcs.time.iter().copied().fold(arcs.air[0], f64::max).max(f64::MIN_POSITIVE);
-    let (whole, size) = (arcs.cutting() + arcs.air[0], [x(180.0) + 22.0, floor + bottom]);
+    let (cutting, air) = (arcs.cutting().get(), arcs.air.time.get());
+    let most = arcs.time.iter().map(|time| time.get()).fold(air, f64::max).max(f64::MIN_POSITIVE);
+    let (whole, size) = (cutting + air, [x(180.0) + 22.0, floor + bottom]);
     write!(
         out,
         "<figure><figcaption>{}: cutting {}, air {}</figcaption><svg viewBox=\"0 0 {} {}\" width=\"{}\" role=img \
          aria-label=\"time at feed over the arc of engagement\">",
         escaped(name),
-        clock(arcs.cutting()),
-        clock(arcs.air[0]),
+        clock(cutting),
+        clock(air),
         size[0],
         size[1],
         size[0]
     )?;
-    let mut bar = |at: f64, time: f64, way: f64, class: &str, what: &str| {
+    let mut bar = |at: f64, time: f64, path: Mm, class: &str, what: &str| {
         let high = height * time / most;
         let share = if whole > 0.0 { 100.0 * time / whole } else { 0.0 };
         write!(
             out,
             "<rect class={class} x=\"{at:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{high:.1}\"><title>{what}: {}, {share:.1} %, \
-             {way:.0} mm</title></rect>",
+             {:.0} mm</title></rect>",
             floor - high,
             column - 1.0,
-            clock(time)
+            clock(time),
+            path.get()
         )
     };
-    bar(left, arcs.air[0], arcs.air[1], "air", "air")?;
-    for (k, (time, way)) in arcs.time.iter().zip(arcs.way).enumerate() {
+    bar(left, air, arcs.air.path, "air", "air")?;
+    for (k, (time, path)) in arcs.time.iter().zip(arcs.path).enumerate() {
         let (from, to) = (k as f64 * CLASS_WIDTH, (k + 1) as f64 * CLASS_WIDTH);
         // A class that begins at the bound lies beyond it.
         let class = if bound.is_some_and(|b| from >= b) { "beyond" } else { "arc" };
-        bar(x(from), *time, way, class, &format!("{from:.0} to {to:.0} deg"))?;
+        bar(x(from), time.get(), path, class, &format!("{from:.0} to {to:.0} deg"))?;
     }
     write!(out, "<path d=\"M{left} {floor}H{:.1}\"/>", x(180.0))?;
     write!(out, "<text x=\"{:.1}\" y=\"{}\" text-anchor=middle>air</text>", left + 0.5 * column, floor + 14.0)?;

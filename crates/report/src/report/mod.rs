@@ -211,8 +211,8 @@ pub fn report(input: &Input<'_>) -> String {
     let scale = scale(input);
     let part =
         part::part(&program.part, input.samples, input.deviations, scale, certificate.spacing.get(), turned(program));
-    let paths =
-        paths::paths(program, input.motion, (certificate.stock.as_ref(), &certificate.machine.runs), input.lines);
+    let (stock, runs) = (certificate.stock.as_ref(), certificate.machine.runs.as_slice());
+    let paths = paths::paths(program, input.motion, stock, runs, input.lines);
     let nc = nc_text(input);
     let places = places::places(input);
     let stock: Vec<stock::StockData> = input.stock.iter().map(|s| stock::stock(s, input.stock.len())).collect();
@@ -235,7 +235,7 @@ pub fn report(input: &Input<'_>) -> String {
         tools: program.tools.iter().map(|(_, t)| ToolData::new(t)).collect(),
         places: &places.list,
         blank: program.stock.profile.to_vec(),
-        cell: input.certificate.stock.as_ref().map(|s| s.cell),
+        cell: input.certificate.stock.as_ref().map(|s| s.cell.get()),
         stock: &stock,
     };
     // The part is not deflated: the page draws it before it has read the rest.

@@ -170,7 +170,8 @@ fn kept(program: &Program, motion: &Motion) -> (Vec<Vec<bool>>, f64) {
 pub(super) fn paths(
     program: &Program,
     motion: &Motion,
-    (stock, runs): (Option<&StockReport>, &[Run]),
+    stock: Option<&StockReport>,
+    runs: &[Run],
     lines: &[(u32, u32, u32)],
 ) -> PathData {
     let (keep, tolerance) = kept(program, motion);
@@ -194,7 +195,7 @@ pub(super) fn paths(
         let declared = &program.operations[operation.operation];
         let first = data.kept;
         let engagement = stock.and_then(|s| s.operations.get(index)).map_or(&[][..], |o| &o.moves);
-        let passes = data.add_moves(&operation.moves, keep, (engagement, runs.get(index)));
+        let passes = data.add_moves(&operation.moves, keep, engagement, runs.get(index));
         data.add_limits(&operation.moves, keep, runs.get(index));
         data.operations.push(OperationData {
             name: declared.name.clone(),
@@ -218,17 +219,18 @@ impl PathData {
         &mut self,
         moves: &[JointMove],
         keep: &[bool],
-        (engagement, run): (&[Engagement], Option<&Run>),
+        engagement: &[Engagement],
+        run: Option<&Run>,
     ) -> Vec<[usize; 2]> {
         let mut passes: Vec<[usize; 2]> = Vec::new();
         let (mut time, mut programmed, mut volume, mut arc) = (0.0, 0.0, 0.0, 0.0_f64);
         for (i, m) in moves.iter().enumerate() {
             // Moves between two kept moves count for the time too. It is that of the run, as everywhere in the report.
-            time += run.and_then(|run| run.move_times.get(i)).copied().unwrap_or(m.time);
+            time += run.and_then(|run| run.move_times.get(i)).map_or(m.time, |time| time.get());
             programmed += m.time;
             let e = engagement.get(i).copied().unwrap_or_default();
-            volume += e.rate * 60.0 * m.time;
-            arc = arc.max(e.arc);
+            volume += e.rate.by_minute().get() * m.time;
+            arc = arc.max(e.arc.get());
             if !keep[i] {
                 continue;
             }

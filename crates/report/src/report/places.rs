@@ -5,7 +5,7 @@ use super::Input;
 use crate::proof::NOT_REACHED;
 use crate::proof::alike::alike;
 use crate::proof::contracts::{allowed_figure, proved, with_symbols};
-use base::units::length;
+use base::units::{Deg, Mm, length};
 use diagnostics::Severity;
 use nalgebra::{Point3, Vector3};
 use serde::Serialize;
@@ -45,7 +45,7 @@ pub(super) struct PlaceData {
 const QUANTITY: f64 = 1e12;
 
 /// Group of the places that decide contracts; the page lists it first.
-const ASKED: &str = "contracts";
+const CONTRACTS: &str = "contracts";
 
 /// All places, and for each row of the tables the index of its place.
 #[derive(Default)]
@@ -68,7 +68,7 @@ pub(super) struct Places {
 }
 
 /// A length with the symbols of the page.
-pub(super) fn amount(mm: f64) -> String {
+pub(super) fn amount(Mm(mm): Mm) -> String {
     if mm >= FAR { NOT_REACHED.to_owned() } else { with_symbols(&length(mm)) }
 }
 
@@ -114,10 +114,10 @@ pub(super) fn places(input: &Input<'_>) -> Places {
 /// Shows surfaces of a kind with the same figure as one entry, at their worst place and with the names of all their
 /// vanes.
 fn list_once(list: &mut [PlaceData], surfaces: &[SurfaceReport], own: &[[Option<usize>; 2]]) {
-    let picks: [fn(&SurfaceReport) -> f64; 2] = [|s| s.gouge.depth, |s| s.excess.value];
+    let picks: [fn(&SurfaceReport) -> Mm; 2] = [|s| s.gouge.depth, |s| s.excess.value];
     for (k, pick) in picks.into_iter().enumerate() {
         let place = |i: usize| own.get(i).and_then(|places| places[k]);
-        let shown = |s: &SurfaceReport| Some(amount(pick(s))).filter(|_| pick(s) > 0.0 && pick(s) < FAR);
+        let shown = |s: &SurfaceReport| Some(amount(pick(s))).filter(|_| pick(s).get() > 0.0 && pick(s).get() < FAR);
         for group in alike(surfaces, shown).iter().filter(|g| g.members.len() > 1) {
             let worst = group.worst(surfaces, pick).map(|(i, _)| i);
             for i in &group.members {
@@ -130,26 +130,35 @@ fn list_once(list: &mut [PlaceData], surfaces: &[SurfaceReport], own: &[[Option<
     }
 }
 
-/// A place: the point on the part, and the move of the program where a move makes it.
-type Where = ([f64; 3], Option<At>);
+/// A place that a check found.
+struct FoundPlace {
+    group: &'static str,
+    name: String,
+    /// Its figure with the unit.
+    value: String,
+    rank: f64,
+    point: [f64; 3],
+    /// The move that makes it.
+    at: Option<At>,
+    fails: bool,
+}
 
 impl Places {
-    /// Adds a place, with its rank and its figure. Returns its index in the list.
-    fn add(
-        &mut self,
-        input: &Input<'_>,
-        group: &'static str,
-        name: String,
-        (rank, value): (f64, String),
-        (point, at): Where,
-        fails: bool,
-    ) -> usize {
+    /// Adds a place. Returns its index in the list.
+    fn add(&mut self, input: &Input<'_>, found: FoundPlace) -> usize {
+        let program = found.at.map_or_else(String::new, |_| describe(input.program, input.motion, found.at));
+        self.add_with(input, found, program)
+    }
+
+    /// The same with the position in the program in words.
+    fn add_with(&mut self, input: &Input<'_>, found: FoundPlace, program: String) -> usize {
+        let FoundPlace { group, name, value, rank, point, at, fails } = found;
         self.list.push(PlaceData {
             group,
             listed: name.clone(),
             name,
             value,
-            program: at.map_or_else(String::new, |_| describe(input.program, input.motion, at)),
+            program,
             point: rounded(point),
             normal: normal(input, point),
             at: at.map(|a| [a.operation, a.index]),
@@ -163,10 +172,10 @@ impl Places {
     fn add_surfaces(&mut self, input: &Input<'_>) {
         let over = |value: f64, kind: &str| bound(input, kind).is_some_and(|b| value > b);
         for s in &input.certificate.surfaces {
-            let mut worst = |group: &'static str, w: &Worst, value: f64, kind: &str| {
-                (value > 0.0 && value < FAR).then(|| {
-                    let figure = (value, amount(value));
-                    self.add(input, group, s.surface.clone(), figure, (w.point, w.at), over(value, kind))
+            let mut worst = |group: &'static str, w: &Worst, Mm(rank): Mm, kind: &str| {
+                (rank > 0.0 && rank < FAR).then(|| {
+                    let (name, value, fails) = (s.surface.clone(), amount(Mm(rank)), over(rank, kind));
+                    self.add(input, FoundPlace { group, name, value, rank, point: w.point, at: w.at, fails })
                 })
             };
             let gouge = worst("deepest cut into a surface", &s.gouge, s.gouge.depth, "gouge");
@@ -175,15 +184,27 @@ impl Places {
         }
     }
 
+    /// Adds the place where a part of a tool is nearest to something.
+    fn add_clearance(
+        &mut self,
+        input: &Input<'_>,
+        group: &'static str,
+        name: String,
+        found: &Clearance,
+        fails: bool,
+    ) -> usize {
+        let distance = found.distance.get();
+        let (value, rank) = (with_symbols(&length(distance)), -distance);
+        self.add(input, FoundPlace { group, name, value, rank, point: found.point, at: Some(found.at), fails })
+    }
+
     /// Places where shank and holder of each operation are nearest to the part.
     fn add_operations(&mut self, input: &Input<'_>) {
         for o in &input.certificate.operations {
             let mut near = |what: &str, c: &Option<Clearance>| {
                 c.as_ref().map(|c| {
-                    let fails = bound(input, "clearance").is_some_and(|b| c.distance < b);
-                    let value = (-c.distance, with_symbols(&length(c.distance)));
-                    let name = format!("{what} in {}", o.name);
-                    self.add(input, "nearest to the part", name, value, (c.point, Some(c.at)), fails)
+                    let fails = bound(input, "clearance").is_some_and(|b| c.distance.get() < b);
+                    self.add_clearance(input, "nearest to the part", format!("{what} in {}", o.name), c, fails)
                 })
             };
             let both = [near("shank", &o.shank), near("holder", &o.holder)];
@@ -197,9 +218,16 @@ impl Places {
             let operation = input.certificate.operations.get(r.operation as usize);
             let after = operation.map_or("", |o| o.name.as_str());
             let on = r.surface.clone().unwrap_or_else(|| "inside a channel".to_owned());
-            let name = format!("after {after}: {on}");
-            let value = (r.most.get(), amount(r.most.get()));
-            let place = self.add(input, "most stock after roughing", name, value, (r.point, None), false);
+            let found = FoundPlace {
+                group: "most stock after roughing",
+                name: format!("after {after}: {on}"),
+                value: amount(r.most),
+                rank: r.most.get(),
+                point: r.point,
+                at: None,
+                fails: false,
+            };
+            let place = self.add(input, found);
             self.rest.push(place);
         }
     }
@@ -207,32 +235,45 @@ impl Places {
     /// Place where the tool at rapid is nearest to the turned stock.
     fn add_rapid(&mut self, input: &Input<'_>) {
         let Some(c) = &input.certificate.rapid else { return };
-        let value = (-c.distance, with_symbols(&length(c.distance)));
-        let name = "whole tool".to_owned();
-        self.add(input, "nearest to the stock at rapid", name, value, (c.point, Some(c.at)), c.distance <= 0.0);
+        let fails = c.distance.get() <= 0.0;
+        self.add_clearance(input, "nearest to the stock at rapid", "whole tool".to_owned(), c, fails);
     }
 
     /// Collisions with the stock, and the largest engagement of each operation.
     fn add_stock(&mut self, input: &Input<'_>) {
         for o in input.certificate.stock.iter().flat_map(|s| &s.operations) {
             for c in &o.collisions {
-                let value = (c.depth.get(), with_symbols(&length(c.depth.get())));
-                let name = format!("{} in {}", c.part, o.name);
-                self.add(input, "stock that the tool must not meet", name, value, (c.point, Some(c.at)), true);
+                let found = FoundPlace {
+                    group: "stock that the tool must not meet",
+                    name: format!("{} in {}", c.part, o.name),
+                    value: with_symbols(&length(c.depth.get())),
+                    rank: c.depth.get(),
+                    point: c.point,
+                    at: Some(c.at),
+                    fails: true,
+                };
+                self.add(input, found);
             }
             // One quantity after another, each with its largest value first.
-            let mut peak = |what: &str, p: &Option<Peak>, (scale, before): (f64, f64), unit: &str| {
-                p.as_ref().map(|p| {
-                    let value = (p.value * scale - before, format!("{:.1} {unit}", p.value * scale));
-                    let name = format!("{what} in {}", o.name);
-                    self.add(input, "largest engagement", name, value, (p.tip, Some(p.at)), false)
+            let mut peak = |what: &str, found: Option<Peak<f64>>, before: f64, unit: &str| {
+                found.map(|p| {
+                    let found = FoundPlace {
+                        group: "largest engagement",
+                        name: format!("{what} in {}", o.name),
+                        value: format!("{:.1} {unit}", p.value),
+                        rank: p.value - before,
+                        point: p.tip,
+                        at: Some(p.at),
+                        fails: false,
+                    };
+                    self.add(input, found)
                 })
             };
             let peaks = [
-                peak("depth", &o.depth, (1.0, 0.0), "mm"),
-                peak("width", &o.width, (1.0, QUANTITY), "mm"),
-                peak("arc", &o.arc, (1.0, 2.0 * QUANTITY), "deg"),
-                peak("removal", &o.rate, (60.0, 3.0 * QUANTITY), "mm\u{b3}/min"),
+                peak("depth", o.depth.map(|p| p.map(Mm::get)), 0.0, "mm"),
+                peak("width", o.width.map(|p| p.map(Mm::get)), QUANTITY, "mm"),
+                peak("arc", o.arc.map(|p| p.map(Deg::get)), 2.0 * QUANTITY, "deg"),
+                peak("removal", o.rate.map(Peak::by_minute), 3.0 * QUANTITY, "mm\u{b3}/min"),
             ];
             self.stock.push(peaks);
         }
@@ -244,9 +285,16 @@ impl Places {
             let place = d.place.as_ref().map(|place| {
                 let p = place.point;
                 let fails = d.severity == Severity::Error;
-                let value = (f64::from(u8::from(fails)), d.code.id().to_owned());
-                let at = place.block.map(|(operation, index)| At { operation, index });
-                self.add(input, "findings", d.message.clone(), value, ([p.x, p.y, p.z], at), fails)
+                let found = FoundPlace {
+                    group: "findings",
+                    name: d.message.clone(),
+                    value: d.code.id().to_owned(),
+                    rank: f64::from(u8::from(fails)),
+                    point: [p.x, p.y, p.z],
+                    at: place.block.map(|(operation, index)| At { operation, index }),
+                    fails,
+                };
+                self.add(input, found)
             });
             self.findings.push(place);
         }
@@ -256,8 +304,8 @@ impl Places {
     fn add_contracts(&mut self, input: &Input<'_>) {
         for c in &input.certificate.contracts {
             let place = c.point.map(|p| {
-                let value = proved(c);
-                self.contract_place(input, c.name(), value, (&c.place, p, c.at), !c.holds)
+                let found = contract_place(c.name(), proved(c), p, c.at, !c.holds);
+                self.add_with(input, found, c.place.clone())
             });
             self.contracts.push(place);
         }
@@ -268,35 +316,16 @@ impl Places {
         for a in &input.certificate.allowed {
             let name = format!("allowed: {} {}", a.kind.name(), a.scope);
             let place = a.point.map(|p| {
-                self.contract_place(input, name, with_symbols(&allowed_figure(a)), (&a.place, p, a.at), false)
+                let found = contract_place(name, with_symbols(&allowed_figure(a)), p, a.at, false);
+                self.add_with(input, found, a.place.clone())
             });
             self.allowed.push(place);
         }
     }
+}
 
-    /// Adds the place that decides a contract, with the move at which the check found it.
-    fn contract_place(
-        &mut self,
-        input: &Input<'_>,
-        name: String,
-        value: String,
-        (program, point, at): (&str, [f64; 3], Option<At>),
-        fails: bool,
-    ) -> usize {
-        let point = rounded(point);
-        let at = at.map(|a| [a.operation, a.index]);
-        self.list.push(PlaceData {
-            group: ASKED,
-            listed: name.clone(),
-            name,
-            value,
-            program: program.to_owned(),
-            point,
-            normal: normal(input, point),
-            at,
-            fails,
-            rank: f64::from(u8::from(fails)),
-        });
-        self.list.len() - 1
-    }
+/// The place that decides a contract, with the move at which the check found it.
+fn contract_place(name: String, value: String, point: [f64; 3], at: Option<At>, fails: bool) -> FoundPlace {
+    let (point, rank) = (rounded(point), f64::from(u8::from(fails)));
+    FoundPlace { group: CONTRACTS, name, value, rank, point, at, fails }
 }

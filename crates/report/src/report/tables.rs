@@ -22,7 +22,7 @@ pub(super) fn header(input: &Input<'_>) -> String {
         ("machine", certificate.machine_name.clone()),
         ("NC dialect", input.post.to_owned()),
         ("NC program", input.nc_text.map_or_else(|| "none: a fault stopped it".to_owned(), lines)),
-        ("machining time", format!("{} h:mm:ss", clock(certificate.time()))),
+        ("machining time", format!("{} h:mm:ss", clock(certificate.time().get()))),
         ("vanes", vanes.to_string()),
         ("deviations proved over", format!("cells of {} mm and less", certificate.spacing.get())),
     ];

@@ -9,6 +9,7 @@
 //! there. The reason follows from joints, limits, times and the simulated stock alone.
 
 use super::{Joint5, MotionCell, MovePart, RunLimits, number};
+use base::units::Sec;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -50,8 +51,8 @@ pub struct ActiveLimit {
     pub limit: MotionLimit,
     /// Name of the axis; `None` for limits that belong to no axis.
     pub axis: Option<String>,
-    /// Time in cuts, links and rapids, s.
-    pub time: [f64; 3],
+    /// Time in cuts, links and rapids.
+    pub time: [Sec; 3],
 }
 
 /// The limit that is active in a move for the longest time.
@@ -115,7 +116,10 @@ impl ActiveTimes {
         };
         let moves = self.moves.chunk_by(|a, b| a.0 == b.0).filter_map(longest).collect();
         let times = self.whole.into_iter();
-        (times.map(|((limit, axis), time)| ActiveLimit { limit, axis: name(axis), time }).collect(), moves)
+        (
+            times.map(|((limit, axis), time)| ActiveLimit { limit, axis: name(axis), time: time.map(Sec) }).collect(),
+            moves,
+        )
     }
 
     /// Times of a run.

@@ -2,7 +2,7 @@
 
 use super::active::{ActiveTimes, MotionLimit, NO_CORNER, Pace, active};
 use super::{At, BlockError, MotionCell, Peak, Run, RunLimits, jerk, number};
-use base::units::Share;
+use base::units::{Sec, Share};
 use five_axis::linuxcnc::{self, Ran};
 use ir::{JointMove, MoveKind};
 use std::ops::Range;
@@ -20,7 +20,7 @@ pub(super) fn replace(
 ) {
     let lines = linuxcnc::lines(settings.machine, moves.iter().map(|m| (m.joints, m.time, m.stop)));
     let ran = linuxcnc::run(&lines, settings);
-    report.time = [0.0; 3];
+    report.time = [Sec(0.0); 3];
     report.corners = Peak::none();
     report.slowest = Peak { value: Share(1.0), at: None };
     let rapid = |index: usize| moves.get(index).is_none_or(|m| m.kind == MoveKind::Rapid);
@@ -32,9 +32,9 @@ pub(super) fn replace(
     let mut times = ActiveTimes::default();
     for (m, (ran, index)) in moves.iter().skip(1).zip(ran.iter().zip(1_u32..)) {
         let at = At { operation, index };
-        report.time[number(m.kind)] += ran.time;
+        report.time[number(m.kind)] += Sec(ran.time);
         if let Some(time) = report.move_times.get_mut(index as usize) {
-            *time = ran.time;
+            *time = Sec(ran.time);
         }
         let first = cells.partition_point(|c| c.block < index);
         let count = cells[first..].partition_point(|c| c.block == index);

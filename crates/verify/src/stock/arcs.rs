@@ -1,9 +1,9 @@
-//! Arc of engagement: the arc of the circle of the cutter that meets stock, with an upper bound; slots; time and way at
-//! feed over the arc.
+//! Arc of engagement: the arc of the circle of the cutter that meets stock, with an upper bound; slots; time and path
+//! at feed over the arc.
 
 use super::{MIN_FULL_ARC, StepPlace, StepRemoval};
 use crate::proof::piece::At;
-use base::units::Deg;
+use base::units::{Deg, Mm, Sec};
 use ir::MoveKind;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -35,18 +35,41 @@ pub struct ArcBound {
     pub tip: [f64; 3],
 }
 
-/// Time and way of an operation at feed, by the arc of engagement. Class k holds arcs over k times 15 degrees up to
+/// Time of the feeds of some blocks, and length of their tip path; in a file a list of both.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(from = "(Sec, Mm)", into = "(Sec, Mm)")]
+pub struct TimeAndPath {
+    /// Time.
+    pub time: Sec,
+    /// Length of the tip path.
+    pub path: Mm,
+}
+
+impl From<(Sec, Mm)> for TimeAndPath {
+    fn from((time, path): (Sec, Mm)) -> Self {
+        Self { time, path }
+    }
+}
+
+impl From<TimeAndPath> for (Sec, Mm) {
+    fn from(of: TimeAndPath) -> Self {
+        (of.time, of.path)
+    }
+}
+
+/// Time and path of an operation at feed, by the arc of engagement. Class k holds arcs over k times 15 degrees up to
 /// k + 1 times 15 degrees; the first one holds arcs of zero as well.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ArcTimes {
-    /// Time of each class by the feeds of the blocks, s.
-    pub time: [f64; CLASSES],
-    /// Length of the tip path of each class, mm.
-    pub way: [f64; CLASSES],
-    /// Time, s, and way, mm, in which nothing is removed.
-    pub air: [f64; 2],
-    /// Time, s, and way, mm, in slots.
-    pub slots: [f64; 2],
+    /// Time of each class by the feeds of the blocks.
+    pub time: [Sec; CLASSES],
+    /// Length of the tip path of each class.
+    #[serde(rename = "way")]
+    pub path: [Mm; CLASSES],
+    /// Where nothing is removed.
+    pub air: TimeAndPath,
+    /// In slots.
+    pub slots: TimeAndPath,
 }
 
 /// Circle of a cutter in a stock of rays.
@@ -221,7 +244,11 @@ impl ArcTimes {
     pub(super) fn new(places: &[StepPlace], removal: &StepRemoval, arcs: &[StepArc]) -> Self {
         let mut found = Self::default();
         for (i, place) in places.iter().enumerate().filter(|(_, p)| p.kind != MoveKind::Rapid) {
-            let add = |to: &mut [f64; 2]| *to = [to[0] + place.time, to[1] + place.way];
+            let (time, path) = (Sec(place.time), Mm(place.way));
+            let add = |to: &mut TimeAndPath| {
+                to.time += time;
+                to.path += path;
+            };
             if !removal.cuts[i] {
                 add(&mut found.air);
                 continue;
@@ -230,15 +257,15 @@ impl ArcTimes {
                 add(&mut found.slots);
             }
             let class = ((arcs[i].found / CLASS_WIDTH).ceil() as usize).clamp(1, CLASSES) - 1;
-            found.time[class] += place.time;
-            found.way[class] += place.way;
+            found.time[class] += time;
+            found.path[class] += path;
         }
         found
     }
 
-    /// Time in which the cutter is engaged, s.
-    pub fn cutting(&self) -> f64 {
-        self.time.iter().sum()
+    /// Time in which the cutter is engaged.
+    pub fn cutting(&self) -> Sec {
+        self.time.into_iter().sum()
     }
 }
 

@@ -5,10 +5,10 @@
 
 use super::cells::{cell_of, default_cell};
 use super::strokes::MAX_RUBBING_DEPTH;
-use super::{MAX_SLOT_DEPTH, MIN_FULL_ARC, OperationStock, Peak};
+use super::{MAX_SLOT_DEPTH, MIN_FULL_ARC, OperationStock};
 use crate::place::describe;
 use crate::proof::piece::At;
-use base::units::{MmPerMin, Rpm, length, trim};
+use base::units::{Mm3PerSec, MmPerMin, Rpm, Share, length, trim};
 use diagnostics::{Diag, Sink, codes::verification};
 use ir::{Allowed, ContractKind, Motion, MotionOperation, MoveKind, Operation, OperationId, Program, Tool};
 use nalgebra::Point3;
@@ -60,7 +60,7 @@ fn with_cells(mut diag: Diag, cell: f64, fine: f64) -> Diag {
 
 /// Finding on material in the middle of the end, which has no teeth, of a tool that goes down along its axis.
 fn report_middle(program: &Program, motion: &Motion, o: &OperationStock, sink: &mut Sink) {
-    let found = o.middle.filter(|middle| middle.value > MAX_RUBBING_DEPTH);
+    let found = o.middle.filter(|middle| middle.value.get() > MAX_RUBBING_DEPTH);
     let Some((middle, operation)) = found.zip(motion.operations.get(o.operation as usize)) else { return };
     let declared = &program.operations[operation.operation];
     let tool = &program.tools[declared.tool];
@@ -71,7 +71,7 @@ fn report_middle(program: &Program, motion: &Motion, o: &OperationStock, sink: &
             format!(
                 "{} goes down along its axis with material {} inside of the middle of its end",
                 tool.name,
-                length(middle.value)
+                length(middle.value.get())
             ),
         )
         .label(declared.span, "in this operation")
@@ -92,7 +92,7 @@ fn report_ramp(program: &Program, motion: &Motion, o: &OperationStock, sink: &mu
     let declared = &program.operations[operation.operation];
     let tool = &program.tools[declared.tool];
     let limit = tool.ramp.deg();
-    if ramp.value <= limit * (1.0 + LOAD_ROUNDING) {
+    if ramp.value.get() <= limit * (1.0 + LOAD_ROUNDING) {
         return;
     }
     let new = if tool.ramp_stated { Diag::error } else { Diag::remark };
@@ -106,7 +106,7 @@ fn report_ramp(program: &Program, motion: &Motion, o: &OperationStock, sink: &mu
             format!(
                 "{} goes down at {} deg with material under the middle of its end; {limits} is {} deg",
                 tool.name,
-                trim(ramp.value, 2),
+                trim(ramp.value.get(), 2),
                 trim(limit, 2)
             ),
         )
@@ -130,7 +130,7 @@ fn report_link(program: &Program, motion: &Motion, o: &OperationStock, sink: &mu
     let most = o.cut_rate;
     let feed = operation.moves.get(link.at.index as usize).and_then(|m| m.feed).unwrap_or_default();
     let chip = feed / declared.speed.get().max(0.0) / f64::from(tool.flutes);
-    let rate = |r: f64| format!("{:.1} mm3/min", r * 60.0);
+    let rate = |r: Mm3PerSec| format!("{:.1} mm3/min", r.by_minute().get());
     let removes = format!("at link feed the cutter removes {}", rate(link.value));
     let (harms, text) = if link.value > most {
         (true, format!("{removes}; the largest removal rate of its cuts is {}", rate(most)))
@@ -158,7 +158,7 @@ fn report_depth(program: &Program, motion: &Motion, o: &OperationStock, sink: &m
     let limit = tool.max_depth.get();
     let over = cut.value.get() > limit;
     // A slot of finishing that is deeper than the diameter has its own finding.
-    let found = o.slot.is_some_and(|p| p.value > MAX_SLOT_DEPTH);
+    let found = o.slot.is_some_and(|p| p.value.get() > MAX_SLOT_DEPTH);
     if !over && (found || cut.value.get() <= 2.0 * MAX_SLOT_DEPTH * tool.solid.cutter.nominal_radius()) {
         return;
     }
@@ -196,12 +196,12 @@ fn report_removal(program: &Program, motion: &Motion, o: &OperationStock, sink: 
     let declared = &program.operations[operation.operation];
     let tool = &program.tools[declared.tool];
     let slower = feed_within(operation, &o.removal);
-    let mut find = |peak: &Peak, text: String, limit: String| {
+    let mut find = |at: At, tip: [f64; 3], text: String, limit: String| {
         sink.push(
             Diag::error(verification::TOOL_LOAD, text)
                 .label(declared.span, "in this operation")
-                .place(describe(program, motion, Some(peak.at)), Point3::from(peak.tip))
-                .block(peak.at.operation, peak.at.index)
+                .place(describe(program, motion, Some(at)), Point3::from(tip))
+                .block(at.operation, at.index)
                 .note(limit)
                 .help(slower.map_or_else(
                     || "use a lower feed in this block, or a smaller `depth` or `stepover`".to_owned(),
@@ -211,15 +211,15 @@ fn report_removal(program: &Program, motion: &Motion, o: &OperationStock, sink: 
                 )),
         );
     };
-    let rate = o.rate.zip(tool.max_rate).filter(|(found, limit)| found.value * 60.0 > limit.get());
+    let rate = o.rate.zip(tool.max_rate).filter(|(found, limit)| found.value.by_minute() > *limit);
     if let Some((found, limit)) = rate {
-        let text = format!("{} removes {} mm3/min", tool.name, trim(found.value * 60.0, 0));
-        find(&found, text, format!("`max-rate` of the tool is {limit}"));
+        let text = format!("{} removes {} mm3/min", tool.name, trim(found.value.by_minute().get(), 0));
+        find(found.at, found.tip, text, format!("`max-rate` of the tool is {limit}"));
     }
-    let power = o.power.zip(program.machine.power).filter(|(found, limit)| found.value > *limit);
+    let power = o.power.zip(program.machine.power).filter(|(found, limit)| found.value.get() > *limit);
     if let Some((found, limit)) = power {
-        let text = format!("{} needs {} kW at the cutter", tool.name, trim(found.value, 2));
-        find(&found, text, format!("the spindle of the machine has {} kW", trim(limit, 2)));
+        let text = format!("{} needs {} kW at the cutter", tool.name, trim(found.value.get(), 2));
+        find(found.at, found.tip, text, format!("the spindle of the machine has {} kW", trim(limit, 2)));
     }
 }
 
@@ -228,10 +228,13 @@ const USED_FEED_SHARE: f64 = 0.95;
 
 /// A feed, in whole mm/min, with which no cut removes more than tool and spindle take. `shares` has the feed of each move as a share of
 /// the feed at which one of them reaches its limit.
-fn feed_within(operation: &MotionOperation, shares: &[f64]) -> Option<MmPerMin> {
-    let over =
-        operation.moves.iter().zip(shares).filter(|(m, share)| m.kind == MoveKind::Cut && **share > USED_FEED_SHARE);
-    let least = over.filter_map(|(m, share)| Some(USED_FEED_SHARE * m.feed? / share)).reduce(f64::min)?;
+fn feed_within(operation: &MotionOperation, shares: &[Share]) -> Option<MmPerMin> {
+    let over = operation
+        .moves
+        .iter()
+        .zip(shares)
+        .filter(|(m, share)| m.kind == MoveKind::Cut && share.get() > USED_FEED_SHARE);
+    let least = over.filter_map(|(m, share)| Some(USED_FEED_SHARE * m.feed? / share.get())).reduce(f64::min)?;
     (least >= 1.0).then(|| MmPerMin(least.floor()))
 }
 
@@ -272,22 +275,22 @@ fn report_chip(program: &Program, motion: &Motion, o: &OperationStock, sink: &mu
 /// is not.
 fn report_turned_chip(program: &Program, motion: &Motion, o: &OperationStock, limit: f64, sink: &mut Sink) {
     let Some((chip, operation)) = o.chip.zip(motion.operations.get(o.operation as usize)) else { return };
-    if chip.value <= limit {
+    if chip.value.get() <= limit {
         return;
     }
     let declared = &program.operations[operation.operation];
     let tool = &program.tools[declared.tool];
     let feed = operation.moves.get(chip.at.index as usize).and_then(|m| m.feed).unwrap_or_default();
-    let slower = MmPerMin((feed * tool.max_chip.get() / chip.value).floor());
+    let slower = MmPerMin((feed * tool.max_chip.get() / chip.value.get()).floor());
     sink.push(
         Diag::error(
             verification::TOOL_LOAD,
             format!(
                 "{} turns while it cuts: {} over the tip its feed per tooth is {}, {}",
                 tool.name,
-                length(chip.height),
-                length(chip.value),
-                share(tool, chip.value)
+                length(chip.height.get()),
+                length(chip.value.get()),
+                share(tool, chip.value.get())
             ),
         )
         .label(declared.span, "in this operation")
@@ -325,14 +328,14 @@ fn share(tool: &Tool, mm: f64) -> String {
 
 /// Finding on finishing in full material. A slot deeper than the diameter is an error, unless the job allows it by name.
 fn report_full(program: &Program, motion: &Motion, o: &OperationStock, sink: &mut Sink) {
-    let found = o.slot.filter(|p| p.value > SLOT_REMARK_DEPTH);
+    let found = o.slot.filter(|p| p.value.get() > SLOT_REMARK_DEPTH);
     let Some((full, operation)) = found.zip(motion.operations.get(o.operation as usize)) else { return };
     let declared = &program.operations[operation.operation];
     let tool = &program.tools[declared.tool];
-    let deep = full.value > MAX_SLOT_DEPTH;
+    let deep = full.value.get() > MAX_SLOT_DEPTH;
     let allowed = program.allowed.iter().find(|a| allows_slot(a, operation.operation)).filter(|_| deep);
     let new = if deep && allowed.is_none() { Diag::error } else { Diag::remark };
-    let depth = full.value * 2.0 * tool.solid.cutter.nominal_radius();
+    let depth = full.value.get() * 2.0 * tool.solid.cutter.nominal_radius();
     let text = format!(
         "finishing cuts in full material: a slot of {} that is {} deep, {}",
         tool.name,

@@ -10,13 +10,13 @@ mod report;
 mod steps;
 mod strokes;
 
-pub use arcs::{ArcBound, ArcTimes};
+pub use arcs::{ArcBound, ArcTimes, TimeAndPath};
 pub use cells::{default_cell, memory, usual_cell};
 pub use report::report;
 
 use super::proof::piece::At;
 use base::progress::{Progress, Work};
-use base::units::{Deg, Mm, Mm3};
+use base::units::{Deg, Kw, Mm, Mm3, Mm3PerSec, Sec, Share};
 use diagnostics::{Diag, Sink, codes::verification};
 use ir::{ContractKind, Motion, MotionOperation, MoveKind, Program};
 use serde::{Deserialize, Serialize};
@@ -60,15 +60,29 @@ pub struct Settings<'a> {
     pub after: Option<AfterOperation<'a>>,
 }
 
-/// A largest value with its place.
+/// A largest value of a quantity with its place.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Peak {
+pub struct Peak<Q> {
     /// Value.
-    pub value: f64,
+    pub value: Q,
     /// Move.
     pub at: At,
     /// Tool tip at this move, part frame, mm.
     pub tip: [f64; 3],
+}
+
+impl<Q> Peak<Q> {
+    /// The peak with another form of its value.
+    pub fn map<P>(self, form: impl FnOnce(Q) -> P) -> Peak<P> {
+        Peak { value: form(self.value), at: self.at, tip: self.tip }
+    }
+}
+
+impl Peak<Mm3PerSec> {
+    /// The rate in mm3/min.
+    pub fn by_minute(self) -> Peak<f64> {
+        self.map(|rate| rate.by_minute().get())
+    }
 }
 
 /// Depth of cut at full width that loads the cutter as much as a cut of another arc.
@@ -90,10 +104,10 @@ pub struct SlotDepth {
 /// its tip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ToothFeed {
-    /// Way of the axis of the tool at this height for each tooth, mm.
-    pub value: f64,
-    /// Height over the tip, mm.
-    pub height: f64,
+    /// Way of the axis of the tool at this height for each tooth.
+    pub value: Mm,
+    /// Height over the tip.
+    pub height: Mm,
     /// Move.
     pub at: At,
     /// Tool tip at this move, part frame, mm.
@@ -122,53 +136,53 @@ pub struct OperationStock {
     pub operation: u32,
     /// Name.
     pub name: String,
-    /// Removed volume, mm3.
-    pub removed: f64,
-    /// Volume removed by link moves, mm3.
-    pub by_links: f64,
-    /// Largest removal rate of links, mm3/s, where they remove as much as a cut.
+    /// Removed volume.
+    pub removed: Mm3,
+    /// Volume removed by link moves.
+    pub by_links: Mm3,
+    /// Largest removal rate of links, where they remove as much as a cut.
     #[serde(skip)]
-    pub link: Option<Peak>,
-    /// Largest removal rate of the moves at process feed alone, mm3/s.
+    pub link: Option<Peak<Mm3PerSec>>,
+    /// Largest removal rate of the moves at process feed alone.
     #[serde(skip)]
-    pub cut_rate: f64,
-    /// Stock after the operation, mm3.
-    pub rest: f64,
-    /// Time of all moves, s.
-    pub time: f64,
-    /// Time in which nothing is removed, s.
-    pub air: f64,
-    /// Time of the moves at feed, and time of their air cuts, s.
-    pub feed: [f64; 2],
-    /// Time and way of the moves at feed over the arc of engagement.
+    pub cut_rate: Mm3PerSec,
+    /// Stock after the operation.
+    pub rest: Mm3,
+    /// Time of all moves.
+    pub time: Sec,
+    /// Time in which nothing is removed.
+    pub air: Sec,
+    /// Time of the moves at feed, and time of their air cuts.
+    pub feed: [Sec; 2],
+    /// Time and path of the moves at feed over the arc of engagement.
     pub arcs: ArcTimes,
-    /// Largest extent of removed material along the tool axis, mm, without strokes along the axis.
-    pub depth: Option<Peak>,
-    /// Largest extent across tip motion and axis, mm; in a stroke along the axis from the rim towards the axis.
-    pub width: Option<Peak>,
-    /// Largest arc of engagement of the circle of the cutter that the rays show, degrees.
-    pub arc: Option<Peak>,
+    /// Largest extent of removed material along the tool axis, without strokes along the axis.
+    pub depth: Option<Peak<Mm>>,
+    /// Largest extent across tip motion and axis; in a stroke along the axis from the rim towards the axis.
+    pub width: Option<Peak<Mm>>,
+    /// Largest arc of engagement of the circle of the cutter that the rays show.
+    pub arc: Option<Peak<Deg>>,
     /// Largest upper bound of the arc.
     pub arc_bound: Option<ArcBound>,
     /// Largest upper bound of the arc outside of slots.
     pub arc_outside_slots: Option<ArcBound>,
-    /// Largest removal rate, mm3/s, averaged over a tip motion of some cells.
-    pub rate: Option<Peak>,
-    /// Largest power at the cutter, kW, over the same tip motion, where the job states the material.
-    pub power: Option<Peak>,
-    /// Largest depth of cut at full width that loads the cutter as much, mm: the sum over the heights of the share of the
+    /// Largest removal rate, averaged over a tip motion of some cells.
+    pub rate: Option<Peak<Mm3PerSec>>,
+    /// Largest power at the cutter, over the same tip motion, where the job states the material.
+    pub power: Option<Peak<Kw>>,
+    /// Largest depth of cut at full width that loads the cutter as much: the sum over the heights of the share of the
     /// arc in half a turn.
     pub slot_depth: Option<SlotDepth>,
-    /// Steepest angle against the plane of the end, degrees, at which the tool goes down with material under its middle.
-    pub ramp: Option<Peak>,
-    /// How far material reaches into the middle of the end, which has no teeth, in strokes along the axis, mm.
+    /// Steepest angle against the plane of the end at which the tool goes down with material under its middle.
+    pub ramp: Option<Peak<Deg>>,
+    /// How far material reaches into the middle of the end, which has no teeth, in strokes along the axis.
     #[serde(skip)]
-    pub middle: Option<Peak>,
+    pub middle: Option<Peak<Mm>>,
     /// Deepest slot of an operation of finishing, as a share of the diameter of its cutter: the sum of the heights at which the
     /// cutter is in full material, over an arc of 150 degrees.
     #[serde(skip)]
-    pub slot: Option<Peak>,
-    /// Largest feed per tooth where the cutter meets material, mm.
+    pub slot: Option<Peak<Share>>,
+    /// Largest feed per tooth where the cutter meets material.
     #[serde(skip)]
     pub chip: Option<ToothFeed>,
     /// Collisions, the deepest of each move and part of the tool.
@@ -179,36 +193,36 @@ pub struct OperationStock {
     /// For each move its feed as a share of the feed at which the removal rate reaches `max-rate` of the tool, or the power at
     /// the cutter that of the spindle. Empty where neither is limited.
     #[serde(skip)]
-    pub removal: Vec<f64>,
+    pub removal: Vec<Share>,
 }
 
 /// Engagement of the cutter during a move.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Engagement {
-    /// Removal rate, mm3/s, averaged over a tip motion of some cells that ends with the move.
-    pub rate: f64,
-    /// Largest arc of the cutter's circle in the stock that the rays show, degrees.
-    pub arc: f64,
-    /// Largest upper bound of this arc, degrees.
-    pub arc_bound: f64,
+    /// Removal rate, averaged over a tip motion of some cells that ends with the move.
+    pub rate: Mm3PerSec,
+    /// Largest arc of the cutter's circle in the stock that the rays show.
+    pub arc: Deg,
+    /// Largest upper bound of this arc.
+    pub arc_bound: Deg,
 }
 
 impl OperationStock {
     /// Share of the time of all moves in which nothing is removed.
     pub fn air_share(&self) -> f64 {
-        if self.time > 0.0 { self.air / self.time } else { 0.0 }
+        air_share(self.air, self.time)
     }
 }
 
 /// Results of the stock simulation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct StockReport {
-    /// Edge of the cells, mm. Smaller features may be missed; ends of rays are exact to [`stock::END_ERROR`].
-    pub cell: f64,
+    /// Edge of the cells. Smaller features may be missed; ends of rays are exact to [`stock::END_ERROR`].
+    pub cell: Mm,
     /// Number of rays.
     pub rays: usize,
-    /// Volume of the blank, or of what is left of it before the first operation, mm3.
-    pub blank: f64,
+    /// Volume of the blank, or of what is left of it before the first operation.
+    pub blank: Mm3,
     /// Operations in order.
     pub operations: Vec<OperationStock>,
     /// Missing stock inside of the hub disc, after the first operation that removes some.
@@ -232,16 +246,21 @@ impl StockReport {
         self.operations.iter().flat_map(|o| &o.collisions)
     }
 
-    /// Stock at the end, mm3.
-    pub fn rest(&self) -> f64 {
+    /// Stock at the end.
+    pub fn rest(&self) -> Mm3 {
         self.operations.last().map_or(self.blank, |o| o.rest)
     }
 
     /// Share of the time of all moves in which nothing is removed.
     pub fn air_share(&self) -> f64 {
-        let (air, time) = self.operations.iter().fold((0.0, 0.0), |(a, t), o| (a + o.air, t + o.time));
-        if time > 0.0 { air / time } else { 0.0 }
+        let sum = |time: fn(&OperationStock) -> Sec| self.operations.iter().map(time).sum();
+        air_share(sum(|o| o.air), sum(|o| o.time))
     }
+}
+
+/// Time in which nothing is removed, as a share of a time.
+fn air_share(air: Sec, time: Sec) -> f64 {
+    if time.get() > 0.0 { air.get() / time.get() } else { 0.0 }
 }
 
 /// Simulates the stock over the whole program; `None` when the field cannot be made, with the reason in the sink, or when the run
@@ -276,9 +295,9 @@ pub fn simulate(
         let work = progress.begin(name, operation.moves.len().saturating_sub(1));
         let mut report = run(program, operation, o, &mut field, &work);
         drop(work);
-        report.rest = field.volume();
-        report.removed = before - report.rest;
-        before = report.rest;
+        let rest = field.volume();
+        (report.rest, report.removed) = (Mm3(rest), Mm3(before - rest));
+        before = rest;
         if missing.is_none() {
             let uncut = field.uncut_under(&disc, below, start.as_ref());
             missing = uncut.map(|uncut| MissingStock {
@@ -292,7 +311,7 @@ pub fn simulate(
             after(o, &field);
         }
     }
-    Some(StockReport { cell: field.cell(), rays: field.rays(), blank, operations, missing })
+    Some(StockReport { cell: Mm(field.cell()), rays: field.rays(), blank: Mm3(blank), operations, missing })
 }
 
 /// Depth below the surface of the hub disc from which missing stock is reported, mm.
@@ -361,13 +380,13 @@ impl Milled {
     }
 
     /// A value with the place of its step.
-    fn peak_at(&self, value: f64, step: u32) -> Option<Peak> {
+    fn peak_at<Q: From<f64>>(&self, value: f64, step: u32) -> Option<Peak<Q>> {
         let tip = self.places.get(step as usize)?.tip;
-        Some(Peak { value, at: self.at(step), tip: [tip.x, tip.y, tip.z] })
+        Some(Peak { value: Q::from(value), at: self.at(step), tip: [tip.x, tip.y, tip.z] })
     }
 
     /// The largest value over all steps that remove material.
-    fn peak(&self, value: &dyn Fn(&BlockCut) -> f64) -> Option<Peak> {
+    fn peak<Q: From<f64>>(&self, value: &dyn Fn(&BlockCut) -> f64) -> Option<Peak<Q>> {
         let cuts = self.outcome.cuts.iter().filter(|c| c.height[0] <= c.height[1]);
         let c = cuts.max_by(|a, b| value(a).total_cmp(&value(b)))?;
         self.peak_at(value(c), c.block)
@@ -381,8 +400,8 @@ impl Milled {
             Some((arc.load, arc.depth, arc.found, c.block))
         });
         let (value, depth, arc, step) = loads.max_by(|a, b| a.0.total_cmp(&b.0))?;
-        let Peak { at, tip, .. } = self.peak_at(value, step)?;
-        Some(SlotDepth { value: Mm(value), depth: Mm(depth), arc: Deg(arc), at, tip })
+        let Peak { value, at, tip } = self.peak_at(value, step)?;
+        Some(SlotDepth { value, depth: Mm(depth), arc: Deg(arc), at, tip })
     }
 
     /// The largest feed per tooth of the cuts that remove material, where they do, at `teeth` each minute.
@@ -395,8 +414,8 @@ impl Milled {
             place.map(|p| c.height.map(|h| (p.way_at(h) / p.time * 60.0 / teeth, h, c.block)))
         });
         let (value, height, step) = feeds.flatten().max_by(|a, b| a.0.total_cmp(&b.0))?;
-        let Peak { at, tip, .. } = self.peak_at(value, step)?;
-        Some(ToothFeed { value, height, at, tip })
+        let Peak { value, at, tip } = self.peak_at(value, step)?;
+        Some(ToothFeed { value, height: Mm(height), at, tip })
     }
 
     /// The largest upper bound of the arc over the chosen steps.
@@ -404,20 +423,20 @@ impl Milled {
         let steps = (0_u32..).zip(arcs).filter(|(_, a)| a.bound > 0.0 && choose(a));
         let (step, most) = steps.max_by(|a, b| a.1.bound.total_cmp(&b.1.bound))?;
         let Peak { value, at, tip } = self.peak_at(most.bound, step)?;
-        Some(ArcBound { value: Deg(value), found: Deg(most.found), at, tip })
+        Some(ArcBound { value, found: Deg(most.found), at, tip })
     }
 
-    /// Time of the chosen steps, s; `choose` gets index and place of a step.
-    fn time(&self, choose: &dyn Fn(usize, &StepPlace) -> bool) -> f64 {
-        self.places.iter().enumerate().filter(|(i, p)| choose(*i, p)).map(|(_, p)| p.time).sum()
+    /// Time of the chosen steps; `choose` gets index and place of a step.
+    fn time(&self, choose: &dyn Fn(usize, &StepPlace) -> bool) -> Sec {
+        self.places.iter().enumerate().filter(|(i, p)| choose(*i, p)).map(|(_, p)| Sec(p.time)).sum()
     }
 
-    /// Volume removed by link moves, mm3.
-    fn by_links(&self) -> f64 {
+    /// Volume removed by link moves.
+    fn by_links(&self) -> Mm3 {
         let place = |c: &BlockCut| self.places.get(c.block as usize);
         let links = self.outcome.cuts.iter().filter(|c| place(c).is_some_and(|p| p.kind == MoveKind::Link));
         // Without this start, the sum of an empty list is -0.
-        links.map(|c| c.volume).fold(0.0, |sum, v| sum + v)
+        Mm3(links.map(|c| c.volume).fold(0.0, |sum, v| sum + v))
     }
 
     /// Collisions, the deepest of each move and part of the tool.
@@ -471,16 +490,16 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
     OperationStock {
         operation: milled.operation,
         name: declared.name.clone(),
-        removed: 0.0,
+        removed: Mm3(0.0),
         by_links: milled.by_links(),
         link: link.and_then(|(value, step)| milled.peak_at(value, step)),
-        cut_rate: removal::cut_rate(places, &outcome.cuts, window),
-        rest: 0.0,
+        cut_rate: Mm3PerSec(removal::cut_rate(places, &outcome.cuts, window)),
+        rest: Mm3(0.0),
         time: milled.time(&|_, _| true),
         air: milled.time(&|i, _| !removal.cuts[i]),
         feed: [milled.time(&|_, p| at_feed(p)), milled.time(&|i, p| at_feed(p) && !removal.cuts[i])],
         arcs: ArcTimes::new(places, &removal, &arcs),
-        depth: milled.peak(&depth).filter(|p| p.value > 0.0),
+        depth: milled.peak(&depth).filter(|p: &Peak<Mm>| p.value.get() > 0.0),
         width: milled.peak(&|c| width(c)),
         arc: milled.peak(&arc),
         arc_bound: milled.arc_bound(&arcs, |_| true),
@@ -490,7 +509,7 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
             .and_then(|(value, step)| milled.peak_at(value, step)),
         middle: strokes::deepest(&program.tools[declared.tool], places, &outcome.cuts)
             .and_then(|(value, step)| milled.peak_at(value, step)),
-        slot: milled.peak(&slot).filter(|p| p.value > 0.0 && declared.kind.finishes()),
+        slot: milled.peak(&slot).filter(|p: &Peak<Share>| p.value.get() > 0.0 && declared.kind.finishes()),
         rate: removal.rate.and_then(|(value, step)| milled.peak_at(value, u32::try_from(step).unwrap_or(u32::MAX))),
         power: removal::power(program, declared, &removal).and_then(|(value, step)| milled.peak_at(value, step)),
         chip: milled.chip(&removal, declared.speed.get() * f64::from(program.tools[declared.tool].flutes)),
@@ -506,16 +525,17 @@ fn engagement(count: usize, places: &[StepPlace], removal: &StepRemoval, arcs: &
     let mut times = vec![0.0; count];
     for (p, rate) in places.iter().zip(&removal.rates) {
         for (m, time) in moves[p.moves()].iter_mut().zip(&mut times[p.moves()]) {
-            m.rate += rate * p.time;
+            m.rate += Mm3PerSec(rate * p.time);
             *time += p.time;
         }
     }
     for (m, time) in moves.iter_mut().zip(times) {
-        m.rate = if time > 0.0 { m.rate / time } else { 0.0 };
+        m.rate = Mm3PerSec(if time > 0.0 { m.rate.get() / time } else { 0.0 });
     }
     for (p, arc) in places.iter().zip(arcs) {
         for m in &mut moves[p.moves()] {
-            (m.arc, m.arc_bound) = (m.arc.max(arc.found), m.arc_bound.max(arc.bound));
+            m.arc = Deg(m.arc.get().max(arc.found));
+            m.arc_bound = Deg(m.arc_bound.get().max(arc.bound));
         }
     }
     moves

@@ -1,6 +1,7 @@
 //! Removal of the steps, averaged over a tip motion of some cells, and what it is of the limits of tool and spindle.
 
 use super::StepPlace;
+use base::units::Share;
 use ir::{MoveKind, Operation, Program};
 use tool_stock::stock::BlockCut;
 
@@ -96,7 +97,7 @@ impl StepRemoval {
         places: &[StepPlace],
         window: f64,
         count: usize,
-    ) -> Vec<f64> {
+    ) -> Vec<Share> {
         let tool = &program.tools[operation.tool];
         let (rate, power) = (tool.max_rate, program.stock.material.zip(program.machine.power));
         if rate.is_none() && power.is_none() {
@@ -107,13 +108,13 @@ impl StepRemoval {
             let by_rate = rate.map_or(f64::INFINITY, |rate| rate.get() / section);
             by_rate.min(power.map_or(f64::INFINITY, |(material, power)| material.feed_at(power, section, teeth)))
         };
-        let mut shares = vec![0.0_f64; count];
+        let mut shares = vec![Share(0.0); count];
         for end in (0..places.len()).filter(|end| self.speeds[*end] > 0.0 && self.rates[*end] > 0.0) {
             let largest = largest_feed(self.rates[end] / self.speeds[end]);
             let mut way = 0.0;
             for place in places[..=end].iter().rev().filter(|p| p.time > 0.0) {
                 for share in &mut shares[place.moves()] {
-                    *share = share.max(60.0 * place.way / place.time / largest);
+                    *share = Share(share.get().max(60.0 * place.way / place.time / largest));
                 }
                 way += place.way;
                 if way >= window {

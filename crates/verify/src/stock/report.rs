@@ -26,7 +26,7 @@ fn report_missing(program: &Program, motion: &Motion, stock: &StockReport, sink:
         .place(declared.name.clone(), Point3::from(missing.point))
         .note(format!(
             "measured on the simulated stock with rays {} mm apart; the proofs of the surfaces are independent of it",
-            stock.cell
+            stock.cell.get()
         ))
         .help("use leads, links and passes that stay outside the part"),
     );
@@ -39,10 +39,10 @@ pub fn report(program: &Program, motion: &Motion, stock: &StockReport, sink: &mu
         let Some(operation) = motion.operations.get(o.operation as usize) else { continue };
         let declared = &program.operations[operation.operation];
         let solid = &program.tools[declared.tool].solid;
-        load::report(program, motion, o, stock.cell, sink);
+        load::report(program, motion, o, stock.cell.get(), sink);
         for part in ["cutter at rapid", "shank", "holder"] {
             let all = o.collisions.iter().filter(|c| c.part == part);
-            let Some(worst) = all.clone().max_by(|a, b| a.depth.get().total_cmp(&b.depth.get())) else { continue };
+            let Some(worst) = all.clone().max_by(|a, b| a.depth.total_cmp(&b.depth)) else { continue };
             let count = all.count();
             let depth = length(worst.depth.get());
             let first = solid.shank.first().map_or(f64::INFINITY, |s| s.to);
