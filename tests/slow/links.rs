@@ -5,6 +5,7 @@ use crate::support;
 use impellerc::base::entity::PrimaryMap;
 use impellerc::base::units::{Mm, Sec};
 use impellerc::diagnostics::Sink;
+use impellerc::five_axis::Pose;
 use impellerc::ir::{Contract, ContractKind, JointMove, Motion, MotionOperation, MoveKind, OperationKind, Program};
 use impellerc::plan::passes::pipeline;
 use impellerc::tool_stock::collide::{Cloud, Cutter, ToolSolid};
@@ -207,7 +208,7 @@ fn rapids_stay_outside_of_the_blank_with_any_holder() {
     let mut least = f64::INFINITY;
     let mut looked = 0;
     for piece in piece::pieces(&program.machine, &motion, 0).iter().filter(|p| p.kind == MoveKind::Rapid) {
-        let (tip, axis) = piece.middle();
+        let Pose { tip, axis } = piece.middle();
         looked += 1;
         for [r, z] in profile.iter() {
             for k in 0..36 {

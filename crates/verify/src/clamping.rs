@@ -9,6 +9,7 @@ use super::place::describe;
 use super::proof::piece::{self, At, Piece};
 use base::units::{Mm, length};
 use diagnostics::{Diag, Sink, codes::verification};
+use five_axis::Pose;
 use ir::{Motion, MoveKind, Program};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
@@ -38,7 +39,7 @@ pub struct ClampingReport {
 }
 
 /// Gap along a direction between a body of a tool and the clamping: a lower bound of their distance.
-fn gap(clamping: &Clamping, body: &Body, (tip, axis): &(Point3<f64>, Vector3<f64>), n: &Vector3<f64>) -> f64 {
+fn gap(clamping: &Clamping, body: &Body, Pose { tip, axis }: &Pose, n: &Vector3<f64>) -> f64 {
     let along = n.dot(axis);
     let across = (1.0 - along * along).max(0.0).sqrt();
     let side = clamping.radius.map_or(0.0, |r| r.get() * libm::hypot(n.x, n.y));
@@ -46,7 +47,7 @@ fn gap(clamping: &Clamping, body: &Body, (tip, axis): &(Point3<f64>, Vector3<f64
 }
 
 /// The largest gap of the search; the search ends above `enough`.
-fn distance(clamping: &Clamping, body: &Body, pose: &(Point3<f64>, Vector3<f64>), enough: f64) -> f64 {
+fn distance(clamping: &Clamping, body: &Body, pose: &Pose, enough: f64) -> f64 {
     let upward = gap(clamping, body, pose, &Vector3::z());
     if upward > enough || clamping.radius.is_none() {
         return upward;
@@ -57,8 +58,7 @@ fn distance(clamping: &Clamping, body: &Body, pose: &(Point3<f64>, Vector3<f64>)
         gap(clamping, body, pose, &Vector3::new(out * x, out * y, up))
     };
     // The gap is concave in the direction: a pattern search from the side finds the maximum.
-    let (tip, axis) = pose;
-    let middle = tip + axis * (0.5 * body.reach());
+    let middle = pose.tip + pose.axis * (0.5 * body.reach());
     let (mut best, mut step) = ([0.0, libm::atan2(middle.y, middle.x)], 0.5);
     let mut most = along(best);
     while step > 1e-4 && most <= enough {
@@ -72,38 +72,42 @@ fn distance(clamping: &Clamping, body: &Body, pose: &(Point3<f64>, Vector3<f64>)
     most.max(upward)
 }
 
+/// The body of a tool nearest to the clamping.
+#[derive(Clone, Copy)]
+struct NearestBody {
+    distance: f64,
+    part: &'static str,
+    tip: Point3<f64>,
+    at: At,
+}
+
 /// The nearest approach of all tools.
 pub fn check(program: &Program, motion: &Motion) -> ClampingReport {
     let clamping = &program.stock.clamping;
-    let mut nearest: Option<(f64, &'static str, [f64; 3], At)> = None;
+    let mut nearest: Option<NearestBody> = None;
     for (o, operation) in motion.operations.iter().enumerate() {
         let bodies = program.tools[program.operations[operation.operation].tool].solid.bodies();
         let pieces = piece::pieces(&program.machine, motion, o);
-        let start = nearest.map_or(f64::INFINITY, |n| n.0);
+        let start = nearest.map_or(f64::INFINITY, |n| n.distance);
         let found: Vec<_> =
             pieces.par_chunks(PIECES_PER_GROUP).filter_map(|run| least(clamping, &bodies, run, start)).collect();
         // Of equal distances the first.
-        nearest = nearest.into_iter().chain(found).reduce(|a, b| if b.0 < a.0 { b } else { a });
+        nearest = nearest.into_iter().chain(found).reduce(|a, b| if b.distance < a.distance { b } else { a });
     }
-    let (part, tip) = nearest.map_or(("", [0.0; 3]), |n| (n.1, n.2));
+    let (part, tip) = nearest.map_or(("", [0.0; 3]), |n| (n.part, n.tip.coords.into()));
     ClampingReport {
         below: Mm(clamping.below.get()),
         diameter: clamping.radius.map(|r| Mm(2.0 * r.get())),
         by_default: clamping.by_default,
         part: part.into(),
-        distance: nearest.map(|n| Mm(n.0 - PIECE_RESOLUTION)),
+        distance: nearest.map(|n| Mm(n.distance - PIECE_RESOLUTION)),
         tip,
-        at: nearest.map(|n| n.3),
+        at: nearest.map(|n| n.at),
     }
 }
 
-/// Least distance below `start` over a run of pieces, exact to [`PIECE_RESOLUTION`], with part, tip and move.
-fn least(
-    clamping: &Clamping,
-    bodies: &[(&'static str, Body)],
-    run: &[Piece],
-    start: f64,
-) -> Option<(f64, &'static str, [f64; 3], At)> {
+/// Least distance below `start` over a run of pieces, exact to [`PIECE_RESOLUTION`].
+fn least(clamping: &Clamping, bodies: &[(&'static str, Body)], run: &[Piece], start: f64) -> Option<NearestBody> {
     let mut best = None;
     let mut bound = start;
     let mut stack: Vec<Piece> = Vec::new();
@@ -118,8 +122,8 @@ fn least(
                     continue;
                 }
                 if found < bound {
-                    let tip = piece.middle().0;
-                    (bound, best) = (found, Some((found, *name, [tip.x, tip.y, tip.z], piece.at)));
+                    bound = found;
+                    best = Some(NearestBody { distance: found, part: name, tip: piece.middle().tip, at: piece.at });
                 }
                 if moved > PIECE_RESOLUTION {
                     stack.extend(piece.halves());

@@ -3,6 +3,7 @@
 
 use super::proof::piece::{At, Piece};
 use base::units::Mm;
+use five_axis::Pose;
 use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
 use tool_stock::collide::{Cloud, ToolSolid};
@@ -78,7 +79,7 @@ pub fn least(
     for piece in pieces {
         stack.push(*piece);
         while let Some(piece) = stack.pop() {
-            let (tip, axis) = piece.middle();
+            let Pose { tip, axis } = piece.middle();
             let moved = piece.displacement(arm);
             // Places that are deeper by less than this are not searched.
             let enough = if bound < -COLLISION_DEPTH_ERROR { COLLISION_DEPTH_ERROR } else { 0.0 };

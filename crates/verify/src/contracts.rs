@@ -186,7 +186,7 @@ impl Judge<'_> {
     }
 
     fn failure(&self, contract: &Contract, found: &Figure) -> Diag {
-        let (code, text, help) = words(contract, found);
+        let Failure { code, text, help } = words(contract, found);
         let side = match contract.kind.relation() {
             Relation::AtMost => "at most",
             Relation::AtLeast => "at least",
@@ -253,8 +253,14 @@ pub const FAILURES: [Code; 12] = [
     verification::ENGAGEMENT,
 ];
 
-/// Code, message and help of a contract that fails.
-fn words(contract: &Contract, found: &Figure) -> (Code, String, String) {
+/// A contract that fails, in words.
+struct Failure {
+    code: Code,
+    text: String,
+    help: &'static str,
+}
+
+fn words(contract: &Contract, found: &Figure) -> Failure {
     let what = &found.what;
     let is = amount(contract.kind, found.value);
     let wanted = contract.bound.figure();
@@ -319,18 +325,18 @@ fn words(contract: &Contract, found: &Figure) -> (Code, String, String) {
             format!("the removal rate is {is} ({what}); allowed {wanted}"),
             "use a lower `feed`, or smaller steps (`depth`, `residual`) in this operation",
         ),
-        ContractKind::Engagement(_) | ContractKind::Slot => load_words(contract, found),
+        ContractKind::Engagement(_) | ContractKind::Slot => return load_words(contract, found),
         ContractKind::RestVolume => (
             verification::REST_VOLUME,
             format!("the rest volume is {is} ({what}); allowed {wanted}"),
             "use operations for all faces and sectors, smaller steps, or a tool that reaches the material",
         ),
     };
-    (code, text, help.to_owned())
+    Failure { code, text, help }
 }
 
 /// As [`words`], of what the stock takes of the cutter.
-fn load_words(contract: &Contract, found: &Figure) -> (Code, String, &'static str) {
+fn load_words(contract: &Contract, found: &Figure) -> Failure {
     let what = &found.what;
     let is = amount(contract.kind, found.value);
     let wanted = contract.bound.figure();
@@ -340,10 +346,11 @@ fn load_words(contract: &Contract, found: &Figure) -> (Code, String, &'static st
         _ => {
             let text = format!("finishing cuts a slot of {is} of the diameter ({what}); allowed {wanted}");
             let help = "use roughing that leaves less stock there: one more `expand`, a smaller `residual`, or the sectors beside it";
-            return (verification::TOOL_LOAD, text, help);
+            return Failure { code: verification::TOOL_LOAD, text, help };
         }
     };
-    (verification::ENGAGEMENT, format!("{which}the engagement is up to {is} ({what}); allowed {wanted}"), help)
+    let text = format!("{which}the engagement is up to {is} ({what}); allowed {wanted}");
+    Failure { code: verification::ENGAGEMENT, text, help }
 }
 
 fn unmeasured(contract: &Contract, reason: Unmeasured) -> Diag {

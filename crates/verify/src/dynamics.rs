@@ -391,7 +391,7 @@ pub fn run(program: &Program, motion: &Motion, operation: usize, removal: &[Shar
         let machine = &machine.in_work_frame();
         let settings =
             linuxcnc::Settings { machine, tolerance: t.chord.get(), height: limits.height, length: limits.length };
-        by_linuxcnc::replace(&settings, (operation, &moves.moves), (&limits, &cells), &mut report, &mut errors);
+        by_linuxcnc::replace(&settings, operation, &moves.moves, &limits, &cells, &mut report, &mut errors);
     }
     report.contour = Deviation::largest(&errors, |e| [e.corner[0], e.cycle]).placed(machine, &moves.moves);
     report.orientation = Deviation::largest(&errors, |e| [e.corner[1], 0.0]).placed(machine, &moves.moves);
@@ -407,8 +407,7 @@ fn cells(machine: &Machine, limits: &RunLimits, operation: &MotionOperation, rem
         let m = &pair[1];
         if m.time > 0.0 {
             let index = u32::try_from(i + 1).unwrap_or(u32::MAX);
-            let ends = [&pair[0].joints, &m.joints];
-            let mut block = block(machine, limits.length, ends, (index, m.kind, m.time), &mut cells);
+            let mut block = block(machine, limits.length, &pair[0].joints, m, index, &mut cells);
             let feed = block.tip.norm() / limits.feeds[number(m.kind)];
             let removal = removal.get(i + 1).map_or(0.0, |share| share.get());
             cells[block.cells.clone()].iter_mut().for_each(|cell| (cell.feed, cell.removal) = (feed, removal));
@@ -427,7 +426,7 @@ fn trapezoids(limits: &RunLimits, cells: &[MotionCell]) -> Vec<MovePart> {
     let nodes = passes(limits, cells);
     let mut parts = Vec::with_capacity(cells.len());
     for (i, (cell, [from, to])) in cells.iter().zip(nodes).enumerate() {
-        let (peak, slope, [up, even, down]) = phases(limits, cell, from, to);
+        let Phases { peak, slope, widths: [up, even, down] } = phases(limits, cell, from, to);
         let top = peak.sqrt();
         let over = |width: f64, y: f64| 2.0 * width / (y.sqrt() + top);
         let first = parts.len();
@@ -444,12 +443,13 @@ fn trapezoids(limits: &RunLimits, cells: &[MotionCell]) -> Vec<MovePart> {
     parts
 }
 
-/// Cells of a block; the corner at its start is set later.
+/// Cells of the block of a move from joints on; the corner at its start is set later.
 fn block(
     machine: &Machine,
     length: f64,
-    [from, to]: [&Joints; 2],
-    (index, kind, time): (u32, MoveKind, f64),
+    from: &Joints,
+    &JointMove { joints: ref to, kind, time, .. }: &JointMove,
+    index: u32,
     cells: &mut Vec<MotionCell>,
 ) -> MotionBlock {
     let tips: [Point3<f64>; 2] = [machine.forward(from).tip, machine.forward(to).tip];
@@ -615,8 +615,17 @@ fn passes(limits: &RunLimits, cells: &[MotionCell]) -> Vec<[f64; 2]> {
     nodes
 }
 
-/// Largest y in a cell between two values of y, largest slope of y, and widths with rising, constant and falling y.
-fn phases(limits: &RunLimits, cell: &MotionCell, from: f64, to: f64) -> (f64, f64, [f64; 3]) {
+/// The run in a cell between two values of y.
+struct Phases {
+    /// Largest y.
+    peak: f64,
+    /// Largest slope of y.
+    slope: f64,
+    /// Programmed time with rising, constant and falling y, s.
+    widths: [f64; 3],
+}
+
+fn phases(limits: &RunLimits, cell: &MotionCell, from: f64, to: f64) -> Phases {
     // Both slopes intersect at the peak, unless the cap is lower.
     let peak = rise(limits, cell, 0.5 * (from + to), 0.5 * cell.width).max(from).max(to);
     let slope = (0..5)
@@ -630,5 +639,5 @@ fn phases(limits: &RunLimits, cell: &MotionCell, from: f64, to: f64) -> (f64, f6
     if sum > cell.width {
         (up, down) = (up * cell.width / sum, down * cell.width / sum);
     }
-    (peak, slope, [up, (cell.width - up - down).max(0.0), down])
+    Phases { peak, slope, widths: [up, (cell.width - up - down).max(0.0), down] }
 }

@@ -161,8 +161,8 @@ pub fn certify_with(
         || Cloud::new(sample::cloud_points(&samples)),
         || Cloud::new(revolved(&program.stock.profile, [0.0; 2], STOCK_SPACING, f64::INFINITY).0),
     );
-    let search = search(program);
-    let report = |o| operation_report(program, motion, o, splines[o], [&design_cloud, &blank], search, progress);
+    let clouds = Clouds { design: &design_cloud, blank: &blank, search: search(program) };
+    let report = |o| operation_report(program, motion, o, splines[o], &clouds, progress);
     let operations = (0..motion.operations.len()).map(|o| unless_cancelled(progress, || report(o)));
     let operations = operations.collect::<Result<Vec<OperationReport>, Aborted>>()?;
     let rapid = operations.iter().filter_map(|o| o.rapid.clone()).min_by(|a, b| a.distance.total_cmp(&b.distance));
@@ -331,13 +331,22 @@ fn least_over(
     found.into_iter().flatten().min_by(|a, b| a.distance.total_cmp(&b.distance))
 }
 
+/// Samples from which the clearances of tools are measured.
+struct Clouds<'a> {
+    /// Design surfaces.
+    design: &'a Cloud,
+    /// The turned blank.
+    blank: &'a Cloud,
+    /// Search distance, mm.
+    search: f64,
+}
+
 fn operation_report(
     program: &Program,
     motion: &Motion,
     o: usize,
     splines: Option<splines::SplineReport>,
-    [design, stock]: [&Cloud; 2],
-    search: f64,
+    &Clouds { design, blank, search }: &Clouds<'_>,
     progress: &Progress,
 ) -> OperationReport {
     let operation = &motion.operations[o];
@@ -377,7 +386,7 @@ fn operation_report(
         splines,
         shank: body(shank_distance),
         holder: body(holder_distance),
-        rapid: least_over(&rapids, &tool.solid, ToolSolid::distance, stock, half_stock, search, &work),
+        rapid: least_over(&rapids, &tool.solid, ToolSolid::distance, blank, half_stock, search, &work),
     }
 }
 

@@ -10,7 +10,7 @@
 //! follows from the ranges of the derivatives of the surface over the cell.
 
 pub use super::proof::cells::{CORNER_SLACK, FAR, MIN_SLACK, PatchCorners, SLACK};
-use super::proof::cells::{Extreme, Goals, PatchTask, Proved, SampledPatch, deviation};
+use super::proof::cells::{CellFigures, Extreme, Goals, PatchTask, Proved, SampledPatch, deviation};
 use super::proof::grid::{Grid, PlacedSurface};
 use super::proof::piece::At;
 use super::proof::sweep::Sweep;
@@ -21,7 +21,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use wheel::part::{
     Part, SurfaceClass, SurfaceId, SurfaceKind,
-    chart::{Shape, charts},
+    chart::{Place, Shape, charts},
     kept::MilledTurned,
 };
 
@@ -212,9 +212,11 @@ fn prove_together(
         .map(|((s, task), l)| work.do_step(|| task.prove(l, goals[*s])))
         .collect();
     let proved = proved?;
-    let all: Vec<(usize, &PatchTask<'_>, &SampledPatch, &Proved)> =
-        tasks.iter().zip(&sampled).zip(&proved).map(|(((s, task), l), p)| (*s, task, l, p)).collect();
-    Some(all.par_chunk_by(|a, b| a.0 == b.0).map(|of_one| report(of_one, sweeps)).collect())
+    let all = tasks.iter().zip(&sampled).zip(&proved);
+    let all: Vec<ProvedPatch<'_>> = all
+        .map(|(((surface, task), sampled), proved)| ProvedPatch { surface: *surface, task, sampled, proved })
+        .collect();
+    Some(all.par_chunk_by(|a, b| a.surface == b.surface).map(|of_one| report(of_one, sweeps)).collect())
 }
 
 /// Limits of the contracts, mm, each on its surfaces. Bounds are proved down to these limits where the measured values
@@ -260,15 +262,23 @@ fn goals([least, most]: [f64; 2], surface: SurfaceClass, limits: &Limits) -> Goa
     }
 }
 
+/// A patch with its results.
+struct ProvedPatch<'a> {
+    /// Index of its surface.
+    surface: usize,
+    task: &'a PatchTask<'a>,
+    sampled: &'a SampledPatch,
+    proved: &'a Proved,
+}
+
 /// The figures of a surface, from the results of its patches.
-fn report(patches: &[(usize, &PatchTask<'_>, &SampledPatch, &Proved)], sweeps: &[Sweep<'_>]) -> SurfaceReport {
-    let surface = patches[0].1.surface;
-    let all = patches.iter().fold(Proved::NO_CELLS, |all, p| all.join(p.3));
-    let cells: Vec<(f64, f64, Option<At>)> =
-        patches.iter().flat_map(|(_, task, sampled, _)| sampled.cells(task)).collect();
+fn report(patches: &[ProvedPatch<'_>], sweeps: &[Sweep<'_>]) -> SurfaceReport {
+    let surface = patches[0].task.surface;
+    let all = patches.iter().fold(Proved::NO_CELLS, |all, p| all.join(p.proved));
+    let cells: Vec<CellFigures> = patches.iter().flat_map(|p| p.sampled.cells(p.task)).collect();
     let gouge = extreme(surface, all.least, -1.0, sweeps);
     let excess = extreme(surface, all.most, 1.0, sweeps);
-    let area: f64 = cells.iter().map(|c| c.1).sum();
+    let area: f64 = cells.iter().map(|c| c.area).sum();
     let nearest_there = nearest_there(&cells);
     SurfaceReport {
         surface: surface.id.to_string(),
@@ -283,28 +293,28 @@ fn report(patches: &[(usize, &PatchTask<'_>, &SampledPatch, &Proved)], sweeps: &
         gouge,
         excess,
         id: surface.id,
-        corners: patches.iter().map(|(_, task, sampled, _)| sampled.values(task)).collect(),
+        corners: patches.iter().map(|p| p.sampled.values(p.task)).collect(),
     }
 }
 
 /// The g below which 5, 50 and 95 percent of the area lie.
-fn percentiles(cells: &[(f64, f64, Option<At>)], area: f64) -> [f64; 3] {
-    let mut sorted: Vec<(f64, f64)> = cells.iter().map(|c| (c.0, c.1)).collect();
-    sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+fn percentiles(cells: &[CellFigures], area: f64) -> [f64; 3] {
+    let mut sorted: Vec<&CellFigures> = cells.iter().collect();
+    sorted.sort_by(|a, b| a.mean.total_cmp(&b.mean));
     [0.05, 0.5, 0.95].map(|share| {
         let mut below = 0.0;
-        let found = sorted.iter().find(|(_, a)| {
-            below += a;
+        let found = sorted.iter().find(|c| {
+            below += c.area;
             below >= share * area
         });
-        found.or(sorted.last()).map_or(FAR, |f| f.0)
+        found.or(sorted.last()).map_or(FAR, |c| c.mean)
     })
 }
 
 /// Operations nearest to the area not reached.
-fn nearest_there(cells: &[(f64, f64, Option<At>)]) -> Vec<(Option<u32>, f64)> {
+fn nearest_there(cells: &[CellFigures]) -> Vec<(Option<u32>, f64)> {
     let mut found: Vec<(Option<u32>, f64)> = Vec::new();
-    for (_, area, at) in cells.iter().filter(|c| c.0 > NOT_REACHED) {
+    for CellFigures { area, at, .. } in cells.iter().filter(|c| c.mean > NOT_REACHED) {
         let operation = at.map(|a| a.operation);
         match found.iter_mut().find(|n| n.0 == operation) {
             Some(n) => n.1 += area,
@@ -322,7 +332,7 @@ pub(super) fn extreme(surface: &PlacedSurface<'_>, found: Extreme, sign: f64, sw
     let deep = sign < 0.0 && value < -MIN_DEEP_CUT;
     let mut known = Known { sweeps, last: None };
     let measure = |xy: [f64; 2]| {
-        let (p, normal, _) = place(surface, xy);
+        let Place { position: p, normal, .. } = place(surface, xy);
         if !surface.holds(&p) {
             f64::NEG_INFINITY
         } else if deep {
@@ -333,7 +343,7 @@ pub(super) fn extreme(surface: &PlacedSurface<'_>, found: Extreme, sign: f64, sw
     };
     let finest = if value < -COARSE_SEARCH_DEPTH { COARSE_SEARCH_STEP } else { FINEST_SEARCH_STEP };
     let (best, most) = if value < FAR { climb(surface, start, finest, measure) } else { (start, FAR) };
-    let (p, _, parameters) = place(surface, best);
+    let Place { position: p, parameters, .. } = place(surface, best);
     let (value, at) = deviation(&p, sweeps, FAR);
     let depth = if deep { most } else { (-value).max(0.0) };
     Worst { value: Mm(value), point: [p.x, p.y, p.z], parameters, at, depth: Mm(depth) }
@@ -354,9 +364,10 @@ impl Known<'_> {
     }
 }
 
-fn place(surface: &PlacedSurface<'_>, [x, y]: [f64; 2]) -> (Point3<f64>, Vector3<f64>, [f64; 2]) {
+/// A place of the chart in the sector of the surface.
+fn place(surface: &PlacedSurface<'_>, [x, y]: [f64; 2]) -> Place {
     let place = surface.shape.place(x, y);
-    (surface.turn * place.position, surface.turn * place.normal, place.parameters)
+    Place { position: surface.turn * place.position, normal: surface.turn * place.normal, ..place }
 }
 
 /// Depth of a cut from which on the depth along the normal is computed, mm.

@@ -108,7 +108,7 @@ pub(super) fn check(program: &Program, motion: &Motion, progress: &Progress) -> 
         let declared = &program.operations[operation.operation];
         let vane = declared.kind.roughing().map(|kept| kept.vane).filter(|vane| vane.root().get() > 0.0)?;
         let sweep = Sweep::new(program, motion, o as usize)?;
-        let (bound, worst) = missing(program, (&declared.name, vane), &[sweep], progress);
+        let (bound, worst) = missing(program, &declared.name, vane, &[sweep], progress);
         let allowance = [vane.tip(), vane.root()].map(|value| value.get());
         Some(VaneReport {
             operation: o,
@@ -124,7 +124,8 @@ pub(super) fn check(program: &Program, motion: &Motion, progress: &Progress) -> 
 /// Proved bound of what is missing of an allowance, mm, and the worst place.
 fn missing(
     program: &Program,
-    (name, vane): (&str, VaneAllowance),
+    name: &str,
+    vane: VaneAllowance,
     sweeps: &[Sweep<'_>],
     progress: &Progress,
 ) -> (f64, Option<MissingAllowance>) {

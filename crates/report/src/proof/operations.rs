@@ -84,37 +84,36 @@ pub(crate) fn operations(text: Text<'_>, program: &Program, certificate: &Certif
     let shank = |r: &Row| r.own(clearance(r.report.shank.as_ref(), &far));
     let holder = |r: &Row| r.own(clearance(r.report.holder.as_ref(), &far));
     match text {
-        Text::Summary => {
-            let columns = vec![
-                words("operation", 14, name).cut(),
-                words("tool", 10, tool).cut(),
-                figures("passes", 6, Form::WHOLE, passes),
-                figures("moves", 7, Form::WHOLE, moves),
-                figures("cutting", 10, Form::MM, length(0)),
-                figures("time", 8, Form::WHOLE, time(0)),
-                figures("links", 8, Form::WHOLE, time(1)),
-                figures("rapids", 8, Form::WHOLE, time(2)),
-                figures("shank", 8, Form::THOUSANDTHS, shank),
-                figures("holder", 8, Form::THOUSANDTHS, holder),
-            ];
-            Table::new("", rows, columns).with(["shank, holder: least distance to the part, mm".to_owned()])
-        }
-        Text::Details => {
+        Text::Summary | Text::Details => {
+            let counts = [figures("passes", 6, Form::WHOLE, passes), figures("moves", 7, Form::WHOLE, moves)];
+            let to_part =
+                [figures("shank", 8, Form::THOUSANDTHS, shank), figures("holder", 8, Form::THOUSANDTHS, holder)];
+            let in_short = matches!(text, Text::Summary);
+            let (names, of_moves) = if in_short {
+                let of_moves = vec![
+                    figures("cutting", 10, Form::MM, length(0)),
+                    figures("time", 8, Form::WHOLE, time(0)),
+                    figures("links", 8, Form::WHOLE, time(1)),
+                    figures("rapids", 8, Form::WHOLE, time(2)),
+                ];
+                ([words("operation", 14, name).cut(), words("tool", 10, tool).cut()], of_moves)
+            } else {
+                let of_moves = vec![
+                    figures("cut", 9, Form::WHOLE, length(0)),
+                    figures("link", 9, Form::WHOLE, length(1)),
+                    figures("rapid", 9, Form::WHOLE, length(2)),
+                    figures("t cut", 8, Form::WHOLE, time(0)),
+                    figures("t link", 8, Form::WHOLE, time(1)),
+                    figures("t rapid", 8, Form::WHOLE, time(2)),
+                ];
+                ([words("operation", 12, name), words("tool", 8, tool)], of_moves)
+            };
+            let columns = names.into_iter().chain(counts).chain(of_moves).chain(to_part).collect();
+            if in_short {
+                let notes = ["shank, holder: least distance to the part, mm".to_owned()];
+                return Table::new("", rows, columns).with(notes);
+            }
             let title = "operations: lengths in mm, times in h:mm:ss, distances of shank and holder to the part in mm";
-            let columns = vec![
-                words("operation", 12, name),
-                words("tool", 8, tool),
-                figures("passes", 6, Form::WHOLE, passes),
-                figures("moves", 7, Form::WHOLE, moves),
-                figures("cut", 9, Form::WHOLE, length(0)),
-                figures("link", 9, Form::WHOLE, length(1)),
-                figures("rapid", 9, Form::WHOLE, length(2)),
-                figures("t cut", 8, Form::WHOLE, time(0)),
-                figures("t link", 8, Form::WHOLE, time(1)),
-                figures("t rapid", 8, Form::WHOLE, time(2)),
-                figures("shank", 8, Form::THOUSANDTHS, shank),
-                figures("holder", 8, Form::THOUSANDTHS, holder),
-            ];
             Table::new(title, rows, columns).with(splines(&certificate.operations))
         }
         Text::Page(_) => {

@@ -38,7 +38,8 @@ fn um(figure: Mm) -> String {
 fn rows<'a>(
     surfaces: &'a [SurfaceReport],
     same: impl Fn(&SurfaceReport) -> Option<String>,
-    [deepest, most]: [fn(&SurfaceReport) -> Mm; 2],
+    deepest: fn(&SurfaceReport) -> Mm,
+    most: fn(&SurfaceReport) -> Mm,
 ) -> Vec<Row<'a>> {
     let worse = |s: &SurfaceReport| Mm(s.gouge_bound.get().max(s.excess_bound.get()));
     let size = |group: &Alike| group.worst(surfaces, worse).map_or(Mm(0.0), |(_, s)| worse(s));
@@ -70,7 +71,7 @@ pub(crate) fn surfaces(text: Text<'_>, certificate: &Certificate) -> Table {
                 0.0 => "-".to_owned(),
                 share => Form::CLOSE_PERCENT.of(share),
             };
-            let rows = rows(all, same, [|s| s.gouge_bound, |s| s.excess_bound]);
+            let rows = rows(all, same, |s| s.gouge_bound, |s| s.excess_bound);
             if rows.is_empty() {
                 return Table::default();
             }
@@ -110,7 +111,7 @@ pub(crate) fn surfaces(text: Text<'_>, certificate: &Certificate) -> Table {
                 let figures = [s.gouge.depth, s.gouge_bound, s.excess.value, s.excess_bound, p5, p50, p95].map(um);
                 Some(Form::TENTHS.of(s.area.get()) + &figures.concat())
             };
-            let rows = rows(all, same, [|s| s.gouge.depth, |s| s.excess.value]);
+            let rows = rows(all, same, |s| s.gouge.depth, |s| s.excess.value);
             let columns = vec![
                 words("surface", 27, name),
                 figures("mm2", 7, Form::TENTHS, |r: &Row| r.deepest.area),

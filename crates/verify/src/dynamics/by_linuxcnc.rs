@@ -5,7 +5,6 @@ use super::{At, BlockError, MotionCell, Peak, Run, RunLimits, jerk, number};
 use base::units::{Sec, Share};
 use five_axis::linuxcnc::{self, Ran};
 use ir::{JointMove, MoveKind};
-use std::ops::Range;
 
 /// Share of its programmed speed below which an axis limits a line: the rest is rounding.
 const MIN_LIMITING_SHARE: f64 = 0.999;
@@ -13,8 +12,10 @@ const MIN_LIMITING_SHARE: f64 = 0.999;
 /// Replaces times, active limits, corners and speeds by those of LinuxCNC.
 pub(super) fn replace(
     settings: &linuxcnc::Settings,
-    (operation, moves): (u32, &[JointMove]),
-    (limits, cells): (&RunLimits, &[MotionCell]),
+    operation: u32,
+    moves: &[JointMove],
+    limits: &RunLimits,
+    cells: &[MotionCell],
     report: &mut Run,
     errors: &mut [BlockError],
 ) {
@@ -36,9 +37,7 @@ pub(super) fn replace(
         if let Some(time) = report.move_times.get_mut(index as usize) {
             *time = Sec(ran.time);
         }
-        let first = cells.partition_point(|c| c.block < index);
-        let count = cells[first..].partition_point(|c| c.block == index);
-        add(limits, (cells, first..first + count), (index, number(m.kind), ran), &mut times);
+        add(limits, cells, index, number(m.kind), ran, &mut times);
         if m.kind == MoveKind::Cut && m.time < report.slowest.value.get() * ran.time {
             report.slowest = Peak { value: Share(m.time / ran.time), at: Some(at) };
         }
@@ -54,16 +53,13 @@ pub(super) fn replace(
     }
 }
 
-/// Adds the time of a line with its cells by active limit. At its largest speed the limits are those of the joints, as
+/// Adds the time of the line of a block by active limit. At its largest speed the limits are those of the joints, as
 /// for any control; while it accelerates or brakes, the acceleration of the axis with the largest share of it; in the
 /// transition from line to line the corner.
-fn add(
-    limits: &RunLimits,
-    (cells, own): (&[MotionCell], Range<usize>),
-    (index, kind, ran): (u32, usize, &Ran),
-    times: &mut ActiveTimes,
-) {
+fn add(limits: &RunLimits, cells: &[MotionCell], index: u32, kind: usize, ran: &Ran, times: &mut ActiveTimes) {
     let [speed, acceleration] = ran.axes;
+    let first = cells.partition_point(|c| c.block < index);
+    let own = first..first + cells[first..].partition_point(|c| c.block == index);
     let whole: f64 = cells[own.clone()].iter().map(|c| c.width).sum();
     let mut steady = 0.0;
     for i in own {

@@ -245,6 +245,13 @@ struct SpanChain {
     knots: Vec<f64>,
 }
 
+/// A chain with the places of its knots and the changes of speed that need them.
+struct DividedChain {
+    chain: SpanChain,
+    at: Vec<f64>,
+    ramps: Vec<Ramp>,
+}
+
 impl SpanChain {
     /// Each cell as a span, by a parameter whose rate is continuous over corners.
     fn new(limits: &RunLimits, axes: &feedrate::Limits, cells: &[MotionCell], range: std::ops::Range<usize>) -> Self {
@@ -276,9 +283,8 @@ impl SpanChain {
         Self { spans, knots }
     }
 
-    /// Divides the cells where changes of speed need more knots. Returns the parts, the places of their knots, and
-    /// these changes.
-    fn divided(&self, limits: &RunLimits) -> (Self, Vec<f64>, Vec<Ramp>) {
+    /// Divides the cells where changes of speed need more knots.
+    fn divided(&self, limits: &RunLimits) -> DividedChain {
         let mut at = vec![0.0];
         for s in &self.spans {
             at.push(at.last().copied().unwrap_or(0.0) + s.width);
@@ -298,7 +304,7 @@ impl SpanChain {
             let end = pair[1].1 as usize + 1;
             knots.push(if pair[1].0 >= at[end] { self.knots[end] } else { whole.cap });
         }
-        (Self { spans, knots }, fine.iter().map(|k| k.0).collect(), ramps)
+        DividedChain { chain: Self { spans, knots }, at: fine.iter().map(|k| k.0).collect(), ramps }
     }
 
     /// Upper bound of y of each span within the accelerations.
@@ -313,7 +319,7 @@ impl SpanChain {
 /// The run from one stop to the next.
 fn moving(limits: &RunLimits, cells: &[MotionCell], range: std::ops::Range<usize>, parts: &mut Vec<MovePart>) {
     let axes = feedrate::Limits { speed: limits.speed, acceleration: limits.acceleration, jerk: limits.jerk };
-    let (chain, at, ramps) = SpanChain::new(limits, &axes, cells, range).divided(limits);
+    let DividedChain { chain, at, ramps } = SpanChain::new(limits, &axes, cells, range).divided(limits);
     let bounds = chain.upper_bounds(limits);
     let guess = ramp::guess(&at, &bounds, &ramps);
     let whole = chain.spans;

@@ -4,7 +4,7 @@
 //! the centres lie within fractions of 1 um of a segment, so that the distance of a point to the swept ball has a
 //! closed form. Where the ball is the nearest part of the cutter, this is the distance to the cutter.
 
-use super::piece::Piece;
+use super::piece::{HalfMotion, Piece};
 use nalgebra::{Point3, Vector3};
 use tool_stock::collide::ToolSolid;
 
@@ -70,11 +70,11 @@ impl Foot {
 impl Capsule {
     /// The capsule of a tip ball of a given radius over a piece.
     pub(crate) fn new(piece: &Piece, radius: f64) -> Self {
-        let [start, end] = [0.0, 1.0].map(|t| piece.ball_centre(t, radius).0);
+        let [start, end] = [0.0, 1.0].map(|t| piece.ball_centre(t, radius));
         let way = end - start;
         let square = way.norm_squared();
-        let (_, axis) = piece.middle();
-        let (half_way, turn) = piece.reach();
+        let axis = &piece.middle().axis;
+        let HalfMotion { way: half_way, turn } = piece.half();
         // A curve deviates from its chord by at most an eighth of its second derivative.
         let flaw = 0.125 * piece.ball_drift(radius).second;
         Self {

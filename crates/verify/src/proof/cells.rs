@@ -305,9 +305,9 @@ impl PatchTask<'_> {
         let most = |(_, hull): &(CellBlock, Hull)| {
             let (mut most, mut near) = (FAR + hull.radius, FAR);
             if let Some((k, piece)) = last {
-                let (t, value) = self.sweeps[k].quick_distance(piece, &hull.centre);
-                most = most.min(self.sweeps[k].farthest(piece, hull, t));
-                near = near.min(value);
+                let found = self.sweeps[k].quick_distance(piece, &hull.centre);
+                most = most.min(self.sweeps[k].farthest(piece, hull, found.t));
+                near = near.min(found.distance);
             }
             // First the sweep that was near the previous block, then finishing before roughing: an early small distance
             // excludes most other sweeps.
@@ -318,10 +318,10 @@ impl PatchTask<'_> {
                     break;
                 }
                 let sweep = &self.sweeps[k];
-                if let Some((piece, t, value)) = sweep.near(&hull.centre, near) {
-                    most = most.min(sweep.farthest(piece, hull, t));
-                    near = value;
-                    last = Some((k, piece));
+                if let Some(found) = sweep.near(&hull.centre, near) {
+                    most = most.min(sweep.farthest(found.index, hull, found.t));
+                    near = found.distance;
+                    last = Some((k, found.index));
                 }
             }
             // Reserve for rounding: pieces that are equally near are kept.
@@ -625,6 +625,16 @@ pub(crate) fn deviation(p: &Point3<f64>, sweeps: &[Sweep<'_>], cutoff: f64) -> (
     best
 }
 
+/// Figures of a cell.
+pub(crate) struct CellFigures {
+    /// Mean g, mm.
+    pub(crate) mean: f64,
+    /// Area, mm2.
+    pub(crate) area: f64,
+    /// Nearest move.
+    pub(crate) at: Option<At>,
+}
+
 impl SampledPatch {
     /// Position of a cell relative to the part, in a patch with a number of rows.
     fn lies_of(&self, cell: &CellBlock, rows: usize) -> Lies {
@@ -637,8 +647,8 @@ impl SampledPatch {
         PatchCorners { patch: task.grid.patch, values: values.collect() }
     }
 
-    /// Mean g, area and nearest move of every cell on the part.
-    pub(crate) fn cells(&self, task: &PatchTask<'_>) -> Vec<(f64, f64, Option<At>)> {
+    /// Figures of every cell on the part.
+    pub(crate) fn cells(&self, task: &PatchTask<'_>) -> Vec<CellFigures> {
         let patch = &task.grid.patch;
         let rows = patch.rows + 1;
         let mut cells = Vec::with_capacity(patch.columns * patch.rows);
@@ -651,7 +661,7 @@ impl SampledPatch {
                 let Some(by) = on().map(|c| c.by).next().filter(|_| count >= 2) else { continue };
                 let mean = on().map(|c| c.value).sum::<f64>() / count as f64;
                 let area = task.hull(&CellBlock { x: [i, i + 1], y: [j, j + 1] }).area();
-                cells.push((mean, area, by.map(|c| task.sweeps[c.sweep as usize].at(c.piece))));
+                cells.push(CellFigures { mean, area, at: by.map(|c| task.sweeps[c.sweep as usize].at(c.piece)) });
             }
         }
         cells

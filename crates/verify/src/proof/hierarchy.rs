@@ -93,9 +93,9 @@ impl Hierarchy {
         let width = solid.cutter.widest_below(solid.flute_length);
         let size = Size { height, length: (solid.flute_length - height).max(0.0), width: width.max(height) };
         let of = |(k, (piece, centres)): (usize, (&Piece, &Capsule))| PieceLeg {
-            middle: piece.middle().0.coords,
-            axis: piece.middle().1,
-            turn: piece.reach().1,
+            middle: piece.middle().tip.coords,
+            axis: piece.middle().axis,
+            turn: piece.half().turn,
             ends: centres.ends().map(|c| c.coords),
             flaw: centres.flaw(),
             piece: u32::try_from(k).unwrap_or(u32::MAX),

@@ -14,6 +14,7 @@ use super::cutoff::Cutoff;
 use super::hull::{Hull, least_of};
 use super::piece::{Piece, Spans, Touch};
 use super::sweep::Sweep;
+use five_axis::Pose;
 use nalgebra::{Point3, Vector3};
 use tool_stock::collide::tool::tool_coordinates;
 
@@ -183,7 +184,7 @@ impl Sweep<'_> {
 
     /// Largest distance of a point of a cell at a share of a piece: the distance is convex.
     pub(crate) fn farthest(&self, index: u32, hull: &Hull, t: f64) -> f64 {
-        let (tip, axis) = self.piece(index).pose(t);
+        let Pose { tip, axis } = self.piece(index).pose(t);
         let distance = |c: &Vector3<f64>| {
             let (rho, s) = tool_coordinates(&(hull.centre + c), &tip, &axis);
             self.solid().cutter_distance(rho, s)
@@ -264,9 +265,10 @@ impl Sweep<'_> {
         if distance <= 0.0 || highest > ball.upper * most {
             return None;
         }
-        let (_, speed) = piece.ball_centre(touch.t, ball.radius);
+        let speed = piece.ball_speed(touch.t, ball.radius);
         let loss = piece.ball_drift(ball.radius).loss(touch, span);
-        Some((above_tangent(ball, hull, (touch.value, &touch.gradient, loss), at, &speed, goal), loss))
+        let tangent = BallTangent { value: touch.value, gradient: touch.gradient, loss };
+        Some((above_tangent(ball, hull, &tangent, at, &speed, goal), loss))
     }
 }
 
@@ -282,8 +284,9 @@ fn below_capsule(ball: Ball, capsule: &Capsule, hull: &Hull, goal: f64) -> Below
         return Below { bound: first, nearest: None };
     }
     let curved = |foot: &Foot, at: [f64; 2]| {
-        let tangent = (foot.length - ball.radius, &foot.direction(), capsule.flaw());
-        above_tangent(ball, hull, tangent, at, capsule.way(), goal)
+        let (value, gradient) = (foot.length - ball.radius, foot.direction());
+        let tangent = BallTangent { value, gradient, loss: capsule.flaw() };
+        above_tangent(ball, hull, &tangent, at, capsule.way(), goal)
     };
     let second = curved(&foot, [0.0; 2]).max(first);
     if second >= goal {
@@ -295,9 +298,17 @@ fn below_capsule(ball: Ball, capsule: &Capsule, hull: &Hull, goal: f64) -> Below
     Below { bound: third, nearest: (third < goal).then_some(at) }
 }
 
-/// Lower bound, over a cell, of the distance to a ball that moves along `way`; from the value and the gradient of its
-/// tangent at a place of the cell. The bound is valid where the distance is below about `goal`. `loss` bounds the
-/// distance of the centre from the line.
+/// Tangent to a moving ball at a place of a cell.
+struct BallTangent {
+    /// Distance of the place from the ball, mm.
+    value: f64,
+    gradient: Vector3<f64>,
+    /// Upper bound of the distance of the centre from its line, mm.
+    loss: f64,
+}
+
+/// Lower bound, over a cell, of the distance to a ball that moves along `way`. The bound is valid where the distance is
+/// below about `goal`.
 ///
 /// A turn about its centre does not move a ball, and the curvature of the ball across the path of its centre counts: it
 /// exceeds that of any groove into which the ball fits. Let a point lie n farther along the gradient, as seen from the
@@ -306,7 +317,7 @@ fn below_capsule(ball: Ball, capsule: &Capsule, hull: &Hull, goal: f64) -> Below
 fn above_tangent(
     ball: Ball,
     hull: &Hull,
-    (value, gradient, loss): (f64, &Vector3<f64>, f64),
+    &BallTangent { value, gradient, loss }: &BallTangent,
     at: [f64; 2],
     way: &Vector3<f64>,
     goal: f64,
@@ -318,7 +329,7 @@ fn above_tangent(
         return f64::NEG_INFINITY;
     }
     let across = gradient.cross(way).try_normalize(MIN_CROSS_PRODUCT).unwrap_or_else(Vector3::zeros);
-    (value - loss + hull.least_curved(at, gradient, &across, 0.5 / most)).min(enough)
+    (value - loss + hull.least_curved(at, &gradient, &across, 0.5 / most)).min(enough)
 }
 
 /// The place of a cell nearest to a cutter, starting from the nearest position of the cutter to the middle. `go` finds

@@ -18,6 +18,17 @@ struct NodeBound {
     slope: Vector3<f64>,
 }
 
+/// Distance of a point to the cutter over a piece.
+#[derive(Clone, Copy)]
+pub(crate) struct NearPiece {
+    /// Index of the piece.
+    pub(crate) index: u32,
+    /// Share of the piece.
+    pub(crate) t: f64,
+    /// Signed distance there, mm.
+    pub(crate) distance: f64,
+}
+
 impl Sweep<'_> {
     /// Least distance below `cutoff` of a point to the swept cutter.
     pub fn nearest(&self, p: &Point3<f64>, cutoff: f64) -> Option<Nearest> {
@@ -32,28 +43,28 @@ impl Sweep<'_> {
         best
     }
 
-    /// A piece nearest to a point up to [`NEAR_ERROR`], by one evaluation per piece, with the share and the distance there;
+    /// A piece nearest to a point up to [`NEAR_ERROR`], by one evaluation per piece;
     /// `None` where no piece is nearer than `cutoff`.
-    pub(crate) fn near(&self, p: &Point3<f64>, cutoff: f64) -> Option<(u32, f64, f64)> {
+    pub(crate) fn near(&self, p: &Point3<f64>, cutoff: f64) -> Option<NearPiece> {
         let mut best = None;
         self.descend(p, cutoff - NEAR_ERROR, |index, least| {
-            let (t, value) = self.quick_distance(index, p);
-            if value - NEAR_ERROR < least {
-                best = Some((index, t, value));
+            let near = self.quick_distance(index, p);
+            if near.distance - NEAR_ERROR < least {
+                best = Some(near);
             }
-            value - NEAR_ERROR
+            near.distance - NEAR_ERROR
         });
         best
     }
 
-    /// Approximate least distance of a point to the cutter over a piece, never less than the true one, with its share.
-    pub(crate) fn quick_distance(&self, index: u32, p: &Point3<f64>) -> (f64, f64) {
+    /// Approximate least distance of a point to the cutter over a piece, never less than the true one.
+    pub(crate) fn quick_distance(&self, index: u32, p: &Point3<f64>) -> NearPiece {
         if let Some((ball, _, foot)) = self.bearing_ball(index, p) {
-            return (foot.t, foot.length - ball.radius);
+            return NearPiece { index, t: foot.t, distance: foot.length - ball.radius };
         }
         let piece = self.piece(index);
         let touch = self.minimum(piece, self.touch(piece, 0.5, p), p, (0.0, 1.0));
-        (touch.t, touch.value)
+        NearPiece { index, t: touch.t, distance: touch.value }
     }
 
     /// Visits the pieces that may be nearer to a point than `least`, the nearest first by the bounds of the hierarchy.
@@ -154,7 +165,7 @@ mod tests {
     #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
     use super::*;
-    use five_axis::{AxisLine, Carries, Chain, RotaryPose};
+    use five_axis::{AxisLine, Carries, Chain, Pose, RotaryPose};
     use nalgebra::Unit;
     use tool_stock::collide::{Cutter, ToolSolid, tool::tool_coordinates};
 
@@ -216,7 +227,7 @@ mod tests {
                     let mut least = f64::INFINITY;
                     for index in (node.range.0..node.range.1).step_by(1 + (node.range.1 - node.range.0) as usize / 16) {
                         for t in [0.0, 0.3, 1.0] {
-                            let (tip, axis) = sweep.piece(index).pose(t);
+                            let Pose { tip, axis } = sweep.piece(index).pose(t);
                             for way in [Vector3::zeros(), Vector3::x(), -Vector3::y(), Vector3::z(), -floor.slope] {
                                 let (rho, s) = tool_coordinates(&(p + way * 2.0), &tip, &axis);
                                 let over = solid.cutter_distance(rho, s) - floor.slope.dot(&way) * 2.0;
@@ -244,7 +255,7 @@ mod tests {
                 let least = one_by_one.map(|touch| touch.value).fold(f64::INFINITY, f64::min);
                 let found = sweep.nearest(&p, f64::INFINITY).unwrap().distance;
                 assert!((found - least).abs() <= TURN_SLACK, "{:?}: {found} for {least}", solid.cutter);
-                let (_, _, near) = sweep.near(&p, f64::INFINITY).unwrap();
+                let near = sweep.near(&p, f64::INFINITY).unwrap().distance;
                 assert!((near - least).abs() < 2.0 * NEAR_ERROR, "{:?}: {near} for {least}", solid.cutter);
             }
         }

@@ -1,7 +1,7 @@
 //! Pieces of moves: the poses of the tool over a part of a move, and how far its points move.
 
 use five_axis::chain::Turning;
-use five_axis::{Angles, Chain, Joints, Machine, RotaryPose, between};
+use five_axis::{Angles, Chain, Joints, Machine, Pose, RotaryPose, between};
 use ir::{Motion, MoveKind};
 use nalgebra::{Point3, Vector3};
 
@@ -20,6 +20,23 @@ pub struct At {
     pub index: u32,
 }
 
+/// Half of the motion of a piece.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct HalfMotion {
+    /// Half of the tip motion, mm.
+    pub(crate) way: f64,
+    /// Half of the turn, radians.
+    pub(crate) turn: f64,
+}
+
+/// The parabola of a piece at one share.
+pub(crate) struct QuickPose {
+    pub(crate) tip: Point3<f64>,
+    pub(crate) axis: Vector3<f64>,
+    /// Derivative of the axis by the share.
+    pub(crate) change: Vector3<f64>,
+}
+
 /// A part of one move.
 #[derive(Clone, Copy, Debug)]
 pub struct Piece<'a> {
@@ -31,20 +48,19 @@ pub struct Piece<'a> {
     pub(crate) tips: [Point3<f64>; 2],
     rotary: [Angles; 2],
     /// Middle pose.
-    middle: (Point3<f64>, Vector3<f64>),
+    middle: Pose,
     /// Parabola through the axis at both ends and in the middle: value, and factors of the share and of its square.
     curve: [Vector3<f64>; 3],
-    /// Half of the tip motion, mm, and half of the turn, radians.
-    reach: (f64, f64),
+    half: HalfMotion,
     /// Index among the pieces of the operation, in the order of time.
     pub(crate) order: u32,
 }
 
 impl<'a> Piece<'a> {
     /// Tip and axis at a share of the piece.
-    pub fn pose(&self, t: f64) -> (Point3<f64>, Vector3<f64>) {
+    pub fn pose(&self, t: f64) -> Pose {
         let axis = self.chain.tool_axis(between(self.rotary[0], self.rotary[1], t));
-        (self.tips[0] + (self.tips[1] - self.tips[0]) * t, axis)
+        Pose { tip: self.tips[0] + (self.tips[1] - self.tips[0]) * t, axis }
     }
 
     fn new(chain: &'a Chain, at: At, kind: MoveKind, ends: [RotaryPose; 2]) -> Self {
@@ -57,74 +73,72 @@ impl<'a> Piece<'a> {
             tips,
             rotary,
             curve: [first; 3],
-            middle: (tips[0], Vector3::z()),
-            reach: (0.0, 0.0),
+            middle: Pose { tip: tips[0], axis: Vector3::z() },
+            half: HalfMotion { way: 0.5 * (tips[1] - tips[0]).norm(), turn: 0.5 * chain.turn(rotary[0], rotary[1]) },
             order: 0,
         };
         piece.middle = piece.pose(0.5);
-        let middle = piece.middle.1;
+        let middle = piece.middle.axis;
         piece.curve = [first, middle * 4.0 - first * 3.0 - last, (first + last) * 2.0 - middle * 4.0];
-        piece.reach = (0.5 * (tips[1] - tips[0]).norm(), 0.5 * chain.turn(rotary[0], rotary[1]));
         piece
     }
 
-    /// Tip and axis at a share of the piece, and the derivative of the axis by the share. The axis is the parabola
+    /// Pose at a share of the piece. The axis is the parabola
     /// through its ends and its middle, for pieces of at most [`MAX_PIECE_TURN`]; it deviates from the true curve by at
     /// most [`Self::parabola_error`].
-    pub(crate) fn quick_pose(&self, t: f64) -> (Point3<f64>, Vector3<f64>, Vector3<f64>) {
+    pub(crate) fn quick_pose(&self, t: f64) -> QuickPose {
         let [start, slope, second] = &self.curve;
         let axis = start + (slope + second * t) * t;
         let change = slope + second * (2.0 * t);
-        (self.tips[0] + (self.tips[1] - self.tips[0]) * t, axis, change)
-    }
-
-    /// Tip and axis of [`Self::quick_pose`].
-    pub(crate) fn quick_axis(&self, t: f64) -> (Point3<f64>, Vector3<f64>) {
-        let (tip, axis, _) = self.quick_pose(t);
-        (tip, axis)
+        QuickPose { tip: self.tips[0] + (self.tips[1] - self.tips[0]) * t, axis, change }
     }
 
     /// Upper bound of the distance between the parabola and the true axis: the largest |t (t - 1/2) (t - 1)| / 6 times
     /// the third derivative.
     fn parabola_error(&self) -> f64 {
-        let turn = 2.0 * self.reach.1;
+        let turn = 2.0 * self.half.turn;
         0.0081 * self.chain.turning().third * turn * turn * turn
     }
 
     /// The same for the derivative of the axis by the share: at most a twelfth of the third derivative.
     fn parabola_slope_error(&self) -> f64 {
-        let turn = 2.0 * self.reach.1;
+        let turn = 2.0 * self.half.turn;
         self.chain.turning().third / 12.0 * turn * turn * turn
     }
 
     /// Bound of the second derivative of the path of the touched point, and of all points within a radius of it, over
     /// the piece.
     pub fn drift(&self, touch: &Touch, radius: f64) -> Drift {
-        let (way, turn) = (2.0 * self.reach.0, 2.0 * self.reach.1);
+        let (way, turn) = (2.0 * self.half.way, 2.0 * self.half.turn);
         // Largest distance of these points from the tip.
         let arm = touch.arm() + way + radius;
         let second = self.chain.turning().second * turn * turn * arm + 2.0 * turn * way;
         Drift { second, turn, flaw: self.parabola_error() * arm, slope_flaw: self.parabola_slope_error() * arm, radius }
     }
 
-    /// Centre of a tip ball of a given radius, and its derivative by the share.
-    pub fn ball_centre(&self, t: f64, radius: f64) -> (Point3<f64>, Vector3<f64>) {
-        let (tip, axis, change) = self.quick_pose(t);
-        (tip + axis * radius, self.tips[1] - self.tips[0] + change * radius)
+    /// Centre of a tip ball of a given radius.
+    pub fn ball_centre(&self, t: f64, radius: f64) -> Point3<f64> {
+        let QuickPose { tip, axis, .. } = self.quick_pose(t);
+        tip + axis * radius
+    }
+
+    /// Derivative of this centre by the share.
+    pub fn ball_speed(&self, t: f64, radius: f64) -> Vector3<f64> {
+        self.tips[1] - self.tips[0] + self.quick_pose(t).change * radius
     }
 
     /// Bound of the second derivative of the path of this centre over the piece; turning about its centre does not move
     /// a ball.
     pub fn ball_drift(&self, radius: f64) -> Drift {
-        let turn = 2.0 * self.reach.1;
+        let turn = 2.0 * self.half.turn;
         let (flaw, slope_flaw) = (self.parabola_error() * radius, self.parabola_slope_error() * radius);
         Drift { second: self.chain.turning().second * turn * turn * radius, turn: 0.0, flaw, slope_flaw, radius: 0.0 }
     }
 
     /// How a tangent at a touch moves with the share, see [`TangentTwist`]; valid for points within a radius.
     pub(crate) fn twist(&self, touch: &Touch, radius: f64) -> TangentTwist {
-        let (way, turn) = (2.0 * self.reach.0, 2.0 * self.reach.1);
-        let (_, axis, change) = self.quick_pose(touch.t);
+        let (way, turn) = (2.0 * self.half.way, 2.0 * self.half.turn);
+        let QuickPose { axis, change, .. } = self.quick_pose(touch.t);
         let arm = touch.arm() + way + radius;
         TangentTwist {
             change: change * axis.dot(&touch.gradient) - axis * change.dot(&touch.gradient),
@@ -144,23 +158,23 @@ impl<'a> Piece<'a> {
     pub fn halves(&self) -> [Self; 2] {
         let [from, to] = [0, 1].map(|k| RotaryPose { tip: self.tips[k], rotary: self.rotary[k] });
         let rotary = [0, 1].map(|k| 0.5 * (from.rotary[k] + to.rotary[k]));
-        let middle = RotaryPose { tip: self.middle.0, rotary };
+        let middle = RotaryPose { tip: self.middle.tip, rotary };
         [[from, middle], [middle, to]].map(|ends| Self::new(self.chain, self.at, self.kind, ends))
     }
 
-    /// Half of the tip motion, mm, and half of the turn, radians.
-    pub(crate) fn reach(&self) -> (f64, f64) {
-        self.reach
+    /// Half of its motion.
+    pub(crate) fn half(&self) -> HalfMotion {
+        self.half
     }
 
     /// Middle pose.
-    pub fn middle(&self) -> &(Point3<f64>, Vector3<f64>) {
+    pub fn middle(&self) -> &Pose {
         &self.middle
     }
 
     /// Upper bound of the distance of a tool point from its middle position; `arm` is its distance from the tip.
     pub fn displacement(&self, arm: f64) -> f64 {
-        self.reach.0 + self.reach.1 * arm
+        self.half.way + self.half.turn * arm
     }
 }
 

@@ -11,7 +11,7 @@
 
 use super::capsule::{Ball, Capsule};
 use super::hierarchy::Hierarchy;
-use super::piece::{At, Piece, Spans, Touch, divide, pieces};
+use super::piece::{At, Piece, QuickPose, Spans, Touch, divide, pieces};
 use five_axis::{Chain, RotaryPose};
 use ir::{Motion, MoveKind, Program};
 use nalgebra::Point3;
@@ -98,7 +98,7 @@ impl<'a> Sweep<'a> {
 
     /// The cutter against a point at a share of a piece.
     pub(crate) fn touch(&self, piece: &Piece, t: f64, p: &Point3<f64>) -> Touch {
-        let (tip, axis, turning) = piece.quick_pose(t);
+        let QuickPose { tip, axis, change } = piece.quick_pose(t);
         let d = p - tip;
         let s = d.dot(&axis);
         let radial = d - axis * s;
@@ -107,8 +107,8 @@ impl<'a> Sweep<'a> {
         // On the axis any radial direction is valid; the slope across the axis is zero there by symmetry.
         let gradient = if rho > MIN_AXIS_DISTANCE { radial * (out / rho) + axis * up } else { axis * up };
         let travel = piece.tips[1] - piece.tips[0];
-        let ds = d.dot(&turning) - travel.dot(&axis);
-        let drho = if rho > MIN_AXIS_DISTANCE { -(radial.dot(&travel) + s * radial.dot(&turning)) / rho } else { 0.0 };
+        let ds = d.dot(&change) - travel.dot(&axis);
+        let drho = if rho > MIN_AXIS_DISTANCE { -(radial.dot(&travel) + s * radial.dot(&change)) / rho } else { 0.0 };
         Touch { t, value, gradient, rate: out * drho + up * ds, rho, s }
     }
 

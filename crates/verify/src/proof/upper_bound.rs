@@ -6,7 +6,7 @@
 
 use super::capsule::Ball;
 use super::hull::Hull;
-use super::piece::{Drift, Piece, Touch};
+use super::piece::{Drift, Piece, QuickPose, Touch};
 use super::sweep::Sweep;
 use nalgebra::{Point3, Vector3};
 use tool_stock::collide::tool::tool_coordinates;
@@ -65,7 +65,7 @@ impl Sweep<'_> {
             });
             // Where another part of the cutter is nearest, the ball lies deeper and its bound is poor.
             let on_ball = near.iter().zip(&hull.corners).all(|((later, foot), corner)| {
-                let (tip, axis) = pair.piece(*later).quick_axis(foot.t);
+                let QuickPose { tip, axis, .. } = pair.piece(*later).quick_pose(foot.t);
                 let (rho, s) = tool_coordinates(corner, &tip, &axis);
                 s - ball.radius <= ball.upper * foot.length
                     || foot.length - ball.radius <= self.solid().cutter_distance(rho, s) + MAX_BALL_EXCESS
@@ -167,7 +167,7 @@ impl<'a> Pair<'a> {
         let second = self.worst(&run, |p, scale| p.ball_drift(ball.radius).second * scale * scale);
         let flaw = self.worst(&run, |p, _| p.ball_drift(ball.radius).flaw);
         let error = 0.125 * second * run.time * run.time + flaw + run.across * (self.jump(ball.radius) + second);
-        let centres = shares.map(|(later, t)| self.piece(later).ball_centre(t, ball.radius).0);
+        let centres = shares.map(|(later, t)| self.piece(later).ball_centre(t, ball.radius));
         bound_of_ball(ball.radius, &centres, hull, error)
     }
 

@@ -25,7 +25,7 @@ use tool_stock::stock::{self, BlockCut, Field, FieldError, Outcome, Slices, Step
 
 use arcs::{Circle, StepArc};
 use removal::StepRemoval;
-use steps::{StepPlace, steps};
+use steps::{StepPlace, StepValue, steps};
 
 /// Steps that are simulated between two reports of progress.
 const STEPS_PER_REPORT: usize = 1 << 11;
@@ -380,7 +380,7 @@ impl Milled {
     }
 
     /// A value with the place of its step.
-    fn peak_at<Q: From<f64>>(&self, value: f64, step: u32) -> Option<Peak<Q>> {
+    fn peak_at<Q: From<f64>>(&self, StepValue { value, step }: StepValue) -> Option<Peak<Q>> {
         let tip = self.places.get(step as usize)?.tip;
         Some(Peak { value: Q::from(value), at: self.at(step), tip: [tip.x, tip.y, tip.z] })
     }
@@ -389,7 +389,7 @@ impl Milled {
     fn peak<Q: From<f64>>(&self, value: &dyn Fn(&BlockCut) -> f64) -> Option<Peak<Q>> {
         let cuts = self.outcome.cuts.iter().filter(|c| c.height[0] <= c.height[1]);
         let c = cuts.max_by(|a, b| value(a).total_cmp(&value(b)))?;
-        self.peak_at(value(c), c.block)
+        self.peak_at(StepValue { value: value(c), step: c.block })
     }
 
     /// The largest depth at full width that loads the cutter as much as a step.
@@ -400,7 +400,7 @@ impl Milled {
             Some((arc.load, arc.depth, arc.found, c.block))
         });
         let (value, depth, arc, step) = loads.max_by(|a, b| a.0.total_cmp(&b.0))?;
-        let Peak { value, at, tip } = self.peak_at(value, step)?;
+        let Peak { value, at, tip } = self.peak_at(StepValue { value, step })?;
         Some(SlotDepth { value, depth: Mm(depth), arc: Deg(arc), at, tip })
     }
 
@@ -414,7 +414,7 @@ impl Milled {
             place.map(|p| c.height.map(|h| (p.way_at(h) / p.time * 60.0 / teeth, h, c.block)))
         });
         let (value, height, step) = feeds.flatten().max_by(|a, b| a.0.total_cmp(&b.0))?;
-        let Peak { value, at, tip } = self.peak_at(value, step)?;
+        let Peak { value, at, tip } = self.peak_at(StepValue { value, step })?;
         Some(ToothFeed { value, height: Mm(height), at, tip })
     }
 
@@ -422,7 +422,7 @@ impl Milled {
     fn arc_bound(&self, arcs: &[StepArc], choose: impl Fn(&StepArc) -> bool) -> Option<ArcBound> {
         let steps = (0_u32..).zip(arcs).filter(|(_, a)| a.bound > 0.0 && choose(a));
         let (step, most) = steps.max_by(|a, b| a.1.bound.total_cmp(&b.1.bound))?;
-        let Peak { value, at, tip } = self.peak_at(most.bound, step)?;
+        let Peak { value, at, tip } = self.peak_at(StepValue { value: most.bound, step })?;
         Some(ArcBound { value, found: Deg(most.found), at, tip })
     }
 
@@ -492,7 +492,7 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
         name: declared.name.clone(),
         removed: Mm3(0.0),
         by_links: milled.by_links(),
-        link: link.and_then(|(value, step)| milled.peak_at(value, step)),
+        link: link.and_then(|link| milled.peak_at(link)),
         cut_rate: Mm3PerSec(removal::cut_rate(places, &outcome.cuts, window)),
         rest: Mm3(0.0),
         time: milled.time(&|_, _| true),
@@ -506,12 +506,12 @@ fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Fie
         arc_outside_slots: milled.arc_bound(&arcs, |a| !a.slot),
         slot_depth: milled.slot_depth(&arcs),
         ramp: ramp::steepest(&program.tools[declared.tool], places, &outcome.cuts)
-            .and_then(|(value, step)| milled.peak_at(value, step)),
+            .and_then(|found| milled.peak_at(found)),
         middle: strokes::deepest(&program.tools[declared.tool], places, &outcome.cuts)
-            .and_then(|(value, step)| milled.peak_at(value, step)),
+            .and_then(|found| milled.peak_at(found)),
         slot: milled.peak(&slot).filter(|p: &Peak<Share>| p.value.get() > 0.0 && declared.kind.finishes()),
-        rate: removal.rate.and_then(|(value, step)| milled.peak_at(value, u32::try_from(step).unwrap_or(u32::MAX))),
-        power: removal::power(program, declared, &removal).and_then(|(value, step)| milled.peak_at(value, step)),
+        rate: removal.rate.and_then(|rate| milled.peak_at(rate)),
+        power: removal::power(program, declared, &removal).and_then(|power| milled.peak_at(power)),
         chip: milled.chip(&removal, declared.speed.get() * f64::from(program.tools[declared.tool].flutes)),
         collisions: milled.collisions(),
         moves: engagement(operation.moves.len(), places, &removal, &arcs),

@@ -8,7 +8,7 @@
 //!
 //! Strokes along the axis are no ramps: [`super::strokes`] judges them.
 
-use super::StepPlace;
+use super::{StepPlace, StepValue};
 use ir::{MoveKind, Tool};
 use tool_stock::stock::BlockCut;
 
@@ -24,8 +24,8 @@ fn middle(tool: &Tool) -> f64 {
     tool.toothless_radius().unwrap_or(0.0).max(MIN_MIDDLE_SHARE * tool.solid.cutter.nominal_radius())
 }
 
-/// Steepest angle, degrees, with its step; `None` where the tool nowhere goes down with material under its middle.
-pub(super) fn steepest(tool: &Tool, places: &[StepPlace], cuts: &[BlockCut]) -> Option<(f64, u32)> {
+/// Steepest angle, degrees; `None` where the tool nowhere goes down with material under its middle.
+pub(super) fn steepest(tool: &Tool, places: &[StepPlace], cuts: &[BlockCut]) -> Option<StepValue> {
     let middle = middle(tool);
     let mut below = vec![false; places.len()];
     for cut in cuts.iter().filter(|c| c.lune.is_none() && c.nearest < middle) {
@@ -55,5 +55,5 @@ pub(super) fn steepest(tool: &Tool, places: &[StepPlace], cuts: &[BlockCut]) -> 
     };
     let angles = (0..places.len()).filter(|i| goes_down(*i)).map(|i| (angle(i), i));
     let (value, step) = angles.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    Some((value, u32::try_from(step).unwrap_or(u32::MAX)))
+    Some(StepValue { value, step: u32::try_from(step).unwrap_or(u32::MAX) })
 }

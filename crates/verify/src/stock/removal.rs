@@ -1,6 +1,6 @@
 //! Removal of the steps, averaged over a tip motion of some cells, and what it is of the limits of tool and spindle.
 
-use super::StepPlace;
+use super::{StepPlace, StepValue};
 use base::units::Share;
 use ir::{MoveKind, Operation, Program};
 use tool_stock::stock::BlockCut;
@@ -16,8 +16,8 @@ pub(super) struct StepRemoval {
     pub(super) rates: Vec<f64>,
     /// Speed of the tip over this window, mm/s; zero where the window is not full.
     pub(super) speeds: Vec<f64>,
-    /// Largest rate, mm3/s, and its step.
-    pub(super) rate: Option<(f64, usize)>,
+    /// Largest rate, mm3/s.
+    pub(super) rate: Option<StepValue>,
 }
 
 /// The steps up to one of them that just cover a tip motion.
@@ -79,9 +79,9 @@ impl StepRemoval {
                 if way >= window && time > 0.0 {
                     found.speeds[end] = way / time;
                 }
-                if way >= window && time > 0.0 && found.rate.is_none_or(|(most, _)| rate > most) {
+                if way >= window && time > 0.0 && found.rate.is_none_or(|most| rate > most.value) {
                     let largest = (start..=end).max_by(|a, b| volume[*a].total_cmp(&volume[*b])).unwrap_or(end);
-                    found.rate = Some((rate, largest));
+                    found.rate = Some(StepValue { value: rate, step: u32::try_from(largest).unwrap_or(u32::MAX) });
                 }
             }
         }
@@ -126,13 +126,14 @@ impl StepRemoval {
     }
 }
 
-/// Largest power at the cutter, kW, and its step; `None` without the material.
-pub(super) fn power(program: &Program, operation: &Operation, removal: &StepRemoval) -> Option<(f64, u32)> {
+/// Largest power at the cutter, kW; `None` without the material.
+pub(super) fn power(program: &Program, operation: &Operation, removal: &StepRemoval) -> Option<StepValue> {
     let material = program.stock.material?;
     let teeth = operation.speed.get() * f64::from(program.tools[operation.tool].flutes);
     let powers = removal.rates.iter().zip(&removal.speeds).zip(0_u32..).filter(|((_, speed), _)| **speed > 0.0);
-    let powers = powers.map(|((rate, speed), step)| (material.power(rate / speed, speed * 60.0, teeth), step));
-    powers.filter(|p| p.0 > 0.0).max_by(|a, b| a.0.total_cmp(&b.0))
+    let power = |rate: &f64, speed: &f64| material.power(rate / speed, speed * 60.0, teeth);
+    let powers = powers.map(|((rate, speed), step)| StepValue { value: power(rate, speed), step });
+    powers.filter(|p| p.value > 0.0).max_by(|a, b| a.value.total_cmp(&b.value))
 }
 
 /// Volume that links remove over [`LINK_WINDOW`] from which they count as cutting, mm3: less comes from rubbing beside a wall
@@ -218,13 +219,13 @@ pub(super) fn cut_rate(places: &[StepPlace], cuts: &[BlockCut], window: f64) -> 
     rates.fold(0.0, f64::max)
 }
 
-/// Largest removal rate of links, mm3/s, and the step that removes most of it, averaged over a tip motion `window`, mm, or
+/// Largest removal rate of links, mm3/s, with the step that removes most of it, averaged over a tip motion `window`, mm, or
 /// over the link where the link is shorter and cuts alone. A long way through air does not lower it. Links that remove little
 /// do not count; their removal adds up over their way, whatever stands between them, so that the division of a motion into
 /// blocks does not matter.
-pub(super) fn fastest_link(places: &[StepPlace], cuts: &[BlockCut], window: f64) -> Option<(f64, u32)> {
+pub(super) fn fastest_link(places: &[StepPlace], cuts: &[BlockCut], window: f64) -> Option<StepValue> {
     let links = OfKind::new(places, cuts, MoveKind::Link);
-    let mut fastest: Option<(f64, u32)> = None;
+    let mut fastest: Option<StepValue> = None;
     let mut first = 0;
     for end in 1..=links.steps.len() {
         let ends = links.steps.get(end).is_none_or(|next| *next != links.steps[end - 1] + 1);
@@ -232,9 +233,9 @@ pub(super) fn fastest_link(places: &[StepPlace], cuts: &[BlockCut], window: f64)
         let alone = (ends && short && links.sum[end] - links.sum[first] > MIN_LINK_VOLUME).then_some([first, end]);
         let window = links.start(end, window).map(|start| [start, end]).filter(|steps| links.removes(*steps));
         for steps in [alone, window].into_iter().flatten() {
-            let rate = links.rate(steps);
-            if rate > fastest.map_or(0.0, |f| f.0) {
-                fastest = Some((rate, u32::try_from(links.largest(steps)).unwrap_or(u32::MAX)));
+            let value = links.rate(steps);
+            if value > fastest.map_or(0.0, |f| f.value) {
+                fastest = Some(StepValue { value, step: u32::try_from(links.largest(steps)).unwrap_or(u32::MAX) });
             }
         }
         if ends {

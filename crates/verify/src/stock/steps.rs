@@ -41,6 +41,13 @@ pub(super) struct StepPlace {
     turn: Vector3<f64>,
 }
 
+/// A value with the step in which it is found.
+#[derive(Clone, Copy)]
+pub(super) struct StepValue {
+    pub(super) value: f64,
+    pub(super) step: u32,
+}
+
 impl StepPlace {
     /// Part of the tip motion square to the axis, mm.
     pub(super) fn across(&self) -> f64 {

@@ -3,8 +3,8 @@
 //! A stroke with material more than [`RIDGE`] above its end presses on it. Thinner layers are ridges between the floors of
 //! two strokes, unless a stroke at the same place follows: blocks that divide a stroke press as the whole does.
 
-use super::StepPlace;
 use super::ramp::MAX_RUN_STEPS;
+use super::{StepPlace, StepValue};
 use ir::{MoveKind, Tool};
 use tool_stock::stock::BlockCut;
 use tool_stock::stock::lune::RIDGE;
@@ -18,10 +18,11 @@ const MAX_RIDGE: f64 = 2.0 * RIDGE;
 /// Least share of a step along the axis, as in the simulation.
 const MIN_AXIAL_SHARE: f64 = 0.998;
 
-/// How far material reaches into the middle of the end of a tool, mm, with the step; `None` where it does not.
-pub(super) fn deepest(tool: &Tool, places: &[StepPlace], cuts: &[BlockCut]) -> Option<(f64, u32)> {
+/// How far material reaches into the middle of the end of a tool, mm; `None` where it does not.
+pub(super) fn deepest(tool: &Tool, places: &[StepPlace], cuts: &[BlockCut]) -> Option<StepValue> {
     let toothless = tool.toothless_radius().filter(|radius| *radius > MAX_RUBBING_DEPTH)?;
-    let whole = cuts.iter().filter_map(|c| Some((toothless - c.lune.as_ref()?.inner(), c.block)));
+    let whole =
+        cuts.iter().filter_map(|c| Some(StepValue { value: toothless - c.lune.as_ref()?.inner(), step: c.block }));
     let mut into = vec![0.0; places.len()];
     for cut in cuts {
         let Some(place) = places.get(cut.block as usize) else { continue };
@@ -46,7 +47,9 @@ pub(super) fn deepest(tool: &Tool, places: &[StepPlace], cuts: &[BlockCut]) -> O
         }
         false
     };
-    let divided =
-        (0_u32..).zip(&into).filter(|(i, into)| **into > 0.0 && thick(*i as usize)).map(|(i, into)| (*into, i));
-    whole.chain(divided).filter(|found| found.0 > 0.0).max_by(|a, b| a.0.total_cmp(&b.0))
+    let divided = (0_u32..)
+        .zip(&into)
+        .filter(|(i, into)| **into > 0.0 && thick(*i as usize))
+        .map(|(step, into)| StepValue { value: *into, step });
+    whole.chain(divided).filter(|found| found.value > 0.0).max_by(|a, b| a.value.total_cmp(&b.value))
 }
