@@ -186,7 +186,7 @@ fn zero_section(input: SheetInput<'_>) -> SheetSection {
     let heights = program.stock.profile.iter().map(|p| p[1]);
     let [top, bottom] = [heights.clone().fold(f64::NEG_INFINITY, f64::max), heights.fold(f64::INFINITY, f64::min)];
     let clamping = &program.stock.clamping;
-    let beside = clamping
+    let extent = clamping
         .radius
         .map_or("at any radius".to_owned(), |r| format!("within a diameter of {} mm", trim(2.0 * r.get(), 3)));
     let mut facts = vec![
@@ -200,7 +200,7 @@ fn zero_section(input: SheetInput<'_>) -> SheetSection {
             trim(2.0 * program.stock.bore_radius.get(), 3)
         ),
         format!(
-            "Clamping: nothing of chuck or fixture may stand above Z {} mm, {beside}",
+            "Clamping: nothing of chuck or fixture may stand above Z {} mm, {extent}",
             trim(clamping.below.get(), 3)
         ),
         format!("Tools are changed with the gauge line at machine Z {} mm", trim(program.machine.retract, 4)),
@@ -212,13 +212,13 @@ fn zero_section(input: SheetInput<'_>) -> SheetSection {
         facts.push(format!("Material: {}", material.name()));
     }
     facts.extend(program.machine.carried.iter().map(|c| {
-        let wide = c.profile.iter().map(|p| p[0]).fold(0.0, f64::max);
+        let radius = c.profile.iter().map(|p| p[0]).fold(0.0, f64::max);
         let high = c.profile.iter().map(|p| p[1]).fold(f64::NEG_INFINITY, f64::max);
         format!(
             "The proof knows the {}: up to Z {} mm, diameter {} mm",
             c.kind.name(),
             trim(high, 3),
-            trim(2.0 * wide, 3)
+            trim(2.0 * radius, 3)
         )
     }));
     SheetSection { facts, ..SheetSection::new("Zero, blank and clamping") }

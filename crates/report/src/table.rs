@@ -143,7 +143,7 @@ pub(crate) fn figures<'a, R, F: Into<Figure>>(
 
 impl<'a, R> Column<'a, R> {
     /// Two blanks before it.
-    pub(crate) fn apart(mut self) -> Self {
+    pub(crate) fn with_gap(mut self) -> Self {
         self.heading.gap = 2;
         self
     }
@@ -339,7 +339,7 @@ mod tests {
             [("a|b", 0.0125), ("a long name", 1.0)],
             vec![
                 words("name", 6, |r: &(&str, f64)| r.0.to_owned()).cut(),
-                figures("um", 8, Form::UM, |r: &(&str, f64)| r.1).apart(),
+                figures("um", 8, Form::UM, |r: &(&str, f64)| r.1).with_gap(),
             ],
         )
         .with(["measured".to_owned()]);

@@ -117,7 +117,7 @@ pub fn least(
     }
     best.map(|mut c| {
         let distance = c.distance.get().min(unseen);
-        // The nearest point of the surface lies beside the nearest sample, not in front of it.
+        // The nearest point of the surface may lie up to half a spacing to the side of the nearest sample.
         c.distance = Mm(if distance > half_spacing {
             (distance * distance - half_spacing * half_spacing).sqrt()
         } else {

@@ -83,7 +83,7 @@ impl Judge<'_> {
                 return None;
             }
         };
-        // What is not measured is under no bound, however wide.
+        // A value beyond the range of measurement holds no bound, however large.
         let holds = contract.kind.relation().holds(figure.value, contract.bound.value())
             && !beyond_measure(contract.kind, figure.value);
         if !holds {
@@ -169,8 +169,8 @@ impl Judge<'_> {
         }
     }
 
-    /// What was found where a bound is judged, in words.
-    fn beside_bound(&self, contract: &Contract, found: f64) -> String {
+    /// The largest computed value where a contract judges a proved bound, in words.
+    fn computed_note(&self, contract: &Contract, found: f64) -> String {
         let figure = contract.kind.bound(found).figure();
         match (&contract.kind, &self.certificate.stock) {
             (ContractKind::Gouge | ContractKind::Excess, _) => {
@@ -210,9 +210,9 @@ impl Judge<'_> {
             bound.figure()
         ))
         .help(help);
-        let beside = found.found.filter(|computed| *computed < FAR && *computed != found.value);
-        if let Some(found) = beside {
-            diag = diag.note(self.beside_bound(contract, found));
+        let computed = found.found.filter(|value| *value < FAR && *value != found.value);
+        if let Some(computed) = computed {
+            diag = diag.note(self.computed_note(contract, computed));
         }
         if let Some(point) = found.point {
             diag = diag.place(describe(self.program, self.motion, found.at), Point3::from(point));

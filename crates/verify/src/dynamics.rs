@@ -148,11 +148,20 @@ impl<Q: Copy + From<f64> + Into<f64>> Deviation<Q> {
     }
 }
 
+/// Deviations where a corner is rounded.
+#[derive(Clone, Copy, Default)]
+pub(super) struct CornerError {
+    /// Of tip or flutes, mm.
+    flutes: f64,
+    /// Of the tool axis, degrees.
+    axis: f64,
+}
+
 /// Deviations of a block from the programmed motion.
 struct BlockError {
     at: At,
-    /// Rounding of the corner at the start: tip or flutes, mm, and the tool axis, degrees.
-    corner: [f64; 2],
+    /// Rounding of the corner at the start.
+    corner: CornerError,
     /// Deviation between two cycles of the control, mm.
     cycle: f64,
 }
@@ -291,8 +300,8 @@ impl Run {
             self.programmed[kind] += Sec(part.width);
             self.raise_shares(limits, cell, part, at);
             let first = i.checked_sub(1).is_none_or(|b| parts[b].cell != part.cell);
-            let corner = if first { rounded_corner(limits, cells, part) } else { [0.0; 2] };
-            self.corners.raise(corner[0], at);
+            let corner = if first { rounded_corner(limits, cells, part) } else { CornerError::default() };
+            self.corners.raise(corner.flutes, at);
             if errors.last().is_none_or(|e| e.at != at) {
                 errors.push(BlockError { at, corner, cycle: 0.0 });
             }
@@ -333,17 +342,16 @@ fn number(kind: MoveKind) -> usize {
     }
 }
 
-/// Deviation of tip or flutes (mm) and of the tool axis (degrees) at the corner at the start of a cell; `part` is the
-/// first part of this cell. Next to a rapid the deviation does not matter, since nothing is near.
-fn rounded_corner(limits: &RunLimits, cells: &[MotionCell], part: &MovePart) -> [f64; 2] {
+/// Deviation at the corner at the start of a cell; `part` is the first part of this cell. Next to a rapid the deviation
+/// does not matter, since nothing is near.
+fn rounded_corner(limits: &RunLimits, cells: &[MotionCell], part: &MovePart) -> CornerError {
     let cell = &cells[part.cell];
     let rapid = |c: &MotionCell| c.kind == MoveKind::Rapid;
     let behind = part.cell.checked_sub(1).and_then(|b| cells.get(b));
     if cell.ratio > 0.0 && !rapid(cell) && behind.is_some_and(|c| !rapid(c)) {
-        let (away, tilt) = jerk::rounding(limits, behind, cell, part.from / (cell.ratio * cell.ratio));
-        [away, tilt.to_degrees()]
+        jerk::rounding(limits, behind, cell, part.from / (cell.ratio * cell.ratio))
     } else {
-        [0.0; 2]
+        CornerError::default()
     }
 }
 
@@ -393,8 +401,8 @@ pub fn run(program: &Program, motion: &Motion, operation: usize, removal: &[Shar
             linuxcnc::Settings { machine, tolerance: t.chord.get(), height: limits.height, length: limits.length };
         by_linuxcnc::replace(&settings, operation, &moves.moves, &limits, &cells, &mut report, &mut errors);
     }
-    report.contour = Deviation::largest(&errors, |e| [e.corner[0], e.cycle]).placed(machine, &moves.moves);
-    report.orientation = Deviation::largest(&errors, |e| [e.corner[1], 0.0]).placed(machine, &moves.moves);
+    report.contour = Deviation::largest(&errors, |e| [e.corner.flutes, e.cycle]).placed(machine, &moves.moves);
+    report.orientation = Deviation::largest(&errors, |e| [e.corner.axis, 0.0]).placed(machine, &moves.moves);
     report
 }
 

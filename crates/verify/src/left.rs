@@ -1,5 +1,5 @@
-//! What is left of the blank before the first operation, where the job gives its mesh: how deep a point lies in it, and
-//! what it lacks of the finished part.
+//! What is left of the blank before the first operation, where the job gives its mesh: the depth of a point in it, and
+//! material of the finished part that is missing from it.
 
 use base::units::length;
 use diagnostics::{Diag, Sink, codes::verification};
@@ -13,10 +13,10 @@ use wheel::part::Sample;
 /// Longest side of a piece of the surface, mm; the middle of each piece is a sample.
 const MAX_PIECE_SIDE: f64 = 0.25;
 
-/// Samples above which they lie farther apart.
+/// Largest number of samples; a larger surface has a larger spacing.
 const MAX_SAMPLES: f64 = 4e6;
 
-/// Depth below a surface of the part from which what lacks is reported, mm.
+/// Depth below a surface of the part from which missing material is reported, mm.
 const MIN_REPORTED_DEPTH: f64 = 0.1;
 
 /// What is left: samples of its surface, and its triangles over a grid in the plane of X and Y.
@@ -59,8 +59,8 @@ impl<'a> Left<'a> {
     pub(super) fn report(&self, program: &Program, samples: &[Sample], sink: &mut Sink) {
         // Distances take long where they are large, and most samples lie deep in the material.
         let outside = samples.par_iter().filter(|s| !self.columns.inside(&s.position));
-        let lacks = outside.map(|s| (-self.depth(&s.position), s));
-        let Some((depth, sample)) = lacks.reduce_with(|a, b| if b.0 > a.0 { b } else { a }) else { return };
+        let missing = outside.map(|s| (-self.depth(&s.position), s));
+        let Some((depth, sample)) = missing.reduce_with(|a, b| if b.0 > a.0 { b } else { a }) else { return };
         if depth < MIN_REPORTED_DEPTH {
             return;
         }
@@ -122,7 +122,7 @@ impl<'a> Columns<'a> {
         columns
     }
 
-    /// Column of a point; the nearest one for a point beside the mesh.
+    /// Column of a point; the nearest column for a point outside of the grid.
     fn column(&self, p: &Point3<f64>) -> [usize; 2] {
         [0, 1].map(|k| (((p[k] - self.low[k]) / self.cell) as usize).min(self.count[k] - 1))
     }

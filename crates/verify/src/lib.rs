@@ -246,8 +246,8 @@ fn kept_gouge(program: &Program) -> f64 {
 
 /// Search distance of shank, holder and rapids, mm: enough to judge every contract on clearance.
 pub fn search(program: &Program) -> f64 {
-    let asked = program.contracts.iter().filter(|c| matches!(c.kind, ContractKind::Clearance(_)));
-    asked.map(|c| c.bound.value()).fold(BODY_SEARCH_DISTANCE, f64::max)
+    let required = program.contracts.iter().filter(|c| matches!(c.kind, ContractKind::Clearance(_)));
+    required.map(|c| c.bound.value()).fold(BODY_SEARCH_DISTANCE, f64::max)
 }
 
 /// Measures again for contracts on some operations or surfaces.

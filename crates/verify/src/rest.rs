@@ -20,10 +20,10 @@ use wheel::part::{Sample, SurfaceId};
 /// Spacing of the grid, mm: an island that the grid misses is thinner than this.
 const MIN_GRID_SPACING: f64 = 1.0;
 
-/// Most points of the grid; on a larger part they are farther apart.
+/// Largest number of points of the grid; a larger part has a larger spacing.
 const MAX_GRID_POINTS: f64 = 4e6;
 
-/// Every n-th sample is tested: with 0.25 mm between samples, rows stay 0.25 mm apart, columns nearly 3 mm.
+/// Every n-th sample is tested: of samples with a spacing of 0.25 mm, rows keep 0.25 mm and columns have nearly 3 mm.
 const SAMPLE_STRIDE: usize = 11;
 
 /// Rest after an operation and all earlier ones.

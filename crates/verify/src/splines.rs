@@ -94,7 +94,7 @@ fn deviation(machine: &Machine, operation: &MotionOperation, spline: &SplineBloc
     let mut from = 0.0;
     for (index, to) in spline.chords().zip(&spline.shares) {
         let part = spline.curve.part([from, *to]);
-        let found = apart(&machine.chain, &part, [pose(index - 1), pose(index)]);
+        let found = chord_deviation(&machine.chain, &part, [pose(index - 1), pose(index)]);
         most = [0, 1].map(|k| if found[k] > most[k] || found[k].is_nan() { found[k] } else { most[k] });
         from = *to;
     }
@@ -102,7 +102,7 @@ fn deviation(machine: &Machine, operation: &MotionOperation, spline: &SplineBloc
 }
 
 /// The same for a part of a curve and one chord.
-fn apart(chain: &Chain, part: &PoseCurve, [from, to]: [RotaryPose; 2]) -> [f64; 2] {
+fn chord_deviation(chain: &Chain, part: &PoseCurve, [from, to]: [RotaryPose; 2]) -> [f64; 2] {
     let straight = |a: Vector3<f64>, b: Vector3<f64>, k: usize, n: usize| a.lerp(&b, k as f64 / n as f64);
     let degree = part.degree();
     let (a, b) = (from.tip.coords, to.tip.coords);

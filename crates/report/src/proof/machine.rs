@@ -79,11 +79,11 @@ pub(crate) fn axes(text: Text<'_>, certificate: &Certificate) -> Table {
                 words("", 2, |_: &Row| "..".to_owned()),
                 figures("", 10, Form::THOUSANDTHS, |r: &Row| r.used[1]),
                 words("", 3, |r: &Row| r.unit.to_owned()),
-                words("", 2, |_: &Row| "of".to_owned()).apart(),
+                words("", 2, |_: &Row| "of".to_owned()).with_gap(),
                 figures("", 20, Form::WHOLE, travel("no limits", |[low, high]| format!("{low:>8.1} .. {high:>8.1}"))),
-                figures("", 7, Form::PERCENT, |r: &Row| r.speed).apart(),
-                figures("", 7, Form::PERCENT, |r: &Row| r.acceleration).apart(),
-                figures("", 7, Form::PERCENT, |r: &Row| r.jerk).apart(),
+                figures("", 7, Form::PERCENT, |r: &Row| r.speed).with_gap(),
+                figures("", 7, Form::PERCENT, |r: &Row| r.acceleration).with_gap(),
+                figures("", 7, Form::PERCENT, |r: &Row| r.jerk).with_gap(),
             ];
             let title = "axes: used, travel, of the limits: largest speed reached, acceleration asked for inside of blocks, jerk reached";
             let pole = Form::THOUSANDTHS.of(machine.pole_distance.get());
@@ -92,7 +92,7 @@ pub(crate) fn axes(text: Text<'_>, certificate: &Certificate) -> Table {
     }
 }
 
-/// Where the tool stays at rapid.
+/// Clearance of the tool to the stock at rapid.
 pub(super) fn at_rapid(certificate: &Certificate) -> String {
     let distance = certificate.rapid.as_ref().map_or_else(|| "far".to_owned(), |c| length(c.distance.get()));
     format!("at rapid the tool stays {distance} outside of the stock")
@@ -268,7 +268,7 @@ pub(super) fn limits(certificate: &Certificate) -> Table {
         words("", 12, |r: &Row| r.0.to_owned()),
         words("", 5, |r: &Row| r.1.moves.to_owned()),
         figures("", 8, Form::WHOLE, |r: &Row| clock(r.1.time)),
-        words("", 0, shares).apart(),
+        words("", 0, shares).with_gap(),
     ];
     Table::new("active limits: what bounds the motion, in shares of the time of each kind of moves", named, columns)
 }

@@ -115,7 +115,7 @@ pub fn summary(program: &Program, certificate: &Certificate, verdict: Verdict<'_
     tables.iter().fold(judgement(certificate, verdict), |text, table| text + "\n" + &table.text())
 }
 
-/// What lies beside the design surfaces, and what no figure covers.
+/// Turned surfaces, rapids, stock and control, and what no figure covers.
 fn remarks(certificate: &Certificate) -> Vec<String> {
     let mut lines = Vec::new();
     let kept = &certificate.kept;

@@ -117,10 +117,10 @@ pub(crate) fn surfaces(text: Text<'_>, certificate: &Certificate) -> Table {
                 figures("mm2", 7, Form::TENTHS, |r: &Row| r.deepest.area),
                 figures("gouge", 8, Form::UM, gouge),
                 figures("at most", 8, Form::UM, gouge_bound),
-                words("at (mm)", 28, |r: &Row| coordinates(r.deepest.gouge.point)).apart(),
+                words("at (mm)", 28, |r: &Row| coordinates(r.deepest.gouge.point)).with_gap(),
                 figures("excess", 11, Form::UM, excess),
                 figures("at most", 11, Form::UM, excess_bound),
-                words("at (mm)", 28, |r: &Row| coordinates(r.most.excess.point)).apart(),
+                words("at (mm)", 28, |r: &Row| coordinates(r.most.excess.point)).with_gap(),
                 figures("5 %", 7, Form::UM, below(0)),
                 figures("50 %", 7, Form::UM, below(1)),
                 figures("95 %", 7, Form::UM, below(2)),
@@ -210,7 +210,7 @@ pub(super) fn kept(certificate: &Certificate) -> Table {
         words("surface", 27, |s: &&KeptReport| s.surface.clone()),
         figures("gouge", 8, Form::UM, |s: &&KeptReport| s.gouge.depth),
         figures("at most", 8, Form::UM, |s: &&KeptReport| s.gouge_bound),
-        words("at (mm)", 0, place).apart(),
+        words("at (mm)", 0, place).with_gap(),
     ];
     let title = format!(
         "kept surfaces: what milling leaves as the lathe made it, um; {} are allowed, the strictest gouge of the whole part",

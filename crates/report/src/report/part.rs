@@ -90,7 +90,7 @@ fn rows(sector0: &[Sample]) -> Vec<MeshRows> {
     found
 }
 
-/// Every `stride`-th index of a range, and always the last, so that the ends of a surface stay.
+/// Every `stride`-th index of a range, and always the last, so that both ends of a surface are kept.
 fn thinned(range: &std::ops::Range<usize>, stride: usize) -> Vec<usize> {
     let mut kept: Vec<usize> = range.clone().step_by(stride).collect();
     if let (Some(last), Some(kept_last)) = (range.clone().last(), kept.last().copied())

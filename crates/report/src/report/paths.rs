@@ -102,8 +102,8 @@ fn off_chord2(p: &PathRow, a: &PathRow, b: &PathRow) -> f64 {
     distance2(p, &foot)
 }
 
-/// Marks the stations of a run that must stay so that all others are within the tolerance of the chords (Douglas and
-/// Peucker). Both ends stay.
+/// Marks the stations of a run to keep, both ends included, so that all others are within the tolerance of the chords
+/// (Douglas and Peucker).
 fn mark(stations: &[PathRow], tolerance: f64, keep: &mut [bool]) {
     let Some(last) = stations.len().checked_sub(1) else { return };
     (keep[0], keep[last]) = (true, true);
@@ -121,7 +121,7 @@ fn mark(stations: &[PathRow], tolerance: f64, keep: &mut [bool]) {
     }
 }
 
-/// The moves of an operation that stay at a tolerance.
+/// Whether each move of an operation is kept at a tolerance.
 fn thin(stations: &[PathRow], moves: &[JointMove], tolerance: f64) -> Vec<bool> {
     let mut keep = vec![tolerance <= 0.0; moves.len()];
     let mut start = 0;
@@ -149,7 +149,7 @@ fn stations(program: &Program, motion: &Motion) -> Vec<Vec<PathRow>> {
     motion.operations.iter().map(|o| o.moves.iter().map(station).collect()).collect()
 }
 
-/// The moves that stay on the page, by operation, and the smallest tolerance at which they are few enough.
+/// Whether each move is kept on the page, by operation, and the smallest tolerance at which they are few enough.
 fn kept(program: &Program, motion: &Motion) -> (Vec<Vec<bool>>, f64) {
     let stations = stations(program, motion);
     let mut tolerance = 0.0;
@@ -213,7 +213,7 @@ pub(super) fn paths(
 }
 
 impl PathData {
-    /// Adds the moves of an operation that stay. Returns its passes: the index of the first move of each on the page,
+    /// Adds the moves of an operation that are kept. Returns its passes: the index of the first move of each on the page,
     /// and the index of its label.
     fn add_moves(
         &mut self,
@@ -253,7 +253,7 @@ impl PathData {
         passes
     }
 
-    /// Adds for each move that stays the limit that is active for the longest time in the moves that it stands for.
+    /// Adds for each kept move the limit that is active for the longest time in the moves that it represents.
     fn add_limits(&mut self, moves: &[JointMove], keep: &[bool], run: Option<&Run>) {
         let mut of_moves = run.map_or(&[][..], |r| &r.of_moves).iter().peekable();
         let mut times: Vec<(u8, f64)> = Vec::new();

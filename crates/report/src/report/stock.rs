@@ -71,8 +71,8 @@ impl Joined {
     const EMPTY: Self =
         Self { sum: Vector3::new(0.0, 0.0, 0.0), count: 0.0, planes: ZERO, at: Vector3::new(0.0, 0.0, 0.0) };
 
-    /// The point nearest to all planes in the sense of least squares (Lindstrom 2000), so that edges and corners stay
-    /// in place; a mean would round them off. At most `reach` from the mean.
+    /// The point nearest to all planes in the sense of least squares (Lindstrom 2000), so that edges and corners keep
+    /// their place; a mean would round them off. At most `reach` from the mean.
     fn place(&self, reach: f64) -> Point3<f64> {
         let mean = self.sum / self.count.max(1.0);
         let weight = (self.planes.trace() * MEAN_WEIGHT).max(f64::MIN_POSITIVE);

@@ -1,7 +1,7 @@
 //! The run by the planner of LinuxCNC, which does not plan by joints.
 
 use super::active::{ActiveTimes, MotionLimit, NO_CORNER, Pace, active};
-use super::{At, BlockError, MotionCell, Peak, Run, RunLimits, jerk, number};
+use super::{At, BlockError, CornerError, MotionCell, Peak, Run, RunLimits, jerk, number};
 use base::units::{Sec, Share};
 use five_axis::linuxcnc::{self, Ran};
 use ir::{JointMove, MoveKind};
@@ -26,9 +26,12 @@ pub(super) fn replace(
     report.slowest = Peak { value: Share(1.0), at: None };
     let rapid = |index: usize| moves.get(index).is_none_or(|m| m.kind == MoveKind::Rapid);
     // The corner at the end of a move. Between two rapids the deviation does not matter, since nothing is near.
-    let corner = |index: usize| -> [f64; 2] {
+    let corner = |index: usize| {
         let ran = index.checked_sub(1).and_then(|i| ran.get(i)).filter(|_| !rapid(index) || !rapid(index + 1));
-        ran.map_or([0.0; 2], |r| [r.deviation[0], r.deviation[1].to_degrees()])
+        ran.map_or_else(CornerError::default, |r| CornerError {
+            flutes: r.deviation[0],
+            axis: r.deviation[1].to_degrees(),
+        })
     };
     let mut times = ActiveTimes::default();
     for (m, (ran, index)) in moves.iter().skip(1).zip(ran.iter().zip(1_u32..)) {
@@ -41,7 +44,7 @@ pub(super) fn replace(
         if m.kind == MoveKind::Cut && m.time < report.slowest.value.get() * ran.time {
             report.slowest = Peak { value: Share(m.time / ran.time), at: Some(at) };
         }
-        report.corners.raise(corner(index as usize)[0], at);
+        report.corners.raise(corner(index as usize).flutes, at);
         for (most, share) in report.speed.iter_mut().zip(ran.speed) {
             most.raise(share, at);
         }
@@ -49,7 +52,7 @@ pub(super) fn replace(
     (report.limits, report.of_moves) = times.named(settings.machine.names());
     for error in errors {
         // The corner of an error is the corner at the start of its block.
-        error.corner = (error.at.index as usize).checked_sub(1).map_or([0.0; 2], corner);
+        error.corner = (error.at.index as usize).checked_sub(1).map_or_else(CornerError::default, corner);
     }
 }
 

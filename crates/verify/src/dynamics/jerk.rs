@@ -13,7 +13,7 @@
 //! takes longer.
 
 use super::active::{LimitOfAxis, MotionLimit, NO_CORNER};
-use super::{Joint5, MotionCell, MovePart, RunLimits};
+use super::{CornerError, Joint5, MotionCell, MovePart, RunLimits};
 use five_axis::feedrate::jerk::{self, Bounds, Rows};
 use five_axis::feedrate::ramp::{self, Creep, Even, Most, Ramp};
 use five_axis::feedrate::{self as feedrate};
@@ -69,13 +69,16 @@ fn excess(before: &MotionCell, cell: &MotionCell) -> Joint5 {
     })
 }
 
-/// Deviation of tip or flutes (mm) and of the tool axis (radians) at a corner with y before it.
-pub(super) fn rounding(limits: &RunLimits, before: Option<&MotionCell>, cell: &MotionCell, y: f64) -> (f64, f64) {
+/// Deviation at a corner with y before it.
+pub(super) fn rounding(limits: &RunLimits, before: Option<&MotionCell>, cell: &MotionCell, y: f64) -> CornerError {
     let root = y.sqrt();
     let time = before.map_or(0.0, |b| pulse(limits, &excess(b, cell).map(|e| e * root)));
     let turn = limits.chain.turn([0.0; 2], [cell.jump[3] * cell.ratio, cell.jump[4] * cell.ratio]);
     let tilt = turn * root * time / 8.0;
-    ((cell.flutes * root * time / 8.0).max(y * cell.rounding), tilt.max(y * cell.tilting))
+    CornerError {
+        flutes: (cell.flutes * root * time / 8.0).max(y * cell.rounding),
+        axis: tilt.max(y * cell.tilting).to_degrees(),
+    }
 }
 
 /// Limits of the corner at the start of a cell with the shares that a run with y before the corner takes: of the

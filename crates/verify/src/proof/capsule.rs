@@ -84,7 +84,7 @@ impl Capsule {
             flaw,
             axis: *axis,
             turn,
-            lift: 0.5 * piece.speed().0.dot(axis).abs() + half_way * turn + flaw,
+            lift: 0.5 * piece.speed().tip.dot(axis).abs() + half_way * turn + flaw,
         }
     }
 

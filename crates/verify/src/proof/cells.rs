@@ -84,9 +84,9 @@ pub(crate) struct SampledPatch {
 /// Bounds of g that are to be proved.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Goals {
-    /// g must stay above this bound.
+    /// Required lower bound of g.
     pub(crate) low: f64,
-    /// g must stay below this bound.
+    /// Required upper bound of g.
     pub(crate) high: f64,
 }
 
@@ -268,12 +268,12 @@ impl PatchTask<'_> {
         if blocks.is_empty() {
             return;
         }
-        let mosts = cutoff.map_or_else(|| self.mosts(&blocks), |most| vec![most; blocks.len()]);
+        let upper_bounds = cutoff.map_or_else(|| self.upper_bounds(&blocks), |most| vec![most; blocks.len()]);
         let whole = self.hull(&self.whole());
         // Corner n of block (i, j) is corner (i + n / 2, j + n % 2) of all.
         let mut corners = vec![(Vector3::zeros(), f64::NEG_INFINITY); (columns.len() + 1) * (rows.len() + 1)];
         let mut bulge = 0.0_f64;
-        for (((_, hull), most), (i, j)) in blocks.iter().zip(&mosts).zip(places) {
+        for (((_, hull), most), (i, j)) in blocks.iter().zip(&upper_bounds).zip(places) {
             let own = hull.bulges();
             bulge = bulge.max(own);
             for (n, p) in hull.corners.iter().enumerate() {
@@ -284,7 +284,7 @@ impl PatchTask<'_> {
         // Corners without a block keep minus infinity and exclude nothing.
         let far = self.gather(&Cutoff::new(&whole, &corners, bulge));
         let stride = self.grid.patch.rows + 1;
-        for ((block, hull), most) in blocks.iter().zip(mosts) {
+        for ((block, hull), most) in blocks.iter().zip(upper_bounds) {
             let near = self.narrow(&far, hull, most);
             for i in block.x[0]..=block.x[1] {
                 for j in block.y[0]..=block.y[1] {
@@ -300,7 +300,7 @@ impl PatchTask<'_> {
     }
 
     /// Upper bound of g over each block.
-    fn mosts(&self, blocks: &[(CellBlock, Hull)]) -> Vec<f64> {
+    fn upper_bounds(&self, blocks: &[(CellBlock, Hull)]) -> Vec<f64> {
         let mut last: Option<(usize, u32)> = None;
         let most = |(_, hull): &(CellBlock, Hull)| {
             let (mut most, mut near) = (FAR + hull.radius, FAR);

@@ -72,7 +72,7 @@ impl Sweep<'_> {
     fn descend(&self, p: &Point3<f64>, mut least: f64, mut visit: impl FnMut(u32, f64) -> f64) {
         let nodes = &self.hierarchy.nodes;
         let mut stack = [(0, 0.0); STACK_DEPTH];
-        stack[0] = (0, self.floor(&nodes[0], p, 0.0, least).value);
+        stack[0] = (0, self.node_bound(&nodes[0], p, 0.0, least).value);
         let mut top = 1;
         while top > 0 {
             top -= 1;
@@ -87,7 +87,8 @@ impl Sweep<'_> {
                 }
                 continue;
             }
-            let [a, b] = [node.child, node.child + 1].map(|c| (c, self.floor(&nodes[c as usize], p, 0.0, least).value));
+            let [a, b] =
+                [node.child, node.child + 1].map(|c| (c, self.node_bound(&nodes[c as usize], p, 0.0, least).value));
             // The nearer child goes on top of the stack and is visited first.
             for child in if a.1 <= b.1 { [b, a] } else { [a, b] } {
                 if child.1 < least && top < stack.len() {
@@ -108,8 +109,8 @@ impl Sweep<'_> {
         while top > 0 {
             top -= 1;
             let node: &Node = &nodes[stack[top] as usize];
-            let floor = self.floor(node, &hull.centre, hull.radius, enough);
-            if cutoff.hides(floor.value, &floor.slope, 1.0) {
+            let lower = self.node_bound(node, &hull.centre, hull.radius, enough);
+            if cutoff.hides(lower.value, &lower.slope, 1.0) {
                 continue;
             }
             if node.child == 0 {
@@ -128,20 +129,20 @@ impl Sweep<'_> {
 
     /// Lower bound of the distance to the cutter in all poses of a node, for points within a radius of `p`. The search
     /// for a better bound ends at `enough`.
-    fn floor(&self, node: &Node, p: &Point3<f64>, radius: f64, enough: f64) -> NodeBound {
+    fn node_bound(&self, node: &Node, p: &Point3<f64>, radius: f64, enough: f64) -> NodeBound {
         let out = p - node.centre;
         let length = out.norm();
         let half_width = |slope: &Vector3<f64>| -> f64 { node.sides.iter().map(|side| side.dot(slope).abs()).sum() };
         let mut support = NodeBound { value: f64::NEG_INFINITY, slope: Vector3::zeros() };
         if length > 0.0 {
             let slope = out / length;
-            let upmost = slope.dot(&node.axis) + node.turn;
+            let max_upward = slope.dot(&node.axis) + node.turn;
             let least = length - half_width(&slope);
-            if let Some(ball) = self.ball().filter(|ball| upmost <= ball.upper) {
+            if let Some(ball) = self.ball().filter(|ball| max_upward <= ball.upper) {
                 return NodeBound { value: least - ball.radius, slope };
             }
             let size = &self.hierarchy.size;
-            support = NodeBound { value: least - size.width - size.length * upmost.max(0.0), slope };
+            support = NodeBound { value: least - size.width - size.length * max_upward.max(0.0), slope };
             if support.value >= enough {
                 return support;
             }
@@ -222,21 +223,21 @@ mod tests {
             let sweep = Sweep::through(&solid, &chain, &poses()).unwrap();
             for p in points() {
                 for node in &sweep.hierarchy.nodes {
-                    let floor = sweep.floor(node, &p, 2.0, f64::INFINITY);
-                    assert!(floor.slope.norm() <= 1.0 + 1e-12);
+                    let lower = sweep.node_bound(node, &p, 2.0, f64::INFINITY);
+                    assert!(lower.slope.norm() <= 1.0 + 1e-12);
                     let mut least = f64::INFINITY;
                     for index in (node.range.0..node.range.1).step_by(1 + (node.range.1 - node.range.0) as usize / 16) {
                         for t in [0.0, 0.3, 1.0] {
                             let Pose { tip, axis } = sweep.piece(index).pose(t);
-                            for way in [Vector3::zeros(), Vector3::x(), -Vector3::y(), Vector3::z(), -floor.slope] {
+                            for way in [Vector3::zeros(), Vector3::x(), -Vector3::y(), Vector3::z(), -lower.slope] {
                                 let (rho, s) = tool_coordinates(&(p + way * 2.0), &tip, &axis);
-                                let over = solid.cutter_distance(rho, s) - floor.slope.dot(&way) * 2.0;
-                                assert!(over >= floor.value - 1e-9, "{:?}: {over} under {}", solid.cutter, floor.value);
+                                let over = solid.cutter_distance(rho, s) - lower.slope.dot(&way) * 2.0;
+                                assert!(over >= lower.value - 1e-9, "{:?}: {over} under {}", solid.cutter, lower.value);
                                 least = least.min(over);
                             }
                         }
                     }
-                    close += u32::from(least - floor.value < 0.1);
+                    close += u32::from(least - lower.value < 0.1);
                 }
             }
         }

@@ -29,6 +29,12 @@ pub(crate) struct HalfMotion {
     pub(crate) turn: f64,
 }
 
+/// Derivatives of a pose by the share.
+pub(crate) struct PoseSpeed {
+    pub(crate) tip: Vector3<f64>,
+    pub(crate) axis: Vector3<f64>,
+}
+
 /// The parabola of a piece at one share.
 pub(crate) struct QuickPose {
     pub(crate) tip: Point3<f64>,
@@ -149,9 +155,9 @@ impl<'a> Piece<'a> {
         }
     }
 
-    /// Derivatives of tip and axis by the share, at the middle.
-    pub fn speed(&self) -> (Vector3<f64>, Vector3<f64>) {
-        (self.tips[1] - self.tips[0], self.curve[1] + self.curve[2])
+    /// Derivatives by the share, at the middle.
+    pub(crate) fn speed(&self) -> PoseSpeed {
+        PoseSpeed { tip: self.tips[1] - self.tips[0], axis: self.curve[1] + self.curve[2] }
     }
 
     /// The two halves.

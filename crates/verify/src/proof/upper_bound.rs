@@ -6,7 +6,7 @@
 
 use super::capsule::Ball;
 use super::hull::Hull;
-use super::piece::{Drift, Piece, QuickPose, Touch};
+use super::piece::{Drift, Piece, PoseSpeed, QuickPose, Touch};
 use super::sweep::Sweep;
 use nalgebra::{Point3, Vector3};
 use tool_stock::collide::tool::tool_coordinates;
@@ -125,7 +125,7 @@ impl<'a> Pair<'a> {
     /// `arm` is the approximate distance of points of the cutter from the tip.
     fn new(first: &'a Piece<'a>, second: &'a Piece<'a>, arm: f64) -> Self {
         let pace = |piece: &Piece| {
-            let (tip, axis) = piece.speed();
+            let PoseSpeed { tip, axis } = piece.speed();
             tip.norm() + arm * axis.norm()
         };
         let (a, b) = (pace(first), pace(second));
@@ -157,8 +157,8 @@ impl<'a> Pair<'a> {
     /// Change of the speed of points within a distance from the tip, at the joint. The speeds there differ from those
     /// at the middles by half of the second derivatives.
     fn jump(&self, reach: f64) -> f64 {
-        let ((tip_a, axis_a), (tip_b, axis_b)) = (self.first.speed(), self.second.speed());
-        (tip_a - tip_b / self.pace_ratio).norm() + (axis_a - axis_b / self.pace_ratio).norm() * reach
+        let [a, b] = [self.first.speed(), self.second.speed()];
+        (a.tip - b.tip / self.pace_ratio).norm() + (a.axis - b.axis / self.pace_ratio).norm() * reach
     }
 
     /// The bound from the ball, with the shares at which the ball is nearest to the corners.

@@ -285,9 +285,9 @@ mod tests {
             sides.add(&slices, [[wall, -2.0], [wall, -1.0]]);
             StepArc::new(&sides, [floor.min(wall), floor.max(wall)], &circle, &circle.neighbours())
         };
-        let apart = arc(0.1, 5.0);
-        assert!((apart.found - 60.0).abs() < 1e-3 && apart.bound > 60.0 && apart.bound < 65.0, "{apart:?}");
-        assert!(!apart.full);
+        let separate = arc(0.1, 5.0);
+        assert!((separate.found - 60.0).abs() < 1e-3 && separate.bound > 60.0 && separate.bound < 65.0, "{separate:?}");
+        assert!(!separate.full);
         for one in [arc(0.1, 0.1), arc(5.0, 5.0)] {
             assert!(one.found > 179.9 && one.full, "{one:?}");
         }

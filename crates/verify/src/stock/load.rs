@@ -387,11 +387,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn coarse_cells_are_told_with_the_size_that_works() {
+    fn coarse_cells_are_reported_with_the_size_that_works() {
         let diag = Diag::error(verification::TOOL_LOAD, "a slot").help("use a smaller `depth`");
-        let told = with_cells(diag, 1.0, 0.3756);
-        assert!(told.notes[0].contains("cells of 1 mm") && told.notes[0].contains("cells of 0.375 mm"), "{told:?}");
-        let help = told.help.unwrap();
+        let diag = with_cells(diag, 1.0, 0.3756);
+        assert!(diag.notes[0].contains("cells of 1 mm") && diag.notes[0].contains("cells of 0.375 mm"), "{diag:?}");
+        let help = diag.help.unwrap();
         assert!(help.contains("`--stock-cell 0.375`") && help.ends_with("use a smaller `depth`"), "{help}");
     }
 }
