@@ -293,7 +293,7 @@ impl Program {
     }
 
     /// Largest clearance to the part that the contracts require for shank or holder, mm.
-    pub fn clearance_asked(&self, body: Guarded) -> Option<f64> {
+    pub fn required_clearance(&self, body: Guarded) -> Option<f64> {
         let asks = |kind: ContractKind| matches!(kind, ContractKind::Clearance(b) if b == body || b == Guarded::Body);
         self.contracts.iter().filter(|c| asks(c.kind)).map(|c| c.bound.value()).reduce(f64::max)
     }

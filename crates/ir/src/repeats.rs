@@ -53,7 +53,7 @@ impl Turned {
 
 /// Moves of an operation that follow each other.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MoveStretch {
+pub struct MoveInterval {
     /// Indices of the moves.
     pub moves: Range<usize>,
     /// Subprogram, counted from 0 in the order of the first places, and its turn from there; `None` for moves that nothing
@@ -61,11 +61,11 @@ pub struct MoveStretch {
     pub repeats: Option<(usize, Turned)>,
 }
 
-/// An operation as stretches in their order.
+/// An operation as intervals in their order.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Division {
     /// All moves between the first and the last one.
-    pub stretches: Vec<MoveStretch>,
+    pub intervals: Vec<MoveInterval>,
     /// Number of subprograms.
     pub subprograms: usize,
 }
@@ -73,7 +73,7 @@ pub struct Division {
 impl Division {
     /// Places of a subprogram, the first one first.
     pub fn places(&self, subprogram: usize) -> impl Iterator<Item = (&Range<usize>, &Turned)> {
-        self.stretches.iter().filter_map(move |s| match &s.repeats {
+        self.intervals.iter().filter_map(move |s| match &s.repeats {
             Some((of, turned)) if *of == subprogram => Some((&s.moves, turned)),
             _ => None,
         })
@@ -119,7 +119,7 @@ impl<'a> Symmetry<'a> {
         Ok(Self { machine, turns, pitch: part.pitch() })
     }
 
-    /// Divides an operation. `cut` tells whether a stretch may begin at a move; `same` compares what moves have beside
+    /// Divides an operation. `cut` tells whether an interval may begin at a move; `same` compares what moves have beside
     /// their joints.
     pub fn divide(
         &self,
@@ -272,11 +272,11 @@ impl Units {
             if (count - 1) * lines > (count + 1) * CALL_LINES {
                 let number = subprograms.len();
                 let subprogram = *subprograms.entry(class).or_insert(number);
-                division.stretches.push(MoveStretch { moves, repeats: Some((subprogram, turned)) });
+                division.intervals.push(MoveInterval { moves, repeats: Some((subprogram, turned)) });
             } else {
-                match division.stretches.last_mut().filter(|last| last.repeats.is_none()) {
+                match division.intervals.last_mut().filter(|last| last.repeats.is_none()) {
                     Some(last) => last.moves.end = moves.end,
-                    None => division.stretches.push(MoveStretch { moves, repeats: None }),
+                    None => division.intervals.push(MoveInterval { moves, repeats: None }),
                 }
             }
         }
@@ -360,12 +360,12 @@ mod tests {
             assert_eq!(*range, 1 + 45 * k..41 + 45 * k);
             assert_eq!((turned.pitches, turned.first), (k as u32, if k < 5 { 1.0 } else { -1.0 }));
         }
-        assert_eq!(division.stretches.len(), 16);
+        assert_eq!(division.intervals.len(), 16);
         // All moves, once and in order.
         let mut at = 1;
-        for stretch in &division.stretches {
-            assert_eq!(stretch.moves.start, at);
-            at = stretch.moves.end;
+        for interval in &division.intervals {
+            assert_eq!(interval.moves.start, at);
+            at = interval.moves.end;
         }
         assert_eq!(at, moves.len() - 1);
         // Another feed in one move divides the subprogram.
@@ -390,7 +390,7 @@ mod tests {
         ends(&mut moves);
         let division = symmetry.divide(&moves, &|i| (i - 1).is_multiple_of(4), &|_, _| true);
         assert_eq!(division.subprograms, 0);
-        assert_eq!(division.stretches, [MoveStretch { moves: 1..33, repeats: None }]);
+        assert_eq!(division.intervals, [MoveInterval { moves: 1..33, repeats: None }]);
         let groups = symmetry.groups(&moves, &|i| (i - 1).is_multiple_of(4), &|_, _| true);
         assert_eq!(groups.len(), 4);
         assert_eq!(groups[1], (0..8).map(|k| 2 + 4 * k).collect::<Vec<_>>());

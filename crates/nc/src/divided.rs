@@ -14,7 +14,7 @@ const FIRST_SUBPROGRAM: usize = 101;
 pub struct Divided<'a> {
     /// The operation.
     pub operation: &'a MotionOperation,
-    /// Its stretches.
+    /// Its intervals.
     pub division: Division,
     /// Subprograms of operations before.
     pub before: usize,

@@ -11,7 +11,7 @@ use base::source::Span;
 use diagnostics::{Diag, Sink, codes::post};
 use five_axis::control::Planning;
 use five_axis::{Carries, Machine};
-use ir::repeats::MoveStretch;
+use ir::repeats::MoveInterval;
 use ir::{JointMove, Motion, MotionOperation, MoveKind, Operation, Program};
 use nalgebra::Vector3;
 use std::ops::Range;
@@ -185,7 +185,7 @@ pub(super) fn subprograms(program: &Program, divided: &Divided<'_>, smoothing: &
         }
     };
     let mut written = 0;
-    for MoveStretch { moves, repeats } in &divided.division.stretches {
+    for MoveInterval { moves, repeats } in &divided.division.intervals {
         let Some((subprogram, turned)) = repeats else {
             turn_frame(0, write);
             write_interval(program, operation, moves.clone(), CallWords::Fixed, smoothing, write);

@@ -10,7 +10,7 @@ use crate::write::{self, FeedWord};
 use diagnostics::Sink;
 use five_axis::TurnCurve;
 use five_axis::control::ModuloWay;
-use ir::repeats::MoveStretch;
+use ir::repeats::MoveInterval;
 use ir::{JointMove, Motion, MotionOperation, MoveKind, Program, SplineBlock};
 use nalgebra::{SVector, Vector3};
 use nurbs::bezier;
@@ -173,7 +173,7 @@ pub(super) fn subprograms(program: &Program, divided: &Divided<'_>, write: &mut 
     };
     let mut parameters = String::new();
     let mut written = 0;
-    for MoveStretch { moves, repeats } in &divided.division.stretches {
+    for MoveInterval { moves, repeats } in &divided.division.intervals {
         let Some((subprogram, turned)) = repeats else {
             turn_frame(0, write);
             write_interval(program, operation, moves.clone(), ParameterWords::Fixed, write);

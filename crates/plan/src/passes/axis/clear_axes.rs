@@ -125,7 +125,7 @@ impl<'a> ClearAxes<'a> {
     pub(crate) fn new(program: &'a Program, obstacles: &'a Obstacles, operation: &'a Operation) -> Self {
         let alike = program.machine.turns_part_about_its_axis();
         let sectors = if alike { operation.sectors.get(..1).unwrap_or_default() } else { &operation.sectors };
-        let bound = |body: Guarded| program.clearance_asked(body).unwrap_or(program.clearance.get());
+        let bound = |body: Guarded| program.required_clearance(body).unwrap_or(program.clearance.get());
         let solid = &program.tools[operation.tool].solid;
         Self {
             obstacles,

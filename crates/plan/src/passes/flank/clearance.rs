@@ -52,7 +52,7 @@ pub(crate) struct ClearanceCheck {
 impl<'a> Clearances<'a> {
     pub(crate) fn new(program: &Program, operation: OperationId, obstacles: &'a Obstacles) -> Self {
         let solid = &program.tools[program.operations[operation].tool].solid;
-        let required = |body: Guarded| program.clearance_asked(body).unwrap_or(0.0).max(program.clearance.get());
+        let required = |body: Guarded| program.required_clearance(body).unwrap_or(0.0).max(program.clearance.get());
         let [shank, holder] = [Guarded::Shank, Guarded::Holder].map(required);
         let shank = solid.shank.iter().map(|s| (*s, shank));
         let body = shank.chain(solid.holder.iter().map(|s| (*s, holder))).collect();

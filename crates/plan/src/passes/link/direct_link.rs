@@ -66,7 +66,7 @@ pub(crate) struct DirectLinks<'a> {
 impl<'a> DirectLinks<'a> {
     pub(crate) fn new(program: &'a Program, obstacles: &'a Obstacles, operation: &Operation) -> Self {
         let least = program.clearance.get();
-        let clearance = |body: Guarded| program.clearance_asked(body).map_or(least, |required| required.max(least));
+        let clearance = |body: Guarded| program.required_clearance(body).map_or(least, |required| required.max(least));
         let rest = program.contracts.iter().filter(|c| c.kind == ContractKind::Rest && c.scope.is_whole());
         let solid = &program.tools[operation.tool].solid;
         Self {
