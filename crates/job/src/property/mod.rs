@@ -127,7 +127,7 @@ fn least_length(least: f64) -> String {
     if least < SMALL { format!("{} um", trim(least * 1000.0, 3)) } else { format!("{least} mm") }
 }
 
-/// A property whose value is a word.
+/// A property whose value is described in words.
 pub(crate) const fn property(
     name: &'static str,
     value: &'static str,
