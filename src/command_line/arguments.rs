@@ -201,7 +201,7 @@ pub(super) struct RunArguments {
     #[arg(long)]
     pub(super) details: bool,
 
-    /// Print the time of each stage; has no effect with the formats `sarif` and `junit`
+    /// Print the times of each stage and of its parts; has no effect with the formats `sarif` and `junit`
     #[arg(long)]
     pub(super) timings: bool,
 
@@ -229,7 +229,7 @@ pub(super) struct ReadingArguments {
     #[arg(long, value_name = "DIR")]
     pub(super) curves: Option<PathBuf>,
 
-    /// Print the time of each stage; has no effect with the formats `sarif` and `junit`
+    /// Print the times of each stage and of its parts; has no effect with the formats `sarif` and `junit`
     #[arg(long)]
     pub(super) timings: bool,
 

@@ -1,11 +1,11 @@
 //! The stages of a run: their times, their display on a terminal, and the values that can be printed.
 
-use base::progress::{Progress, State};
+use base::progress::{Progress, RunTime, Span, State};
 use diagnostics::Aborted;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, LazyLock, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -54,10 +54,19 @@ impl RunState {
     }
 }
 
+/// A stage that ran.
+#[derive(Debug)]
+struct StageTime {
+    name: &'static str,
+    time: RunTime,
+    /// Its parts.
+    spans: Vec<Span>,
+}
+
 /// Times of the stages that ran.
 #[derive(Debug, Default)]
 pub struct Stages {
-    times: Vec<(&'static str, Duration)>,
+    times: Vec<StageTime>,
     /// Show long stages on standard error. Only for a terminal: a pipe should receive no such text.
     pub progress: bool,
     state: Arc<RunState>,
@@ -131,9 +140,12 @@ impl Stages {
 
     /// Runs a stage that reports its progress.
     pub fn watched<T>(&mut self, name: &'static str, work: impl FnOnce(&Progress) -> T) -> T {
-        let (progress, state) = (Arc::new(Progress::default()), self.state());
+        let (progress, state) = (Arc::new(Progress::timed(now)), self.state());
         state.enter(name, &progress);
         let value = self.timed(name, Some(Arc::clone(&progress)), || work(&progress));
+        if let Some(stage) = self.times.last_mut() {
+            stage.spans = progress.spans();
+        }
         *state.stage_now() = None;
         value
     }
@@ -150,24 +162,44 @@ impl Stages {
 
     fn timed<T>(&mut self, name: &'static str, progress: Option<Arc<Progress>>, work: impl FnOnce() -> T) -> T {
         let shown = if self.progress { StageLine::start(name, self.times.len() + 1, progress) } else { None };
-        let start = Instant::now();
+        let start = now();
         let value = work();
-        self.times.push((name, start.elapsed()));
+        self.times.push(StageTime { name, time: now().since(start), spans: Vec::new() });
         if let Some(shown) = shown {
             shown.end();
         }
         value
     }
 
-    /// One line per stage with its time in seconds, and the sum.
+    /// One line per stage and per part of it, with the times of clock and processor in seconds, and their sum.
     pub fn report(&self) -> String {
-        let mut out = String::new();
-        let mut sum = Duration::ZERO;
-        for (name, time) in &self.times {
-            out.push_str(&format!("{name:<16}{:>9.3} s\n", time.as_secs_f64()));
-            sum += *time;
+        let line = |name: &str, time: RunTime| {
+            format!("{name:<26}{:>9.3} s {:>9.3} s\n", time.clock.as_secs_f64(), time.processor.as_secs_f64())
+        };
+        let mut out = format!("{:<26}{:>11} {:>11}\n", "", "clock", "processor");
+        let mut sum = RunTime::default();
+        for StageTime { name, time, spans } in &self.times {
+            out.push_str(&line(name, *time));
+            out.extend(spans.iter().map(|span| line(&format!("  {}", span.name), span.time)));
+            sum = sum.and(*time);
         }
-        out.push_str(&format!("{:<16}{:>9.3} s\n", "total", sum.as_secs_f64()));
-        out
+        out + &line("total", sum)
     }
+}
+
+/// The time of this program since it was first asked. Where the system does not tell the time of the processor, this is zero.
+fn now() -> RunTime {
+    static START: LazyLock<Instant> = LazyLock::new(Instant::now);
+    RunTime { clock: START.elapsed(), processor: processor_time() }
+}
+
+#[cfg(unix)]
+fn processor_time() -> Duration {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    Duration::new(u64::try_from(time.tv_sec).unwrap_or(0), u32::try_from(time.tv_nsec).unwrap_or(0))
+}
+
+#[cfg(not(unix))]
+fn processor_time() -> Duration {
+    Duration::ZERO
 }

@@ -442,6 +442,20 @@ fn a_signal_between_two_outputs_leaves_no_half() {
     assert_eq!(place.state(), before);
 }
 
+/// `--timings` has a line for each stage, pass and check, with the times of clock and processor.
+#[test]
+fn timings_by_pass_and_check() {
+    let place = Place::new();
+    let run = place.run(&["job.imp", "--force", "-o", "timed.nc", "--timings"]);
+    let lines: Vec<Vec<&str>> = run.err.lines().map(|l| l.split_whitespace().collect()).collect();
+    assert!(lines.contains(&vec!["clock", "processor"]), "{}", run.err);
+    for name in ["lower", "plan", "link-moves", "time-feeds", "verify", "surfaces", "clearance", "stock", "total"] {
+        let line = lines.iter().find(|l| l.first() == Some(&name) && l.len() == 5 && l[2] == "s" && l[4] == "s");
+        let line = line.unwrap_or_else(|| panic!("no times of {name}: {}", run.err));
+        assert!(line[1].parse::<f64>().is_ok() && line[3].parse::<f64>().is_ok(), "{line:?}");
+    }
+}
+
 #[test]
 fn cells_of_the_stock_are_only_made_finer() {
     let place = Place::new();

@@ -1,7 +1,7 @@
 //! Progress of long work, for display, and the request to cancel it.
 //!
 //! The stages count their steps here. The counters use neither terminals nor clocks, and no result depends on the
-//! counts. Each work has its own counter, so that a share is the share of counted steps and not of estimated weights.
+//! counts. Who runs them may give a clock ([`Progress::timed`]): then each part of a stage has its times. Each work has its own counter, so that a share is the share of counted steps and not of estimated weights.
 //!
 //! Planning and verification look before each step whether they were cancelled. A cancelled run ends with an error and makes no
 //! value. Steps take some hundredths of a second: an editor waits for the end of a cancelled run before it judges the next text.
@@ -9,12 +9,48 @@
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 /// All works of a run, in the order in which they began.
 #[derive(Debug, Default)]
 pub struct Progress {
     works: Mutex<Vec<Arc<Counter>>>,
     cancelled: Arc<AtomicBool>,
+    clock: Option<fn() -> RunTime>,
+    spans: Mutex<Vec<Span>>,
+}
+
+/// Time since a fixed moment.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct RunTime {
+    /// Of the clock.
+    pub clock: Duration,
+    /// Of the processor, all threads together.
+    pub processor: Duration,
+}
+
+impl RunTime {
+    /// The time from an earlier moment to this one.
+    pub fn since(self, earlier: Self) -> Self {
+        Self {
+            clock: self.clock.saturating_sub(earlier.clock),
+            processor: self.processor.saturating_sub(earlier.processor),
+        }
+    }
+
+    /// Both times together.
+    pub fn and(self, other: Self) -> Self {
+        Self { clock: self.clock + other.clock, processor: self.processor + other.processor }
+    }
+}
+
+/// A part of a stage that has ended: a pass of the planner, a check of the verifier.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Span {
+    /// Its name.
+    pub name: &'static str,
+    /// The time that it took; of parts of one name the sum.
+    pub time: RunTime,
 }
 
 /// State of a work.
@@ -78,6 +114,33 @@ impl Progress {
         });
         self.works.lock().unwrap_or_else(PoisonError::into_inner).push(Arc::clone(&counter));
         Work { counter, cancelled: Arc::clone(&self.cancelled) }
+    }
+
+    /// Progress with a clock.
+    pub fn timed(clock: fn() -> RunTime) -> Self {
+        Self { clock: Some(clock), ..Self::default() }
+    }
+
+    /// Does a part of the stage, whose time counts under a name. Parts do not contain each other.
+    pub fn span<T>(&self, name: &'static str, part: impl FnOnce() -> T) -> T {
+        let Some(clock) = self.clock else { return part() };
+        let start = clock();
+        let value = part();
+        self.took(name, clock().since(start));
+        value
+    }
+
+    fn took(&self, name: &'static str, time: RunTime) {
+        let mut spans = self.spans.lock().unwrap_or_else(PoisonError::into_inner);
+        match spans.iter_mut().find(|span| span.name == name) {
+            Some(span) => span.time = span.time.and(time),
+            None => spans.push(Span { name, time }),
+        }
+    }
+
+    /// The parts that have ended, in the order in which they first ended; none without a clock.
+    pub fn spans(&self) -> Vec<Span> {
+        self.spans.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
     /// The work that began last among those that still last.
@@ -155,6 +218,28 @@ impl Drop for Work {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn parts_of_one_name_count_together() {
+        static READINGS: AtomicU64 = AtomicU64::new(0);
+        // Each look at the clock is a second later than the one before, and the processor two.
+        let clock = || {
+            let seconds = READINGS.fetch_add(1, Ordering::Relaxed);
+            RunTime { clock: Duration::from_secs(seconds), processor: Duration::from_secs(2 * seconds) }
+        };
+        let progress = Progress::timed(clock);
+        assert_eq!(
+            (progress.span("links", || 7), progress.span("axes", || 8), progress.span("links", || 9)),
+            (7, 8, 9)
+        );
+        let times = |name, clock: u64| Span {
+            name,
+            time: RunTime { clock: Duration::from_secs(clock), processor: Duration::from_secs(2 * clock) },
+        };
+        assert_eq!(progress.spans(), [times("links", 2), times("axes", 1)]);
+        let untimed = Progress::default();
+        assert_eq!((untimed.span("links", || 7), untimed.spans()), (7, Vec::new()));
+    }
 
     #[test]
     fn works_nest_and_count_for_themselves() {

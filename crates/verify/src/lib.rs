@@ -122,9 +122,9 @@ pub fn certify(program: &Program, motion: &Motion, sink: &mut Sink) -> Result<Ce
     certify_with(program, motion, &mut stock::Settings::default(), &Progress::default(), sink)
 }
 
-/// Does a part of the work, unless the run was cancelled.
-fn unless_cancelled<T>(progress: &Progress, work: impl FnOnce() -> T) -> Result<T, Aborted> {
-    if progress.is_cancelled() { Err(Aborted) } else { Ok(work()) }
+/// Makes a check, whose time counts under its name, unless the run was cancelled.
+fn checked<T>(progress: &Progress, name: &'static str, check: impl FnOnce() -> T) -> Result<T, Aborted> {
+    if progress.is_cancelled() { Err(Aborted) } else { Ok(progress.span(name, check)) }
 }
 
 /// Gives each operation the time that the machine takes, not the programmed time.
@@ -148,31 +148,37 @@ pub fn certify_with(
     if !structure::check(program, motion, sink) {
         return Err(Aborted);
     }
-    let splines = splines::reports(program, motion, sink).ok_or(Aborted)?;
+    let splines = checked(progress, "splines", || splines::reports(program, motion, sink))?.ok_or(Aborted)?;
     let chords = splines::widest(&splines);
-    let samples = sample::sample(&program.part, SPACING);
-    let sweeps: Vec<Sweep<'_>> = (0..motion.operations.len()).filter_map(|o| Sweep::new(program, motion, o)).collect();
+    let samples = checked(progress, "samples", || sample::sample(&program.part, SPACING))?;
+    let sweep = |o| Sweep::new(program, motion, o);
+    let sweeps: Vec<Sweep<'_>> =
+        checked(progress, "sweeps", || (0..motion.operations.len()).filter_map(sweep).collect())?;
     let bounds = limits(program).narrowed(chords);
-    let mut surfaces = surface::certify(&program.part, program.milled_turned(), &sweeps, SPACING, &bounds, progress);
+    let mut surfaces = checked(progress, "surfaces", || {
+        surface::certify(&program.part, program.milled_turned(), &sweeps, SPACING, &bounds, progress)
+    })?;
     splines::widen(&mut surfaces, chords);
-    let kept = unless_cancelled(progress, || kept::check(program, &sweeps, chords, progress))?;
-    let allowance = unless_cancelled(progress, || allowance::check(program, motion, progress))?;
-    let (design_cloud, blank) = rayon::join(
-        || Cloud::new(sample::cloud_points(&samples)),
-        || Cloud::new(revolved(&program.stock.profile, [0.0; 2], STOCK_SPACING, f64::INFINITY).0),
-    );
+    let kept = checked(progress, "kept surfaces", || kept::check(program, &sweeps, chords, progress))?;
+    let allowance = checked(progress, "allowance", || allowance::check(program, motion, progress))?;
+    let (design_cloud, blank) = checked(progress, "samples", || {
+        rayon::join(
+            || Cloud::new(sample::cloud_points(&samples)),
+            || Cloud::new(revolved(&program.stock.profile, [0.0; 2], STOCK_SPACING, f64::INFINITY).0),
+        )
+    })?;
     let clouds = Clouds { design: &design_cloud, blank: &blank, search: search(program) };
     let report = |o| operation_report(program, motion, o, splines[o], &clouds, progress);
-    let operations = (0..motion.operations.len()).map(|o| unless_cancelled(progress, || report(o)));
+    let operations = (0..motion.operations.len()).map(|o| checked(progress, "clearance", || report(o)));
     let operations = operations.collect::<Result<Vec<OperationReport>, Aborted>>()?;
     let rapid = operations.iter().filter_map(|o| o.rapid.clone()).min_by(|a, b| a.distance.total_cmp(&b.distance));
     let roughs = |o: &usize| !program.operations[motion.operations[*o].operation].kind.finishes();
     let roughing: Vec<usize> = (0..motion.operations.len()).filter(roughs).collect();
     let left = program.stock.left.as_ref().map(|mesh| left::Left::new(mesh));
-    let stock = unless_cancelled(progress, || stock::simulate(program, motion, settings, progress, sink))?;
+    let stock = checked(progress, "stock", || stock::simulate(program, motion, settings, progress, sink))?;
     let measured = rest::Measured { samples: &samples, design: &design_cloud, start: left.as_ref() };
-    let rest = unless_cancelled(progress, || rest::reports(program, &measured, &sweeps, &roughing, progress))?;
-    let obstacles = unless_cancelled(progress, || obstacles::check(program, motion, progress))?;
+    let rest = checked(progress, "rest", || rest::reports(program, &measured, &sweeps, &roughing, progress))?;
+    let obstacles = checked(progress, "obstacles", || obstacles::check(program, motion, progress))?;
     let mut certificate = Certificate {
         name: program.name.clone(),
         machine_name: program.machine.name.clone(),
@@ -185,12 +191,12 @@ pub fn certify_with(
         allowance,
         operations,
         rapid,
-        perimeter: perimeter::check(program, motion),
-        machine: machine::check(program, motion, stock.as_ref()),
+        perimeter: checked(progress, "perimeter", || perimeter::check(program, motion))?,
+        machine: checked(progress, "machine", || machine::check(program, motion, stock.as_ref()))?,
         rest,
         stock,
         obstacles,
-        clamping: clamping::check(program, motion),
+        clamping: checked(progress, "clamping", || clamping::check(program, motion))?,
         contracts: Vec::new(),
         allowed: Vec::new(),
     };
@@ -211,10 +217,10 @@ pub fn certify_with(
         stock::report(program, motion, report, sink);
     }
     let narrower = Narrower { program, motion, samples: &samples, splines: &splines, progress };
-    let judged = unless_cancelled(progress, || contracts::judge(program, motion, &certificate, &narrower, sink))?;
+    let judged = checked(progress, "contracts", || contracts::judge(program, motion, &certificate, &narrower, sink))?;
     (certificate.contracts, certificate.allowed) = judged;
     finite::report(program, motion, &certificate, sink);
-    unless_cancelled(progress, || certificate)
+    if progress.is_cancelled() { Err(Aborted) } else { Ok(certificate) }
 }
 
 /// Takes the distance between curves and chords from the clearances to table, fixtures and clamping.

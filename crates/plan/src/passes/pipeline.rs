@@ -48,7 +48,7 @@ pub fn run_with(program: &Program, progress: &Progress, sink: &mut Sink) -> Resu
 /// As [`run`].
 pub fn run_from(program: &Program, start: StageValue, progress: &Progress, sink: &mut Sink) -> Result<Plan, Aborted> {
     budget::check_size(program, sink)?;
-    let obstacles = Obstacles::of(program);
+    let obstacles = progress.span("obstacles", || Obstacles::of(program));
     let mut cx = PassContext { program, obstacles: &obstacles, progress, sink, stations: Stations::default() };
     cx.holds("lower", validate::program)?;
     let (cc, cl) = match start {
@@ -78,11 +78,11 @@ pub fn run_from(program: &Program, start: StageValue, progress: &Progress, sink:
 
 /// Contacts on drive surfaces, operation by operation.
 fn contacts(cx: &mut PassContext<'_>) -> Result<CcPlan, Aborted> {
-    let roughings = roughings(cx)?;
+    let roughings = cx.pass("levels of roughing", |cx| roughings(cx))?;
     // Tools that are too short are reported before their levels are planned without the floor.
-    short_reach::check(cx, &roughings)?;
+    cx.pass("short-reach", |cx| short_reach::check(cx, &roughings))?;
     // Smaller balls of the floor finish what larger ones cannot.
-    let middles = clear_floor::run(cx)?;
+    let middles = cx.pass("clear-floor", |cx| clear_floor::run(cx))?;
     // Roughing comes first, since each roughing starts at the level that the one before reached.
     let cc = plan(cx, &roughings, &middles)?;
     cx.holds("plan", |program| validate::cc(program, &cc))?;
@@ -91,24 +91,24 @@ fn contacts(cx: &mut PassContext<'_>) -> Result<CcPlan, Aborted> {
 
 /// Tool positions at the contacts, in all sectors.
 fn locations(cx: &mut PassContext<'_>, cc: &CcPlan) -> Result<ClPlan, Aborted> {
-    let mut cl = orient_tool::run(cx, cc)?;
+    let mut cl = cx.pass("orient-tool", |cx| orient_tool::run(cx, cc))?;
     cx.holds("orient-tool", |program| validate::cl(program, &cl, ClStage::Oriented))?;
     // A machine that is too small is reported before the axes of finishing are planned.
-    first_travel::check(cx, &cl)?;
+    cx.pass("first-travel", |cx| first_travel::check(cx, &cl))?;
     // Collision avoidance and smoothing need all stations; thinning and links need the final axes.
-    avoid_collision::run(cx, short_reach::refusal, cc, &mut cl)?;
+    cx.pass("avoid-collision", |cx| avoid_collision::run(cx, short_reach::refusal, cc, &mut cl))?;
     cx.holds("avoid-collision", |program| validate::cl(program, &cl, ClStage::Oriented))?;
-    smooth_axis::run(cx, cc, &mut cl)?;
+    cx.pass("smooth-axis", |cx| smooth_axis::run(cx, cc, &mut cl))?;
     cx.holds("smooth-axis", |program| validate::cl(program, &cl, ClStage::Oriented))?;
-    sample_to_tolerance::run(cx, &mut cl);
+    cx.pass("sample-to-tolerance", |cx| sample_to_tolerance::run(cx, &mut cl));
     cx.holds("sample-to-tolerance", |program| validate::cl(program, &cl, ClStage::Oriented))?;
     // The blank is the same in all sectors.
-    fast_leads::run(cx.program, &mut cl);
+    cx.pass("fast-leads", |cx| fast_leads::run(cx.program, &mut cl));
     cx.holds("fast-leads", |program| validate::cl(program, &cl, ClStage::Oriented))?;
-    copy_sectors::run(cx.program, &mut cl);
+    cx.pass("copy-sectors", |cx| copy_sectors::run(cx.program, &mut cl));
     cx.holds("copy-sectors", |program| validate::cl(program, &cl, ClStage::InSectors))?;
     // Passes that cut nothing are removed before links are made.
-    rest_machining::run(cx.program, cx.obstacles, &mut cl, cx.progress, cx.sink)?;
+    cx.pass("rest-machining", |cx| rest_machining::run(cx.program, cx.obstacles, &mut cl, cx.progress, cx.sink))?;
     cx.holds("rest-machining", |program| validate::cl(program, &cl, ClStage::InSectors))?;
     Ok(cl)
 }
@@ -116,26 +116,26 @@ fn locations(cx: &mut PassContext<'_>, cc: &CcPlan) -> Result<ClPlan, Aborted> {
 /// Moves of the machine through the tool positions.
 fn moves(cx: &mut PassContext<'_>, cl: &ClPlan) -> Result<Motion, Aborted> {
     let (program, progress) = (cx.program, cx.progress);
-    let mut motion = link_moves::run(cx, cl)?;
+    let mut motion = cx.pass("link-moves", |cx| link_moves::run(cx, cl))?;
     cx.holds("link-moves", |program| validate::motion(program, &motion))?;
     // Splines go through the ends of moves as they are before rounding.
-    fit_splines::run(cx, &mut motion);
+    cx.pass("fit-splines", |cx| fit_splines::run(cx, &mut motion));
     cx.holds("fit-splines", |program| validate::motion(program, &motion))?;
     // What follows counts with the moves that the text says.
-    round_to_words::run(program, progress, &mut motion);
+    cx.pass("round-to-words", |_| round_to_words::run(program, progress, &mut motion));
     cx.holds("round-to-words", |program| validate::motion(program, &motion))?;
     budget::check_motion(program, &motion, cx.stations.planned, cx.sink)?;
     // Times follow from feeds that tool and spindle can take.
-    removal_feeds::run(program, &mut motion, progress, cx.sink)?;
+    cx.pass("removal-feeds", |cx| removal_feeds::run(program, &mut motion, progress, cx.sink))?;
     cx.holds("removal-feeds", |program| validate::motion(program, &motion))?;
-    time_feeds::run(program, progress, &mut motion);
+    cx.pass("time-feeds", |_| time_feeds::run(program, progress, &mut motion));
     cx.holds("time-feeds", |program| validate::motion(program, &motion))?;
-    equal_sectors::feeds(program, &mut motion);
+    cx.pass("equal-sectors", |_| equal_sectors::feeds(program, &mut motion));
     cx.holds("equal-sectors", |program| validate::motion(program, &motion))?;
     // The deviation of the control from the path depends on the speeds of all moves.
-    exact_stops::run(program, progress, &mut motion);
+    cx.pass("exact-stops", |_| exact_stops::run(program, progress, &mut motion));
     cx.holds("exact-stops", |program| validate::motion(program, &motion))?;
-    equal_sectors::stops(program, &mut motion);
+    cx.pass("equal-sectors", |_| equal_sectors::stops(program, &mut motion));
     Ok(motion)
 }
 
@@ -157,17 +157,17 @@ fn plan(cx: &mut PassContext<'_>, roughings: &Roughings<'_>, middles: &Middles<'
     for (id, operation) in cx.program.operations.iter() {
         cx.go_on()?;
         let planned = match operation.kind {
-            OperationKind::Roughing { strategy, .. } => match strategy {
+            OperationKind::Roughing { strategy, .. } => cx.pass("plan roughing", |cx| match strategy {
                 RoughingStrategy::Groove { .. } => groove::plan(cx, roughings, id, &mut groove_levels),
                 RoughingStrategy::Expand { residual, .. } => {
                     expand::plan(cx, roughings, id, residual, &mut expand_levels)
                 }
                 RoughingStrategy::Rough { .. } => channel_levels::plan(cx, roughings, id),
                 RoughingStrategy::Plunge { stepover } => plunge::plan(cx, id, stepover),
-            },
-            OperationKind::Flank { .. } => flank::plan::plan(cx, id),
-            OperationKind::Point { .. } => point::plan::plan(cx, id),
-            OperationKind::Channel { .. } => channel::plan::plan(cx, id, middles),
+            }),
+            OperationKind::Flank { .. } => cx.pass("plan flank", |cx| flank::plan::plan(cx, id)),
+            OperationKind::Point { .. } => cx.pass("plan point", |cx| point::plan::plan(cx, id)),
+            OperationKind::Channel { .. } => cx.pass("plan channel", |cx| channel::plan::plan(cx, id, middles)),
         };
         match planned {
             Ok(plan) => {

@@ -69,6 +69,12 @@ impl PassContext<'_> {
         if self.progress.is_cancelled() { Err(Aborted) } else { Ok(()) }
     }
 
+    /// Runs a pass, whose time counts under its name.
+    pub(crate) fn pass<T>(&mut self, name: &'static str, run: impl FnOnce(&mut Self) -> T) -> T {
+        let progress = self.progress;
+        progress.span(name, || run(self))
+    }
+
     /// Refuses to go on from a malformed value: asked after every pass in debug builds, and so in tests. Ends a run that was
     /// cancelled.
     pub(crate) fn holds(
