@@ -69,9 +69,12 @@ fn replace(program: &Program, motion: &mut Motion, operation: usize, poses: &[(P
         .collect();
 }
 
+fn sweeps<'a>(program: &'a Program, motion: &Motion) -> Vec<Sweep<'a>> {
+    (0..motion.operations.len()).filter_map(|o| Sweep::new(program, motion, o)).collect()
+}
+
 fn measured(program: &Program, motion: &Motion) -> KeptSurfaces {
-    let sweeps: Vec<Sweep<'_>> = (0..motion.operations.len()).filter_map(|o| Sweep::new(program, motion, o)).collect();
-    impellerc::verify::kept::check(program, &sweeps, 0.0, &Progress::default())
+    impellerc::verify::kept::check(program, &sweeps(program, motion), 0.0, &Progress::default())
 }
 
 fn of(found: &KeptSurfaces, kind: SurfaceKind) -> &KeptReport {
@@ -269,7 +272,8 @@ fn roughing_counts_with_what_the_control_adds() {
     for (over, fails) in [(0.0505, false), (0.03, true), (-0.02, true)] {
         let down = |z: f64| (Point3::new(11.0, 0.0, z), Vector3::z(), MoveKind::Cut);
         replace(&program, &mut motion, 0, &[down(20.0), down(-10.0 + over)]);
-        let found = allowance::check(&program, &motion, &Progress::default()).expect("roughing");
+        let found =
+            allowance::check(&program, &motion, &sweeps(&program, &motion), &Progress::default()).expect("roughing");
         assert_eq!(found.bound < found.tolerance, fails, "{found:?}");
         match found.nearest {
             Some(n) => assert!(fails && n.surface == "nose" && (n.place.value.get() - over).abs() < TENTH, "{n:?}"),
@@ -300,7 +304,9 @@ fn roughing_keeps_its_allowance_on_the_vanes() {
         for (_, operation) in planned.operations.iter() {
             program.operations.push(Operation { kind: kind.clone(), ..operation.clone() });
         }
-        let found = allowance::check(&program, &motion, &Progress::default()).expect("roughing").vanes;
+        let found = allowance::check(&program, &motion, &sweeps(&program, &motion), &Progress::default())
+            .expect("roughing")
+            .vanes;
         assert_eq!(errors(&program, &motion).iter().any(|(code, _)| code == "IMP0749"), fails, "{root}");
         let [found] = found.as_slice() else { panic!("{found:?}") };
         let missing = (root - (root - 0.2) * height - over).max(0.0);

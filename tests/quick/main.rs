@@ -87,6 +87,7 @@ mod stock_links;
 mod stock_program;
 mod summary;
 mod surface_truths;
+mod symmetry;
 mod thickness;
 mod trochoid;
 mod validators;

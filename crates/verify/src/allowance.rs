@@ -39,11 +39,14 @@ pub struct NearestRough {
     pub place: Worst,
 }
 
-/// Least distance of roughing cutters to all surfaces of the part; `None` without roughing.
-pub fn check(program: &Program, motion: &Motion, progress: &Progress) -> Option<AllowanceReport> {
-    let roughs = |o: usize| !program.operations[motion.operations[o].operation].kind.finishes();
-    let sweeps: Vec<Sweep<'_>> =
-        (0..motion.operations.len()).filter(|o| roughs(*o)).filter_map(|o| Sweep::new(program, motion, o)).collect();
+/// Least distance of the roughing cutters among the sweeps of all operations to all surfaces of the part; `None` without
+/// roughing.
+pub fn check(program: &Program, motion: &Motion, sweeps: &[Sweep<'_>], progress: &Progress) -> Option<AllowanceReport> {
+    let roughs = |sweep: &&Sweep<'_>| {
+        let operation = sweep.operation().and_then(|o| motion.operations.get(o as usize));
+        operation.is_some_and(|o| !program.operations[o.operation].kind.finishes())
+    };
+    let sweeps: Vec<Sweep<'_>> = sweeps.iter().filter(roughs).cloned().collect();
     if sweeps.is_empty() {
         return None;
     }
@@ -52,11 +55,11 @@ pub fn check(program: &Program, motion: &Motion, progress: &Progress) -> Option<
     let cutoff = tolerance + 2.0 * SLACK;
     let mut shapes: Vec<Kept<'_>> = milled(&program.part);
     shapes.extend(kept(&program.part, &program.stock, MilledTurned::default()));
-    let (grids, covered) = cover(program, &shapes, &sweeps, cutoff);
-    let all = deepest(&covered, &grids, &sweeps, cutoff, -tolerance, progress, "roughing against the finished part");
+    let cover = cover(program, &shapes, &sweeps, cutoff);
+    let all = deepest(&cover, &sweeps, cutoff, -tolerance, progress, "roughing against the finished part");
     let bound = all.iter().map(|d| d.low).fold(cutoff, f64::min);
     let least = |d: &super::kept::Deepest| d.found.map_or(f64::INFINITY, |f| f.0);
-    let nearest = covered.iter().zip(&all).filter(|(_, d)| least(d) < tolerance);
+    let nearest = cover.surfaces.iter().zip(&all).filter(|(_, d)| least(d) < tolerance);
     let nearest = nearest.min_by(|a, b| least(a.1).total_cmp(&least(b.1))).map(|(c, d)| NearestRough {
         surface: c.surface.id.to_string(),
         place: surface::extreme(&c.surface, d.found, -1.0, &sweeps),
@@ -65,7 +68,7 @@ pub fn check(program: &Program, motion: &Motion, progress: &Progress) -> Option<
         tolerance: Mm(tolerance),
         nearest,
         bound: Mm(bound),
-        vanes: vane_allowance::check(program, motion, progress),
+        vanes: vane_allowance::check(program, motion, &sweeps, progress),
     })
 }
 

@@ -67,9 +67,7 @@ pub fn least(
     half_spacing: f64,
     cutoff: f64,
 ) -> Option<Clearance> {
-    let sections = solid.shank.iter().chain(&solid.holder);
-    let widest = sections.map(|s| s.radius_from.max(s.radius_to)).fold(solid.radius(), f64::max);
-    let arm = solid.length() + widest;
+    let arm = solid.arm();
     let mut best: Option<Clearance> = None;
     let mut bound = cutoff;
     // Lower bound over pieces that were not halved down to the resolution.

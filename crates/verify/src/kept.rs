@@ -10,6 +10,7 @@ use super::proof::cells::{Extreme, Goals, PatchTask, Proved, SampledPatch};
 use super::proof::grid::{Grid, PlacedSurface};
 use super::proof::sweep::Sweep;
 use super::surface::{self, FAR, MIN_SLACK, SLACK, Worst};
+use super::symmetry::Symmetry;
 use base::progress::Progress;
 use base::units::{Mm, length};
 use diagnostics::{Diag, Sink, codes::verification};
@@ -61,7 +62,18 @@ pub(super) struct Covered<'a> {
     pub(super) grids: Vec<usize>,
 }
 
+/// Surfaces with their patches.
+pub(super) struct Cover<'a> {
+    /// Number of sectors of the part.
+    pub(super) vanes: u32,
+    /// The surfaces in their sectors.
+    pub(super) surfaces: Vec<Covered<'a>>,
+    /// Grids of the patches.
+    pub(super) grids: Vec<Grid>,
+}
+
 /// Least distance of cutters to one surface, if below the cutoff.
+#[derive(Clone, Copy)]
 pub(super) struct Deepest {
     /// Least measured distance, with its place in the chart; `None` where it is not below the cutoff.
     pub(super) found: Extreme,
@@ -74,10 +86,10 @@ pub(super) struct Deepest {
 pub fn check(program: &Program, sweeps: &[Sweep<'_>], off: f64, progress: &Progress) -> KeptSurfaces {
     let allowed = super::kept_gouge(program);
     let shapes = kept(&program.part, &program.stock, program.milled_turned());
-    let (grids, covered) = cover(program, &shapes, sweeps, 0.0);
-    let deepest = deepest(&covered, &grids, sweeps, 0.0, allowed - off, progress, "kept surfaces");
+    let cover = cover(program, &shapes, sweeps, 0.0);
+    let deepest = deepest(&cover, sweeps, 0.0, allowed - off, progress, "kept surfaces");
     let mut surfaces: Vec<(KeptReport, Vec<u32>)> = Vec::new();
-    for (c, d) in covered.iter().zip(&deepest) {
+    for (c, d) in cover.surfaces.iter().zip(&deepest) {
         let gouge = surface::extreme(&c.surface, d.found, -1.0, sweeps);
         let gouge_bound = gouge.proved_depth(d.low) + off;
         let SurfaceId { kind, sector } = c.surface.id;
@@ -109,12 +121,7 @@ pub fn check(program: &Program, sweeps: &[Sweep<'_>], off: f64, progress: &Progr
 }
 
 /// The surfaces in their sectors, and grids of the patches with a cutter nearer than `reach`.
-pub(super) fn cover<'a>(
-    program: &Program,
-    shapes: &'a [Kept<'_>],
-    sweeps: &[Sweep<'_>],
-    reach: f64,
-) -> (Vec<Grid>, Vec<Covered<'a>>) {
+pub(super) fn cover<'a>(program: &Program, shapes: &'a [Kept<'_>], sweeps: &[Sweep<'_>], reach: f64) -> Cover<'a> {
     let mut all = Vec::new();
     let mut covered = Vec::new();
     for shape in shapes {
@@ -133,21 +140,63 @@ pub(super) fn cover<'a>(
             covered.push(Covered { surface: PlacedSurface { shape, turn, id }, grids: (first..all.len()).collect() });
         }
     }
-    (all, covered)
+    Cover { vanes: program.part.vane_count, surfaces: covered, grids: all }
 }
 
 /// Least distance of cutters to each surface, where it is less than `cutoff`, with its proof. The bound is within
 /// [`surface::SLACK`] of the measured value, or `-limit` where this is closer. For a cut more than [`surface::UNPROVED_GOUGE`]
-/// beyond the limit, only the radius of the cutters is used as a bound.
+/// beyond the limit, only the radius of the cutters is used as a bound. Sectors in which the program is the same, turned, follow
+/// from one of them.
 pub(super) fn deepest(
-    covered: &[Covered<'_>],
-    grids: &[Grid],
+    cover: &Cover<'_>,
     sweeps: &[Sweep<'_>],
     cutoff: f64,
     limit: f64,
     progress: &Progress,
     stage: impl Into<Cow<'static, str>>,
 ) -> Vec<Deepest> {
+    let stage = stage.into();
+    let symmetry = Symmetry::of(sweeps, cover.vanes);
+    let error = symmetry.error();
+    let mut found: Vec<Option<Deepest>> = vec![None; cover.surfaces.len()];
+    let prove = |found: &mut Vec<Option<Deepest>>, which: &dyn Fn(&Covered<'_>) -> bool, limit: f64| {
+        let open = found.iter().zip(&cover.surfaces).enumerate();
+        let these: Vec<usize> = open.filter(|(_, (f, c))| f.is_none() && which(c)).map(|(k, _)| k).collect();
+        let surfaces: Vec<&Covered<'_>> = these.iter().map(|k| &cover.surfaces[*k]).collect();
+        let proved = prove_deepest(&surfaces, &cover.grids, sweeps, [cutoff, limit], progress, stage.clone());
+        these.iter().zip(proved).for_each(|(k, deepest)| found[*k] = Some(deepest));
+    };
+    if symmetry.is_any() {
+        prove(&mut found, &|c| c.surface.id.sector == symmetry.first, limit - error);
+        let follow = |(c, own): (&Covered<'_>, &Option<Deepest>)| {
+            let mut firsts = cover.surfaces.iter().zip(&found);
+            let (first, proved) = firsts.find(|(first, proved)| {
+                proved.is_some() && own.is_none() && first.surface.id.kind == c.surface.id.kind
+            })?;
+            let grids: Vec<&Grid> = c.grids.iter().map(|grid| &cover.grids[*grid]).collect();
+            let follows = symmetry.follows([&first.surface, &c.surface], &grids, cutoff + MIN_SLACK);
+            proved.filter(|_| follows).map(|first| Deepest { low: first.low - error, ..first })
+        };
+        let following: Vec<Option<Deepest>> = cover.surfaces.par_iter().zip(&found).map(follow).collect();
+        found.iter_mut().zip(following).for_each(|(own, follows)| *own = own.or(follows));
+    }
+    prove(&mut found, &|_| true, limit);
+    // A cancelled run has no value that anybody sees.
+    found.into_iter().flatten().collect()
+}
+
+/// [`deepest`] of some surfaces, each by itself.
+fn prove_deepest(
+    covered: &[&Covered<'_>],
+    grids: &[Grid],
+    sweeps: &[Sweep<'_>],
+    [cutoff, limit]: [f64; 2],
+    progress: &Progress,
+    stage: Cow<'static, str>,
+) -> Vec<Deepest> {
+    if covered.is_empty() {
+        return Vec::new();
+    }
     let tasks: Vec<(usize, PatchTask<'_>)> = covered
         .iter()
         .enumerate()
@@ -161,7 +210,6 @@ pub(super) fn deepest(
     let sample = |task: &PatchTask<'_>| task.sample_below(Some(cutoff + MIN_SLACK));
     let sampled: Option<Vec<SampledPatch>> =
         tasks.par_iter().with_max_len(1).map(|(_, task)| work.do_step(|| sample(task))).collect();
-    // A cancelled run has no value that anybody sees.
     let Some(sampled) = sampled else { return Vec::new() };
     let mut least = vec![FAR; covered.len()];
     for ((s, _), sampled) in tasks.iter().zip(&sampled) {

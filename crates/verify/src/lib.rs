@@ -45,6 +45,7 @@ pub mod stated_points;
 pub mod stock;
 pub mod structure;
 pub mod surface;
+mod symmetry;
 pub mod vane_allowance;
 
 pub use certificate::Certificate;
@@ -160,7 +161,7 @@ pub fn certify_with(
     })?;
     splines::widen(&mut surfaces, chords);
     let kept = checked(progress, "kept surfaces", || kept::check(program, &sweeps, chords, progress))?;
-    let allowance = checked(progress, "allowance", || allowance::check(program, motion, progress))?;
+    let allowance = checked(progress, "allowance", || allowance::check(program, motion, &sweeps, progress))?;
     let (design_cloud, blank) = checked(progress, "samples", || {
         rayon::join(
             || Cloud::new(sample::cloud_points(&samples)),
@@ -168,7 +169,7 @@ pub fn certify_with(
         )
     })?;
     let clouds = Clouds { design: &design_cloud, blank: &blank, search: search(program) };
-    let report = |o| operation_report(program, motion, o, splines[o], &clouds, progress);
+    let report = |o| operation_report(program, motion, o, &sweeps, splines[o], &clouds, progress);
     let operations = (0..motion.operations.len()).map(|o| checked(progress, "clearance", || report(o)));
     let operations = operations.collect::<Result<Vec<OperationReport>, Aborted>>()?;
     let rapid = operations.iter().filter_map(|o| o.rapid.clone()).min_by(|a, b| a.distance.total_cmp(&b.distance));
@@ -233,7 +234,7 @@ fn nearer_surroundings(certificate: &mut Certificate, reports: &[Option<splines:
 }
 
 /// The contracts on gouge and excess, each with its surfaces.
-fn limits(program: &Program) -> Limits {
+pub fn limits(program: &Program) -> Limits {
     let of = |kind: ContractKind| {
         let contracts = program.contracts.iter().filter(|c| c.kind == kind);
         contracts.map(|c| Limit { bound: Mm(c.bound.value()), surfaces: c.scope.surfaces.clone() }).collect()
@@ -351,6 +352,7 @@ fn operation_report(
     program: &Program,
     motion: &Motion,
     o: usize,
+    sweeps: &[Sweep<'_>],
     splines: Option<splines::SplineReport>,
     &Clouds { design, blank, search }: &Clouds<'_>,
     progress: &Progress,
@@ -358,7 +360,10 @@ fn operation_report(
     let operation = &motion.operations[o];
     let declared = &program.operations[operation.operation];
     let tool = &program.tools[declared.tool];
-    let pieces = piece::pieces(&program.machine, motion, o);
+    // The part and the turned blank are the same in each sector.
+    let sweep = sweeps.iter().find(|sweep| sweep.operation().is_some_and(|own| own as usize == o));
+    let pieces = sweep.map_or_else(Vec::new, Sweep::first_pieces);
+    let turned = sweep.map_or(0.0, |sweep| sweep.pose_error(tool.solid.arm()));
     let mut rapids = pieces.clone();
     rapids.retain(|p| p.kind == MoveKind::Rapid);
     let half_stock = STOCK_SPACING * std::f64::consts::FRAC_1_SQRT_2;
@@ -379,9 +384,11 @@ fn operation_report(
     let chords = splines.map_or(0.0, |s| s.tool.get());
     let body = |distance: fn(&ToolSolid, f64, f64) -> f64| {
         let mut found = least_over(&pieces, &tool.solid, distance, design, HALF_SPACING, search, &work);
-        splines::nearer(&mut found, chords);
+        splines::nearer(&mut found, chords + turned);
         found
     };
+    let mut rapid = least_over(&rapids, &tool.solid, ToolSolid::distance, blank, half_stock, search, &work);
+    splines::nearer(&mut rapid, turned);
     OperationReport {
         name: declared.name.clone(),
         tool: tool.name.clone(),
@@ -392,7 +399,7 @@ fn operation_report(
         splines,
         shank: body(shank_distance),
         holder: body(holder_distance),
-        rapid: least_over(&rapids, &tool.solid, ToolSolid::distance, blank, half_stock, search, &work),
+        rapid,
     }
 }
 

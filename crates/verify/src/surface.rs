@@ -14,6 +14,7 @@ use super::proof::cells::{CellFigures, Extreme, Goals, PatchTask, Proved, Sample
 use super::proof::grid::{Grid, PlacedSurface};
 use super::proof::piece::At;
 use super::proof::sweep::Sweep;
+use super::symmetry::Symmetry;
 use base::progress::{Progress, Work};
 use base::units::{Mm, Mm2};
 use nalgebra::{Point3, Rotation3, Vector3};
@@ -69,9 +70,13 @@ impl Worst {
 pub struct SurfaceReport {
     /// Name.
     pub surface: String,
+    /// The surface in another sector whose proof holds here, turned: near both the program is the same. `None` for a surface
+    /// that was proved by itself.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub follows: Option<String>,
     /// Cells of the first division.
     pub samples: usize,
-    /// Number of points at which g was computed, plus number of cells that were proved.
+    /// Number of points at which g was computed, plus number of cells that were proved; none for a surface that follows.
     pub points: usize,
     /// Area.
     pub area: Mm2,
@@ -112,6 +117,38 @@ impl SurfaceReport {
         if self.area.get() > 0.0 { self.not_reached.get() / self.area.get() } else { 0.0 }
     }
 
+    /// The figures of the same surface in another sector, if they follow from these. Deep cuts do not: their depth is measured
+    /// beyond the reach of the bounds.
+    fn in_sector(
+        &self,
+        [own, other]: [&PlacedSurface<'_>; 2],
+        grids: &[&Grid],
+        symmetry: &Symmetry<'_>,
+    ) -> Option<Self> {
+        let reach = self.excess_bound.get() + CORNER_SLACK;
+        if reach >= FAR || self.gouge.value.get() < -MIN_DEEP_CUT || !symmetry.follows([own, other], grids, reach) {
+            return None;
+        }
+        let turn = other.turn * own.turn.inverse();
+        let turned = |worst: &Worst| Worst {
+            point: (turn * Point3::from(worst.point)).into(),
+            at: worst.at.and_then(|at| symmetry.partner(at, other.id.sector)),
+            ..worst.clone()
+        };
+        let widened = |bound: Mm| Mm(bound.get() + symmetry.error());
+        Some(Self {
+            surface: other.id.to_string(),
+            follows: Some(self.surface.clone()),
+            points: 0,
+            gouge: turned(&self.gouge),
+            excess: turned(&self.excess),
+            gouge_bound: widened(self.gouge_bound),
+            excess_bound: widened(self.excess_bound),
+            id: other.id,
+            ..self.clone()
+        })
+    }
+
     /// Whether the operations machine the surface.
     pub fn is_machined(&self) -> bool {
         self.left_share() < UNMACHINED_SHARE
@@ -138,7 +175,29 @@ pub fn certify(
         }
     }
     surfaces.sort_by_key(|(_, s)| s.id);
-    prove(&surfaces, sweeps, limits, progress)
+    let symmetry = Symmetry::of(sweeps, part.vane_count);
+    if !symmetry.is_any() {
+        return prove(&surfaces, sweeps, limits, progress);
+    }
+    // The first sector, what follows from it, and the rest by itself.
+    let is_first = |(_, s): &&(&[Grid], PlacedSurface<'_>)| s.id.sector == symmetry.first;
+    let firsts: Vec<_> = surfaces.iter().filter(is_first).copied().collect();
+    let proved = prove(&firsts, sweeps, &limits.clone().narrowed(symmetry.error()), progress);
+    let follow = |(grids, surface): &(&[Grid], PlacedSurface<'_>)| {
+        let (first, report) = firsts.iter().zip(&proved).find(|((_, first), _)| first.id.kind == surface.id.kind)?;
+        let grids: Vec<&Grid> = grids.iter().collect();
+        (first.1.id != surface.id).then(|| report.in_sector([&first.1, surface], &grids, &symmetry)).flatten()
+    };
+    let following: Vec<Option<SurfaceReport>> = surfaces.par_iter().map(follow).collect();
+    let is_open = |((_, s), follows): &(&(&[Grid], PlacedSurface<'_>), &Option<SurfaceReport>)| {
+        follows.is_none() && s.id.sector != symmetry.first
+    };
+    let rest: Vec<_> = surfaces.iter().zip(&following).filter(is_open).map(|(surface, _)| *surface).collect();
+    let mut all: Vec<SurfaceReport> = prove(&rest, sweeps, limits, progress);
+    all.extend(proved);
+    all.extend(following.into_iter().flatten());
+    all.sort_by_key(|report| report.id);
+    all
 }
 
 /// Figures of a single shape.
@@ -282,6 +341,7 @@ fn report(patches: &[ProvedPatch<'_>], sweeps: &[Sweep<'_>]) -> SurfaceReport {
     let nearest_there = nearest_there(&cells);
     SurfaceReport {
         surface: surface.id.to_string(),
+        follows: None,
         samples: cells.len(),
         points: all.points,
         area: Mm2(area),

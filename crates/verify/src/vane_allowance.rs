@@ -6,7 +6,7 @@
 //!
 //! The planner keeps a distance from samples of the part and knows nothing of moved surfaces.
 
-use super::kept::{Covered, deepest};
+use super::kept::{Cover, Covered, deepest};
 use super::place::describe;
 use super::proof::grid::{Grid, PlacedSurface};
 use super::proof::sweep::Sweep;
@@ -102,13 +102,17 @@ impl Moved<'_> {
 }
 
 /// Measures each roughing operation with an allowance on the vanes.
-pub(super) fn check(program: &Program, motion: &Motion, progress: &Progress) -> Vec<VaneReport> {
-    let operations = (0..).zip(&motion.operations);
-    let reports = operations.filter_map(|(o, operation)| {
-        let declared = &program.operations[operation.operation];
+pub(super) fn check(
+    program: &Program,
+    motion: &Motion,
+    roughing: &[Sweep<'_>],
+    progress: &Progress,
+) -> Vec<VaneReport> {
+    let reports = roughing.iter().filter_map(|sweep| {
+        let o = sweep.operation()?;
+        let declared = &program.operations[motion.operations.get(o as usize)?.operation];
         let vane = declared.kind.roughing().map(|kept| kept.vane).filter(|vane| vane.root().get() > 0.0)?;
-        let sweep = Sweep::new(program, motion, o as usize)?;
-        let (bound, worst) = missing(program, &declared.name, vane, &[sweep], progress);
+        let (bound, worst) = missing(program, &declared.name, vane, std::slice::from_ref(sweep), progress);
         let allowance = [vane.tip(), vane.root()].map(|value| value.get());
         Some(VaneReport {
             operation: o,
@@ -144,10 +148,11 @@ fn missing(
     }
     let tolerance = program.tolerances.chord_rough.get();
     let stage = format!("{name}, allowance on vanes");
-    let all = deepest(&covered, &grids, sweeps, 0.0, tolerance, progress, stage);
+    let cover = Cover { vanes: part.vane_count, surfaces: covered, grids };
+    let all = deepest(&cover, sweeps, 0.0, tolerance, progress, stage);
     let bound = all.iter().map(|d| -d.low).fold(0.0, f64::max);
     let least = |found: Extreme| found.map_or(0.0, |f| f.0);
-    let worst = covered.iter().zip(&all).filter(|(_, d)| least(d.found) < 0.0);
+    let worst = cover.surfaces.iter().zip(&all).filter(|(_, d)| least(d.found) < 0.0);
     let worst = worst.min_by(|a, b| least(a.1.found).total_cmp(&least(b.1.found))).map(|(c, d)| MissingAllowance {
         surface: c.surface.id.to_string(),
         place: surface::extreme(&c.surface, d.found, -1.0, sweeps),

@@ -62,6 +62,7 @@ mod tests {
         let worst = Worst { value: Mm(0.0), point: [0.0; 3], parameters: [0.0; 2], at: None, depth: Mm(depth) };
         SurfaceReport {
             surface: id.to_string(),
+            follows: None,
             samples: 0,
             points: 0,
             area: Mm2(0.0),

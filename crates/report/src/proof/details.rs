@@ -1,6 +1,6 @@
 //! All figures of a certificate, as a run prints them with `--details`.
 
-use super::{Text, contracts, machine, operations, stock, surfaces};
+use super::{Text, contracts, machine, operations, stock, summary, surfaces};
 use crate::table::{Form, Table};
 use ir::{Motion, Program};
 use verify::Certificate;
@@ -9,7 +9,8 @@ use verify::Certificate;
 pub fn details(program: &Program, motion: &Motion, certificate: &Certificate) -> String {
     let mut tables = vec![
         Table::lines(format!("certificate of {} on {}", certificate.name, certificate.machine_name), Vec::new()),
-        surfaces::surfaces(Text::Details, certificate).with(surfaces::worst(program, motion, certificate)),
+        surfaces::surfaces(Text::Details, certificate)
+            .with(surfaces::worst(program, motion, certificate).into_iter().chain(summary::following(certificate))),
         surfaces::kept(certificate),
         operations::operations(Text::Details, program, certificate, &[]),
         surfaces::rest(Text::Details, certificate),

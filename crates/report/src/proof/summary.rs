@@ -128,6 +128,7 @@ fn remarks(certificate: &Certificate) -> Vec<String> {
             length(kept.allowed.get())
         ));
     }
+    lines.extend(following(certificate));
     lines.push(machine::at_rapid(certificate));
     if let Some(stock) = &certificate.stock {
         let collisions = stock.collisions().count();
@@ -139,6 +140,16 @@ fn remarks(certificate: &Certificate) -> Vec<String> {
     lines.extend(not_checked(certificate).map(str::to_owned));
     lines.push(NOT_COVERED.to_owned());
     lines
+}
+
+/// How many surfaces follow from those of another sector.
+pub(super) fn following(certificate: &Certificate) -> Option<String> {
+    let all = &certificate.surfaces;
+    let count = all.iter().filter(|s| s.follows.is_some()).count();
+    let others = all.len() - count;
+    (count > 0).then(|| {
+        format!("{others} surfaces proved; the program is the same, turned, near {count} more, for which the proof holds too")
+    })
 }
 
 /// A contract with what was proved and where.

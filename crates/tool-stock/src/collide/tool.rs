@@ -183,6 +183,12 @@ impl ToolSolid {
         tool
     }
 
+    /// Upper bound of the distance of any point of the tool from its tip, mm.
+    pub fn arm(&self) -> f64 {
+        let sections = self.shank.iter().chain(&self.holder);
+        self.length() + sections.map(|s| s.radius_from.max(s.radius_to)).fold(self.radius(), f64::max)
+    }
+
     /// Upper end of the holder.
     #[inline]
     pub fn length(&self) -> f64 {

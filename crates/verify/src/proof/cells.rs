@@ -219,6 +219,18 @@ impl PatchTask<'_> {
         cell.depth < deepest
     }
 
+    /// True if no cutter comes within a distance of any place of the patch.
+    pub(crate) fn keeps_clear(&self, distance: f64) -> bool {
+        let whole = self.hull(&self.whole());
+        let bulge = whole.bulges();
+        let corners = whole.corners.map(|corner| (corner - whole.centre, distance + bulge));
+        let far = self.gather(&Cutoff::new(&whole, &corners, bulge));
+        let (columns, rows) =
+            (CellBlock::runs([0, self.grid.patch.columns]), CellBlock::runs([0, self.grid.patch.rows]));
+        let mut blocks = columns.iter().flat_map(|x| rows.iter().map(|y| CellBlock { x: *x, y: *y }));
+        far.is_empty() || blocks.all(|block| self.narrow(&far, &self.hull(&block), distance).is_empty())
+    }
+
     /// g at the corners of all cells.
     pub(crate) fn sample(&self) -> SampledPatch {
         self.sample_below(None)

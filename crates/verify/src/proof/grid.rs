@@ -12,6 +12,7 @@ use wheel::part::{
 const CELLS_PER_BLOCK_SIDE: usize = 2;
 
 /// A surface of one sector.
+#[derive(Clone, Copy)]
 pub(crate) struct PlacedSurface<'a> {
     /// Its shape in sector 0.
     pub(crate) shape: &'a dyn Shape,

@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `piece` | a part of a move, and how far points of the tool deviate from their tangent over it |
 //! | `capsule` | the ball of a cutter over a piece |
+//! | `turns` | pieces that are the same, turned by pitches |
 //! | `hierarchy` | a tree over the pieces of a sweep |
 //! | `sweep` | the cutter of an operation over all of its pieces |
 //! | `nearest` | which pieces are nearest to a point, or may be below a cutoff |
@@ -23,4 +24,5 @@ mod lower_bound;
 mod nearest;
 pub mod piece;
 pub mod sweep;
+pub(crate) mod turns;
 mod upper_bound;

@@ -168,6 +168,11 @@ impl<'a> Piece<'a> {
         [[from, middle], [middle, to]].map(|ends| Self::new(self.chain, self.at, self.kind, ends))
     }
 
+    /// Turns of both rotary axes, radians.
+    pub(crate) fn rotary_turns(&self) -> [f64; 2] {
+        [0, 1].map(|k| (self.rotary[1][k] - self.rotary[0][k]).abs())
+    }
+
     /// Half of its motion.
     pub(crate) fn half(&self) -> HalfMotion {
         self.half

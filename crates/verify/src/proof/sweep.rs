@@ -12,10 +12,12 @@
 use super::capsule::{Ball, Capsule};
 use super::hierarchy::Hierarchy;
 use super::piece::{At, Piece, QuickPose, Spans, Touch, divide, pieces};
+use super::turns::TurnClasses;
 use five_axis::{Chain, RotaryPose};
 use ir::{Motion, MoveKind, Program};
 use nalgebra::Point3;
 use rayon::prelude::*;
+use std::sync::Arc;
 use tool_stock::collide::{Slope, ToolSolid};
 
 /// Distance from the tool axis at which a point counts as on it, mm.
@@ -34,18 +36,20 @@ const MIN_SLOPE: f64 = 1e-6;
 /// Largest number of iterations of the search for a minimum; bisection alone would need 30.
 const MAX_MINIMUM_STEPS: usize = 60;
 
-/// The cutter of one tool over all pieces of one operation.
+/// The cutter of one tool over all pieces of one operation. A clone shares the pieces.
 #[derive(Clone, Debug)]
 pub struct Sweep<'a> {
     solid: &'a ToolSolid,
-    pieces: Vec<Piece<'a>>,
+    pieces: Arc<[Piece<'a>]>,
     /// Index of each piece in the order of time.
-    in_order: Vec<u32>,
+    in_order: Arc<[u32]>,
     /// Hierarchy over the pieces.
-    pub(crate) hierarchy: Hierarchy,
+    pub(crate) hierarchy: Arc<Hierarchy>,
     ball: Option<Ball>,
     /// The ball over each piece; empty without a ball.
-    capsules: Vec<Capsule>,
+    capsules: Arc<[Capsule]>,
+    /// Which pieces are each other, turned; none for a sweep that is to be judged in each sector by itself.
+    turns: Option<Arc<TurnClasses>>,
 }
 
 /// Least signed distance of a point to a swept cutter.
@@ -62,7 +66,15 @@ impl<'a> Sweep<'a> {
     pub fn new(program: &'a Program, motion: &Motion, operation: usize) -> Option<Self> {
         let id = motion.operations.get(operation)?.operation;
         let solid = &program.tools[program.operations[id].tool].solid;
-        Self::over(solid, pieces(&program.machine, motion, operation))
+        let pieces = pieces(&program.machine, motion, operation);
+        let turns: Vec<_> = (0..program.part.vane_count).map(|k| program.part.sector_rotation(k)).collect();
+        let classes = TurnClasses::of(&pieces, &turns);
+        Some(Self { turns: Some(Arc::new(classes)), ..Self::over(solid, pieces)? })
+    }
+
+    /// The same, to be judged in each sector by itself.
+    pub fn in_each_sector(self) -> Self {
+        Self { turns: None, ..self }
     }
 
     /// A cutter that passes poses in turn; each move counts as a move of operation 0.
@@ -73,6 +85,62 @@ impl<'a> Sweep<'a> {
             divide(chain, at, MoveKind::Cut, [pair[0], pair[1]], &mut pieces);
         }
         Self::over(solid, pieces)
+    }
+
+    /// Number of the sectors whose pieces are known to be partners or not.
+    pub(crate) fn sectors(&self) -> Option<u32> {
+        self.turns.as_ref().map(|classes| classes.vanes())
+    }
+
+    /// The pieces without a partner turned by a number of pitches, in the order of time; `None` where no partners are known.
+    pub(crate) fn without_partner(&self, pitches: u32) -> Option<Vec<Piece<'a>>> {
+        let alone = self.turns.as_ref()?.without_partner(pitches);
+        Some(alone.map(|order| self.pieces[self.in_order[order as usize] as usize]).collect())
+    }
+
+    /// The same cutter over other pieces, in the order of time; `None` without a piece.
+    pub(crate) fn of_pieces(&self, pieces: Vec<Piece<'a>>) -> Option<Self> {
+        Self::over(self.solid, pieces)
+    }
+
+    /// Number of pieces.
+    pub(crate) fn len(&self) -> usize {
+        self.pieces.len()
+    }
+
+    /// Upper bound of the distance between what is proved of partners, mm.
+    pub(crate) fn partner_error(&self) -> f64 {
+        self.turns.as_ref().map_or(0.0, |classes| classes.bound_error(self.solid.arm()))
+    }
+
+    /// The move of the partner of a move, turned by a number of pitches.
+    pub(crate) fn partner_at(&self, at: At, pitches: u32) -> Option<At> {
+        let order = self.in_order.partition_point(|index| self.pieces[*index as usize].at.index < at.index);
+        let index = *self.in_order.get(order)?;
+        let partner = self.turns.as_ref()?.partner(self.pieces[index as usize].order, pitches)?;
+        Some(self.pieces[*self.in_order.get(partner as usize)? as usize].at)
+    }
+
+    /// The operation of the sweep in the motion.
+    pub(crate) fn operation(&self) -> Option<u32> {
+        self.pieces.first().map(|piece| piece.at.operation)
+    }
+
+    /// The pieces in the order of time.
+    pub(crate) fn in_time(&self) -> impl Iterator<Item = &Piece<'a>> {
+        self.in_order.iter().map(|index| &self.pieces[*index as usize])
+    }
+
+    /// Of pieces that are each other, turned, the first one each, in the order of time. What holds for them holds for all,
+    /// less [`Self::pose_error`].
+    pub(crate) fn first_pieces(&self) -> Vec<Piece<'a>> {
+        let first = |piece: &&Piece<'a>| self.turns.as_ref().is_none_or(|classes| classes.is_first(piece.order));
+        self.in_time().filter(first).copied().collect()
+    }
+
+    /// Upper bound of the distance between points of the tool in partners, mm; `arm` is their distance from the tip.
+    pub(crate) fn pose_error(&self, arm: f64) -> f64 {
+        self.turns.as_ref().map_or(0.0, |classes| classes.pose_error(arm))
     }
 
     /// Builds the hierarchy over pieces in the order of time.
@@ -93,7 +161,8 @@ impl<'a> Sweep<'a> {
         let ball = Ball::of(solid);
         let capsules = sorted.iter().filter(|_| ball.is_some()).map(|k| centres[*k as usize]).collect();
         let pieces = sorted.iter().map(|k| pieces[*k as usize]).collect();
-        Some(Self { solid, pieces, in_order, hierarchy, ball, capsules })
+        let (in_order, hierarchy) = (in_order.into(), Arc::new(hierarchy));
+        Some(Self { solid, pieces, in_order, hierarchy, ball, capsules, turns: None })
     }
 
     /// The cutter against a point at a share of a piece.

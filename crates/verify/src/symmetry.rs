@@ -1,0 +1,100 @@
+//! Sectors of the wheel in which the program is the same motion, turned.
+//!
+//! The part is the same in each sector. Let the moves of the program be a set M, and let those of them that have no partner
+//! ([`super::proof::turns`]) from one sector to another be the set E, and those without a partner from the other back be E'.
+//! Turned by the pitches between both, M without E is M without E'. Where no move of E comes near a surface of the first
+//! sector, and no move of E' near the same surface of the second, nearer than what is proved of the first, that is proved of the
+//! second too. Surfaces for which this does not hold are proved by themselves.
+//!
+//! Nothing is taken from the planner: a block that was changed in one sector has no partner there.
+
+use super::proof::cells::PatchTask;
+use super::proof::grid::{Grid, PlacedSurface};
+use super::proof::piece::At;
+use super::proof::sweep::Sweep;
+use rayon::prelude::*;
+
+/// Share of all pieces that may lack a partner between two sectors. Where more do, each sector is proved by itself without a
+/// trial.
+const MAX_UNSHARED: f64 = 1.0 / 3.0;
+
+/// Share of the pieces of the sector with most of them that the first proved sector has at least.
+const MIN_OF_BUSIEST: f64 = 0.9;
+
+/// What the sectors have in common with the first proved one.
+pub(super) struct Symmetry<'a> {
+    sweeps: &'a [Sweep<'a>],
+    vanes: u32,
+    /// The sector that is proved first.
+    pub(super) first: u32,
+    /// For each number of pitches the pieces without a partner turned by it; `None` where there are too many.
+    unshared: Vec<Option<Vec<Sweep<'a>>>>,
+}
+
+impl<'a> Symmetry<'a> {
+    /// The partners in the sweeps of a program for a part with this number of sectors.
+    pub(super) fn of(sweeps: &'a [Sweep<'a>], vanes: u32) -> Self {
+        let most = MAX_UNSHARED * sweeps.iter().map(Sweep::len).sum::<usize>() as f64;
+        // Partners in sweeps of another part say nothing of this one.
+        let known = sweeps.iter().all(|sweep| sweep.sectors() == Some(vanes));
+        let without = |pitches: u32| {
+            if !known {
+                return None;
+            }
+            let pieces: Vec<_> = sweeps.iter().map(|sweep| sweep.without_partner(pitches)).collect::<Option<_>>()?;
+            let few = pieces.iter().map(Vec::len).sum::<usize>() as f64 <= most;
+            few.then(|| sweeps.iter().zip(pieces).filter_map(|(sweep, pieces)| sweep.of_pieces(pieces)).collect())
+        };
+        let unshared = (0..vanes).into_par_iter().map(without).collect();
+        Self { sweeps, vanes, first: busiest(sweeps, vanes), unshared }
+    }
+
+    /// Whether any sector may follow from the first one.
+    pub(super) fn is_any(&self) -> bool {
+        self.unshared.iter().skip(1).any(Option::is_some)
+    }
+
+    /// Upper bound of the distance between what is proved of one sector and what holds in another, mm.
+    pub(super) fn error(&self) -> f64 {
+        self.sweeps.iter().map(Sweep::partner_error).fold(0.0, f64::max)
+    }
+
+    /// Pitches from the first sector to another.
+    fn pitches(&self, sector: u32) -> u32 {
+        (sector + self.vanes - self.first) % self.vanes
+    }
+
+    /// Whether in `grids` of two surfaces, the same one in the first sector and in another, no unshared move comes within a
+    /// distance.
+    pub(super) fn follows(&self, [first, other]: [&PlacedSurface<'_>; 2], grids: &[&Grid], distance: f64) -> bool {
+        let pitches = self.pitches(other.id.sector);
+        let back = (self.vanes - pitches) % self.vanes;
+        let unshared = |pitches: u32| self.unshared.get(pitches as usize).and_then(Option::as_deref);
+        let (Some(ahead), Some(behind)) = (unshared(pitches), unshared(back)) else { return false };
+        let reach = distance + self.error();
+        let is_clear = |surface, sweeps: &[Sweep<'_>]| {
+            sweeps.is_empty() || grids.iter().all(|grid| PatchTask { surface, grid, sweeps }.keeps_clear(reach))
+        };
+        is_clear(first, ahead) && is_clear(other, behind)
+    }
+
+    /// The move in a sector that is the partner of a move of the first sector.
+    pub(super) fn partner(&self, at: At, sector: u32) -> Option<At> {
+        let sweep = self.sweeps.iter().find(|sweep| sweep.operation() == Some(at.operation))?;
+        sweep.partner_at(at, self.pitches(sector))
+    }
+}
+
+/// The first sector that has about as many pieces as any: it is the one to prove.
+fn busiest(sweeps: &[Sweep<'_>], vanes: u32) -> u32 {
+    let mut counts = vec![0_usize; vanes as usize];
+    for piece in sweeps.iter().flat_map(Sweep::in_time) {
+        let middle = piece.middle().tip;
+        let share = libm::atan2(middle.y, middle.x) / std::f64::consts::TAU;
+        let sector = (share.rem_euclid(1.0) * f64::from(vanes)) as usize;
+        counts[sector.min(vanes as usize - 1)] += 1;
+    }
+    let most = counts.iter().copied().max().unwrap_or(0) as f64;
+    let first = counts.iter().position(|count| *count as f64 >= MIN_OF_BUSIEST * most);
+    first.and_then(|sector| u32::try_from(sector).ok()).unwrap_or(0)
+}
