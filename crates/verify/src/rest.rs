@@ -5,6 +5,7 @@
 //! of the point to the part. Where the job starts from what is left of the blank, both count its surface like a cut.
 
 use super::left::Left;
+use super::proof::cells::MIN_SLACK;
 use super::proof::piece::At;
 use super::proof::sweep::Sweep;
 use base::progress::Progress;
@@ -91,7 +92,7 @@ fn void(program: &Program, design: &Cloud, progress: &Progress) -> Vec<(Point3<f
         let r = libm::hypot(x, y);
         r <= r_max && inside(profile, r, z) && part.hub.distance(&Point3::new(x, y, z)) > 0.0
     };
-    (0..=levels)
+    let over_hub: Vec<Point3<f64>> = (0..=levels)
         .into_par_iter()
         .flat_map_iter(|k| {
             let z = low + k as f64 * grid;
@@ -111,12 +112,25 @@ fn void(program: &Program, design: &Cloud, progress: &Progress) -> Vec<(Point3<f
             }
             level
         })
-        .filter_map(|p| {
-            let (distance, index) = design.least(|q| (q - p).norm(), f64::INFINITY)?;
-            let nearest = &design.points()[index];
-            ((p - nearest.position).dot(&nearest.normal) > 0.0).then_some((p, distance))
-        })
-        .collect()
+        .collect();
+    over_hub.par_chunks(POINTS_IN_TURN).flat_map_iter(|points| outside(points, design)).collect()
+}
+
+/// Those of some points that lie outside of the part, with their distance to it.
+fn outside(points: &[Point3<f64>], design: &Cloud) -> Vec<(Point3<f64>, f64)> {
+    // The distance changes no faster than the point moves, so that the point before gives a cutoff.
+    let mut last: Option<(Point3<f64>, f64)> = None;
+    let mut found = Vec::new();
+    for p in points {
+        let cutoff = last.map_or(f64::INFINITY, |(q, distance)| distance + (p - q).norm() + MIN_SLACK);
+        let Some((distance, index)) = design.least(|q| (q - p).norm(), cutoff) else { continue };
+        last = Some((*p, distance));
+        let nearest = &design.points()[index];
+        if (p - nearest.position).dot(&nearest.normal) > 0.0 {
+            found.push((*p, distance));
+        }
+    }
+    found
 }
 
 /// True when (r, z) lies inside the closed profile.
@@ -164,14 +178,13 @@ pub fn reports(
     let mut reports = Vec::new();
     let work = progress.begin("stock after roughing", (last + 1) * (at_surface.len() + void.len()));
     for (index, sweep) in sweeps.iter().enumerate().take(last + 1) {
-        left.par_iter_mut().zip(&at_surface).for_each(|(least, s)| {
-            if let Some(Some(n)) = work.do_step(|| sweep.nearest(&s.position, *least)) {
-                *least = n.distance;
-            }
+        left.par_chunks_mut(POINTS_IN_TURN).zip(at_surface.par_chunks(POINTS_IN_TURN)).for_each(|(left, samples)| {
+            work.do_step(|| cut_at(sweep, samples, left));
+            work.advance(samples.len() - 1);
         });
-        cleared.par_iter_mut().zip(&void).for_each(|(done, (p, _))| {
-            let step = || *done || sweep.nearest(p, 0.0).is_some();
-            *done = work.do_step(step).unwrap_or(false);
+        cleared.par_chunks_mut(POINTS_IN_TURN).zip(void.par_chunks(POINTS_IN_TURN)).for_each(|(cleared, points)| {
+            work.do_step(|| clear_at(sweep, points, cleared));
+            work.advance(points.len() - 1);
         });
         if !roughing.contains(&index) {
             continue;
@@ -201,6 +214,34 @@ pub fn reports(
         });
     }
     reports
+}
+
+/// Points that are asked in turn, each near the one before.
+const POINTS_IN_TURN: usize = 64;
+
+/// Lowers what is left at samples to the distance of the cutter.
+fn cut_at(sweep: &Sweep<'_>, samples: &[&Sample], left: &mut [f64]) {
+    // The distance changes no faster than the point moves, so that the point before gives a cutoff.
+    let mut last: Option<(Point3<f64>, f64)> = None;
+    for (least, sample) in left.iter_mut().zip(samples) {
+        let p = &sample.position;
+        let cutoff = last.map_or(f64::INFINITY, |(q, distance)| distance + (p - q).norm() + MIN_SLACK);
+        let found = sweep.nearest(p, cutoff.min(*least));
+        last = found.map(|n| (*p, n.distance));
+        if let Some(n) = found {
+            *least = n.distance;
+        }
+    }
+}
+
+/// Marks the points that the cutter passes.
+fn clear_at(sweep: &Sweep<'_>, points: &[(Point3<f64>, f64)], cleared: &mut [bool]) {
+    let mut last = None;
+    for (done, (p, _)) in cleared.iter_mut().zip(points).filter(|(done, _)| !**done) {
+        let piece = sweep.holding(p, last);
+        *done = piece.is_some();
+        last = piece.or(last);
+    }
 }
 
 /// The largest value on each surface; of equal values the first.

@@ -196,11 +196,11 @@ impl PatchTask<'_> {
     }
 
     fn hull(&self, block: &CellBlock) -> Hull {
-        self.grid.hull(block, &self.surface.turn)
+        self.grid.hull(block, self.surface)
     }
 
     fn cell(&self, block: &CellBlock) -> Cell {
-        self.grid.cell(block)
+        self.grid.cell(block, self.surface.shape)
     }
 
     fn hull_of(&self, cell: &Cell) -> Hull {
@@ -221,14 +221,19 @@ impl PatchTask<'_> {
 
     /// True if no cutter comes within a distance of any place of the patch.
     pub(crate) fn keeps_clear(&self, distance: f64) -> bool {
-        let whole = self.hull(&self.whole());
-        let bulge = whole.bulges();
-        let corners = whole.corners.map(|corner| (corner - whole.centre, distance + bulge));
-        let far = self.gather(&Cutoff::new(&whole, &corners, bulge));
+        let far = self.gather_below(distance);
         let (columns, rows) =
             (CellBlock::runs([0, self.grid.patch.columns]), CellBlock::runs([0, self.grid.patch.rows]));
         let mut blocks = columns.iter().flat_map(|x| rows.iter().map(|y| CellBlock { x: *x, y: *y }));
         far.is_empty() || blocks.all(|block| self.narrow(&far, &self.hull(&block), distance).is_empty())
+    }
+
+    /// All pieces that can be within a distance of some place of the patch, by the hull of the whole patch.
+    fn gather_below(&self, distance: f64) -> Vec<Far> {
+        let whole = self.hull(&self.whole());
+        let bulge = whole.bulges();
+        let corners = whole.corners.map(|corner| (corner - whole.centre, distance + bulge));
+        self.gather(&Cutoff::new(&whole, &corners, bulge))
     }
 
     /// g at the corners of all cells.
@@ -248,6 +253,10 @@ impl PatchTask<'_> {
             lies: Vec::with_capacity(patch.columns * patch.rows),
             range: [f64::INFINITY, f64::NEG_INFINITY],
         };
+        if cutoff.is_some_and(|cutoff| self.gather_below(cutoff).is_empty()) {
+            sampled.inside.fill(false);
+            return sampled;
+        }
         let milled = |i: usize, j: usize| self.surface.shape.is_milled(&self.grid.point(i, j));
         for i in 0..=patch.columns {
             for j in 0..=patch.rows {

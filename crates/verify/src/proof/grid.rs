@@ -3,6 +3,7 @@
 use super::hull::Hull;
 use nalgebra::{Point3, Rotation3};
 use nurbs::range::CellThickness;
+use std::sync::OnceLock;
 use wheel::part::{
     SurfaceId,
     chart::{Patch, Shape},
@@ -40,10 +41,41 @@ pub(crate) struct Grid {
     points: Vec<Point3<f64>>,
     /// Thickness of the whole patch about the biquadratic through nine of its points.
     whole: CellThickness,
+    /// Of its parts: most patches lie far from all roughing, and nobody asks.
+    parts: OnceLock<PartThickness>,
+}
+
+/// Thickness of parts of a patch, each about the biquadratic through nine of its points.
+struct PartThickness {
     /// Of its blocks, x by x.
     blocks: Vec<CellThickness>,
     /// Of its cells, x by x.
     cells: Vec<CellThickness>,
+}
+
+/// Thickness of a shape over a block of cells of a patch.
+fn over(shape: &dyn Shape, patch: &Patch, block: &CellBlock) -> CellThickness {
+    let along = |range, [from, to]: [usize; 2], n| [mix(range, from, n), mix(range, to, n)];
+    shape.thickness([along(patch.x, block.x, patch.columns), along(patch.y, block.y, patch.rows)])
+}
+
+impl PartThickness {
+    fn new(shape: &dyn Shape, patch: &Patch, whole: CellThickness) -> Self {
+        let mut cells = vec![whole; patch.columns * patch.rows];
+        let mut blocks = Vec::new();
+        for x in CellBlock::runs([0, patch.columns]) {
+            for y in CellBlock::runs([0, patch.rows]) {
+                let block = CellBlock { x, y };
+                let thickness = over(shape, patch, &block);
+                let halved = thickness.halved().filter(|_| x[1] - x[0] == 2 && y[1] - y[0] == 2);
+                for cell in block.cells() {
+                    cells[cell.x[0] * patch.rows + cell.y[0]] = halved.unwrap_or_else(|| over(shape, patch, &cell));
+                }
+                blocks.push(thickness);
+            }
+        }
+        Self { blocks, cells }
+    }
 }
 
 impl Grid {
@@ -54,25 +86,8 @@ impl Grid {
             .flat_map(|i| (0..=ny).map(move |j| (i, j)))
             .map(|(i, j)| shape.place(mix(patch.x, i, nx), mix(patch.y, j, ny)).position)
             .collect();
-        let over = |block: &CellBlock| {
-            let along = |range, [from, to]: [usize; 2], n| [mix(range, from, n), mix(range, to, n)];
-            shape.thickness([along(patch.x, block.x, patch.columns), along(patch.y, block.y, patch.rows)])
-        };
-        let whole = over(&CellBlock { x: [0, patch.columns], y: [0, patch.rows] });
-        let mut cells = vec![whole; patch.columns * patch.rows];
-        let mut blocks = Vec::new();
-        for x in CellBlock::runs([0, patch.columns]) {
-            for y in CellBlock::runs([0, patch.rows]) {
-                let block = CellBlock { x, y };
-                let thickness = over(&block);
-                let halved = thickness.halved().filter(|_| x[1] - x[0] == 2 && y[1] - y[0] == 2);
-                for cell in block.cells() {
-                    cells[cell.x[0] * patch.rows + cell.y[0]] = halved.unwrap_or_else(|| over(&cell));
-                }
-                blocks.push(thickness);
-            }
-        }
-        Self { patch, points, whole, blocks, cells }
+        let whole = over(shape, &patch, &CellBlock { x: [0, patch.columns], y: [0, patch.rows] });
+        Self { patch, points, whole, parts: OnceLock::new() }
     }
 
     /// Point i along x and j along y; neighbouring corners are two points apart.
@@ -81,27 +96,29 @@ impl Grid {
     }
 
     /// How far a cell, a block of [`CellBlock::runs`] or the whole patch lies from the biquadratic through its nine points.
-    fn thickness(&self, block: &CellBlock) -> CellThickness {
+    fn thickness(&self, shape: &dyn Shape, block: &CellBlock) -> CellThickness {
+        let patch = &self.patch;
+        let parts = || self.parts.get_or_init(|| PartThickness::new(shape, patch, self.whole));
         match block.longest() {
-            1 => self.cells[block.x[0] * self.patch.rows + block.y[0]],
+            1 => parts().cells[block.x[0] * patch.rows + block.y[0]],
             longest if longest <= CELLS_PER_BLOCK_SIDE => {
-                self.blocks[block.x[0] / CELLS_PER_BLOCK_SIDE * self.patch.rows.div_ceil(CELLS_PER_BLOCK_SIDE)
+                parts().blocks[block.x[0] / CELLS_PER_BLOCK_SIDE * patch.rows.div_ceil(CELLS_PER_BLOCK_SIDE)
                     + block.y[0] / CELLS_PER_BLOCK_SIDE]
             }
             _ => self.whole,
         }
     }
 
-    /// The hull of a block of cells, rotated into a sector.
-    pub(crate) fn hull(&self, block: &CellBlock, turn: &Rotation3<f64>) -> Hull {
+    /// The hull of a block of cells of a surface.
+    pub(crate) fn hull(&self, block: &CellBlock, surface: &PlacedSurface<'_>) -> Hull {
         let along = |[from, to]: [usize; 2]| [2 * from, from + to, 2 * to];
         let (x, y) = (along(block.x), along(block.y));
-        let at = |k: usize| turn * self.point(x[k / 3], y[k % 3]);
-        Hull::new(&std::array::from_fn(at), self.thickness(block).most)
+        let at = |k: usize| surface.turn * self.point(x[k / 3], y[k % 3]);
+        Hull::new(&std::array::from_fn(at), self.thickness(surface.shape, block).most)
     }
 
     /// The first cell of a block.
-    pub(crate) fn cell(&self, block: &CellBlock) -> Cell {
+    pub(crate) fn cell(&self, block: &CellBlock, shape: &dyn Shape) -> Cell {
         let patch = &self.patch;
         let half = [
             0.5 * (patch.x[1] - patch.x[0]) / patch.columns as f64,
@@ -109,7 +126,7 @@ impl Grid {
         ];
         let middle =
             [patch.x[0] + half[0] * (2 * block.x[0] + 1) as f64, patch.y[0] + half[1] * (2 * block.y[0] + 1) as f64];
-        Cell { middle, half, depth: 0, thickness: self.thickness(block) }
+        Cell { middle, half, depth: 0, thickness: self.thickness(shape, block) }
     }
 }
 

@@ -43,6 +43,23 @@ impl Sweep<'_> {
         best
     }
 
+    /// A piece over which the cutter holds a point, if there is one; `likely` is tried first.
+    pub(crate) fn holding(&self, p: &Point3<f64>, likely: Option<u32>) -> Option<u32> {
+        let holds = |index: u32| self.least(index, p, 0.0, TURN_SLACK).is_some();
+        if let Some(index) = likely.filter(|index| holds(*index)) {
+            return Some(index);
+        }
+        let mut found = None;
+        self.descend(p, 0.0, |index, _| {
+            if found.is_none() && holds(index) {
+                found = Some(index);
+            }
+            // The first one is enough.
+            if found.is_some() { f64::NEG_INFINITY } else { 0.0 }
+        });
+        found
+    }
+
     /// A piece nearest to a point up to [`NEAR_ERROR`], by one evaluation per piece;
     /// `None` where no piece is nearer than `cutoff`.
     pub(crate) fn near(&self, p: &Point3<f64>, cutoff: f64) -> Option<NearPiece> {
