@@ -148,6 +148,7 @@ impl Field {
     /// As [`Self::turned`], or a mesh with too many surfaces behind one another.
     pub fn new(profile: &[[f64; 2]], mesh: Option<&Mesh>, cell: f64) -> Result<Self, FieldError> {
         let FieldGrid { cell, low, count } = FieldGrid::new(profile, cell)?;
+        let body = Turned::new(profile);
         let family = |axis: usize| -> Result<Family, FieldError> {
             let [u, v] = across(axis);
             let across = [count[u].div_ceil(SIDE), count[v].div_ceil(SIDE)];
@@ -162,8 +163,11 @@ impl Field {
                 let origin = [place(u, first[0]), place(v, first[1])];
                 Ok(Tile::new(origin, cell, depth, rays, |i, j| {
                     let (a, b) = (place(u, first[0] + i), place(v, first[1] + j));
-                    let turned = inside_profile(profile, axis, a, b);
-                    inside.as_ref().map_or_else(|| turned.clone(), |rows| both(&turned, &rows[j][i]))
+                    let turned = body.inside(axis, a, b);
+                    match &inside {
+                        Some(rows) => both(&turned, &rows[j][i]),
+                        None => turned,
+                    }
                 }))
             };
             let tiles: Result<Vec<Tile>, FieldError> = (0..across[0] * across[1]).into_par_iter().map(tile).collect();
@@ -256,10 +260,11 @@ impl Field {
     /// `least`, mm. Between the rays nothing is known.
     pub fn uncut_under(&self, profile: &[[f64; 2]], least: f64, before: Option<&Self>) -> Option<Uncut> {
         let mut all = Missed::NOTHING;
+        let body = Turned::new(profile);
         for axis in 0..3 {
             let rows: Vec<Missed> = (0..self.count[across(axis)[0]])
                 .into_par_iter()
-                .map(|row| self.missed(axis, row, profile, least, before))
+                .map(|row| self.missed(axis, row, &body, least, before))
                 .collect();
             for row in &rows {
                 all.join(row);
@@ -270,13 +275,15 @@ impl Field {
     }
 
     /// Missing parts of the body on a row of rays along an axis.
-    fn missed(&self, axis: usize, row: usize, profile: &[[f64; 2]], least: f64, before: Option<&Self>) -> Missed {
+    fn missed(&self, axis: usize, row: usize, body: &Turned<'_>, least: f64, before: Option<&Self>) -> Missed {
         let [u, v] = across(axis);
         let mut all = Missed::NOTHING;
         for column in 0..self.count[v] {
             let (a, b) = (self.centre(u, row), self.centre(v, column));
-            let due = inside_profile(profile, axis, a, b);
-            let due = before.map_or_else(|| due.clone(), |field| both(&due, &field.intervals(axis, row, column)));
+            let mut due = body.inside(axis, a, b);
+            if let Some(field) = before {
+                due = both(&due, &field.intervals(axis, row, column));
+            }
             let ray = self.ray(axis, row, column);
             let there = || ray.into_iter().flat_map(super::ray::Ray::intervals);
             for [from, to] in due.into_iter().flat_map(|due| gaps(due, there())).filter(|gap| gap[1] - gap[0] > least) {
@@ -318,58 +325,139 @@ fn gaps([from, to]: [f64; 2], others: impl Iterator<Item = [f64; 2]>) -> Vec<[f6
     left
 }
 
-/// Places where a line crosses the closed profile, ascending. The line is given by the side of a point and by the place
-/// of its crossing with an edge.
-fn crossings(
-    profile: &[[f64; 2]],
-    beyond: impl Fn(&[f64; 2]) -> bool,
-    place: impl Fn(&[f64; 2], &[f64; 2]) -> f64,
-) -> Vec<f64> {
-    let mut found = Vec::new();
-    for (i, a) in profile.iter().enumerate() {
-        let b = &profile[(i + 1) % profile.len()];
-        if beyond(a) != beyond(b) {
-            found.push(place(a, b));
-        }
-    }
-    found.sort_by(f64::total_cmp);
-    found
+/// A body of revolution about Z: a closed profile of (r, z) points, whose edges are found by distance from the axis and by height.
+struct Turned<'a> {
+    profile: &'a [[f64; 2]],
+    by_distance: EdgeBins,
+    by_height: EdgeBins,
 }
 
-/// Intervals inside of the profile on a ray along an axis (0 to 2), at places along the next two axes in cyclic order.
-fn inside_profile(profile: &[[f64; 2]], axis: usize, a: f64, b: f64) -> Vec<[f64; 2]> {
-    match axis {
-        // The ray lies at height b or a, at distance a or b from the axis.
-        0 => across_axis(profile, a, b),
-        1 => across_axis(profile, b, a),
-        _ => along_axis(profile, libm::hypot(a, b)),
+/// Edges of a profile by one coordinate of it: of each bin of values those that reach into it.
+struct EdgeBins {
+    least: f64,
+    per_bin: f64,
+    bins: Vec<Vec<u32>>,
+}
+
+impl EdgeBins {
+    /// The edges by coordinate `k` of their points.
+    fn new(profile: &[[f64; 2]], k: usize) -> Self {
+        let (least, most) =
+            profile.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, m), p| (l.min(p[k]), m.max(p[k])));
+        let count = profile.len().max(1);
+        let per_bin = ((most - least) / count as f64).max(f64::MIN_POSITIVE);
+        let mut found = Self { least, per_bin, bins: vec![Vec::new(); count] };
+        for (i, edge) in (0..).zip(0..profile.len()) {
+            let ends = [profile[edge][k], profile[(edge + 1) % profile.len()][k]].map(|value| found.bin(value));
+            for bin in ends[0].min(ends[1])..=ends[0].max(ends[1]) {
+                found.bins[bin].push(i);
+            }
+        }
+        found
+    }
+
+    /// The bin of a value; it does not fall as the value rises, so that a value between the ends of an edge has a bin of the edge.
+    fn bin(&self, value: f64) -> usize {
+        (((value - self.least) / self.per_bin).max(0.0) as usize).min(self.bins.len() - 1)
+    }
+
+    /// The edges that may have a value between their ends.
+    fn near(&self, value: f64) -> &[u32] {
+        &self.bins[self.bin(value)]
     }
 }
 
-/// Intervals of z at a distance from the axis.
-fn along_axis(profile: &[[f64; 2]], r: f64) -> Vec<[f64; 2]> {
-    let z = crossings(profile, |p| p[0] > r, |a, b| a[1] + (b[1] - a[1]) * (r - a[0]) / (b[0] - a[0]));
-    z.chunks_exact(2).filter(|c| c[1] > c[0]).map(|c| [c[0], c[1]]).collect()
+impl<'a> Turned<'a> {
+    fn new(profile: &'a [[f64; 2]]) -> Self {
+        Self { profile, by_distance: EdgeBins::new(profile, 0), by_height: EdgeBins::new(profile, 1) }
+    }
+
+    /// Intervals inside on a ray along an axis (0 to 2), at places along the next two axes in cyclic order.
+    fn inside(&self, axis: usize, a: f64, b: f64) -> Vec<[f64; 2]> {
+        match axis {
+            // The ray lies at height b or a, at distance a or b from the axis.
+            0 => self.across_axis(a, b),
+            1 => self.across_axis(b, a),
+            _ => self.along_axis(libm::hypot(a, b)),
+        }
+    }
+
+    /// Places where some edges cross a line, ascending. The line is given by the side of a point and by the place of its crossing
+    /// with an edge.
+    fn crossings(
+        &self,
+        edges: &[u32],
+        beyond: impl Fn(&[f64; 2]) -> bool,
+        place: impl Fn(&[f64; 2], &[f64; 2]) -> f64,
+    ) -> Vec<f64> {
+        let ends =
+            |edge: &u32| (&self.profile[*edge as usize], &self.profile[(*edge as usize + 1) % self.profile.len()]);
+        let crossed = edges.iter().map(ends).filter(|(a, b)| beyond(a) != beyond(b));
+        let mut found: Vec<f64> = crossed.map(|(a, b)| place(a, b)).collect();
+        found.sort_by(f64::total_cmp);
+        found
+    }
+
+    /// Intervals of z at a distance from the axis.
+    fn along_axis(&self, r: f64) -> Vec<[f64; 2]> {
+        let edges = self.by_distance.near(r);
+        let z = self.crossings(edges, |p| p[0] > r, |a, b| a[1] + (b[1] - a[1]) * (r - a[0]) / (b[0] - a[0]));
+        z.chunks_exact(2).filter(|c| c[1] > c[0]).map(|c| [c[0], c[1]]).collect()
+    }
+
+    /// Intervals along a line across the axis at height z and distance y from the axis.
+    fn across_axis(&self, y: f64, z: f64) -> Vec<[f64; 2]> {
+        let edges = self.by_height.near(z);
+        let r = self.crossings(edges, |p| p[1] > z, |a, b| a[0] + (b[0] - a[0]) * (z - a[1]) / (b[1] - a[1]));
+        let half = |r: f64| if r > y.abs() { ((r - y.abs()) * (r + y.abs())).sqrt() } else { 0.0 };
+        let mut intervals: Vec<[f64; 2]> = Vec::new();
+        for pair in r.chunks_exact(2).rev() {
+            let (inner, outer) = (half(pair[0]), half(pair[1]));
+            if outer > inner {
+                intervals.push([-outer, -inner]);
+            }
+        }
+        for k in (0..intervals.len()).rev() {
+            let [a, b] = intervals[k];
+            let mirrored = [-b, -a];
+            match intervals.last_mut() {
+                // Both halves meet in the plane through the axis.
+                Some(last) if last[1] >= mirrored[0] => last[1] = mirrored[1],
+                _ => intervals.push(mirrored),
+            }
+        }
+        intervals
+    }
 }
 
-/// Intervals along a line across the axis at height z and distance y from the axis.
-fn across_axis(profile: &[[f64; 2]], y: f64, z: f64) -> Vec<[f64; 2]> {
-    let r = crossings(profile, |p| p[1] > z, |a, b| a[0] + (b[0] - a[0]) * (z - a[1]) / (b[1] - a[1]));
-    let half = |r: f64| if r > y.abs() { ((r - y.abs()) * (r + y.abs())).sqrt() } else { 0.0 };
-    let mut intervals: Vec<[f64; 2]> = Vec::new();
-    for pair in r.chunks_exact(2).rev() {
-        let (inner, outer) = (half(pair[0]), half(pair[1]));
-        if outer > inner {
-            intervals.push([-outer, -inner]);
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of a line the edges of its bin give the same intervals as all edges.
+    #[test]
+    fn edges_of_a_bin_are_all_that_a_line_crosses() {
+        let wave = (0..97).map(|k| f64::from(k) / 96.0).map(|t| [4.0 + 3.0 * t, 5.0 * t + (9.0 * t).sin()]);
+        let profile: Vec<[f64; 2]> =
+            [[4.0, -3.0], [1.0, -3.0], [1.0, -1.0], [4.0, -1.0]].into_iter().chain(wave).collect();
+        let body = Turned::new(&profile);
+        let all: Vec<u32> = (0..u32::try_from(profile.len()).unwrap_or(0)).collect();
+        let every = |least| EdgeBins { least, per_bin: f64::INFINITY, bins: vec![all.clone()] };
+        let slow = Turned { profile: &profile, by_distance: every(0.0), by_height: every(-3.0) };
+        let mut crossed = 0;
+        for k in 0..400 {
+            let (a, b) = (f64::from(k % 20) * 0.4 - 0.3, f64::from(k / 20) * 0.6 - 4.0);
+            for axis in 0..3 {
+                let found = body.inside(axis, a, b);
+                assert_eq!(found, slow.inside(axis, a, b), "{axis} {a} {b}");
+                crossed += found.len();
+            }
+        }
+        assert!(crossed > 500, "{crossed}");
+        // The ends of edges lie in the bins of both.
+        for p in &profile {
+            assert_eq!(body.along_axis(p[0]), slow.along_axis(p[0]));
+            assert_eq!(body.across_axis(0.5, p[1]), slow.across_axis(0.5, p[1]));
         }
     }
-    let mirrored: Vec<[f64; 2]> = intervals.iter().rev().map(|[a, b]| [-b, -a]).collect();
-    for m in mirrored {
-        match intervals.last_mut() {
-            // Both halves meet in the plane through the axis.
-            Some(last) if last[1] >= m[0] => last[1] = m[1],
-            _ => intervals.push(m),
-        }
-    }
-    intervals
 }

@@ -243,7 +243,7 @@ mod tests {
                 let tip = turn * Point3::new(20.0 + t, 3.0 * t.sin(), -t);
                 let rotary = [0.4 + 0.1 * t, 0.3 * t + sign * TAU * sector as f64 / VANES as f64];
                 let other = [-rotary[0], rotary[1] + PI];
-                RotaryPose { tip, rotary: if sector % 2 == 0 { rotary } else { other } }
+                RotaryPose { tip, rotary: if sector.is_multiple_of(2) { rotary } else { other } }
             })
             .collect()
     }
