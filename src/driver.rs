@@ -84,7 +84,7 @@ fn run(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<
     }
 
     // A plan that was made shows that the part can be made.
-    let facts = if matches!(start, StageValue::Ir) { facts::check_with } else { |_: &_, _: &_, _: &mut _| () };
+    let facts = if matches!(start, StageValue::Ir) { facts::check } else { |_: &_, _: &_, _: &mut _| () };
     let (post, mut outputs) = check_before_planning(options, &program, facts, sources, stages, sink)?;
     let plan = stages.watched("plan", |progress| pipeline::run_from(&program, start, progress, sink))?;
     *emitted = emitted::of_plan(options, &program, &plan, sources, sink)?;

@@ -136,6 +136,7 @@ impl Arguments {
             emit: self.emit,
             form: self.format.into(),
             part,
+            fits: false,
             run: self.run.options(self.post, self.report),
         }
     }
@@ -334,6 +335,11 @@ pub(super) enum Command {
         /// Largest memory that planning may need, such as 4GB; default 2GB
         #[arg(long, value_name = "SIZE", value_parser = memory, allow_hyphen_values = true)]
         memory: Option<f64>,
+
+        /// Tell also how well the sides of the tools fit the faces: what flank milling would leave in one, two and three
+        /// strips (some seconds)
+        #[arg(long)]
+        fits: bool,
 
         /// Check again whenever the job or a file that it reads changes, until Ctrl+C
         #[arg(long)]

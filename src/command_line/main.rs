@@ -72,10 +72,10 @@ fn commanded(command: Command) -> ExitCode {
             printed(&text)
         }
         Command::Man => manual(),
-        Command::Check { job, post, machine, memory, watch, reading } => {
+        Command::Check { job, post, machine, memory, fits, watch, reading } => {
             let ReadingArguments { library, curves, timings, error_format } = reading;
             let run = RunOptions { library, curves, post, machine, memory, ..RunOptions::default() };
-            let options = Options { job, run, ..Options::default() };
+            let options = Options { job, run, fits, ..Options::default() };
             let watched = watch.then_some(&options.job);
             repeated(Display::new(error_format, timings), watched, |stages| driver::check(&options, stages))
         }

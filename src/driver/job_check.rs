@@ -1,5 +1,6 @@
 //! A job judged without planning it: what the front end, the machine, the frames of the post, the memory that a plan
-//! needs, and the facts about the part show. Fits of the tool to the faces are left out, since they take most of the time.
+//! needs, and the facts about the part show. Fits of the tools to the faces are found only where they are asked for, since they take
+//! most of the time.
 
 use super::{Options, Outcome, Stages, check_before_planning, front};
 use diagnostics::{Aborted, Severity};
@@ -18,14 +19,15 @@ pub fn check(options: &Options, stages: &mut Stages) -> Outcome {
 fn judge(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<(), Aborted> {
     let Some(program) = front(options, stages, outcome)? else { return Ok(()) };
     let Outcome { sources, sink, emitted, .. } = outcome;
-    check_before_planning(options, &program, facts::check_without_fits, sources, stages, sink)?;
+    let facts = if options.fits { facts::check_with_fits } else { facts::check };
+    check_before_planning(options, &program, facts, sources, stages, sink)?;
     let warnings = sink.diags().iter().filter(|diag| diag.severity == Severity::Warning).count();
-    *emitted = Some(verdict(&program, warnings));
+    *emitted = Some(verdict(&program, warnings, options.fits));
     Ok(())
 }
 
 /// What the check found of a job without errors, and what it cannot find.
-fn verdict(program: &Program, warnings: usize) -> String {
+fn verdict(program: &Program, warnings: usize, fits: bool) -> String {
     let warned = match warnings {
         0 => String::new(),
         1 => ", one warning".to_owned(),
@@ -36,11 +38,12 @@ fn verdict(program: &Program, warnings: usize) -> String {
     let turned = program.machine.part_turned().map_or_else(String::new, |turned| format!("; {turned} of the machine"));
     format!(
         "{}: no fault found before planning{warned}; {} on {}, post {}{turned}\n\
-         what flank milling leaves, collisions, travel and {} are judged only when the job is compiled\n",
+         {}collisions, travel and {} are judged only when the job is compiled\n",
         program.name,
         if operations == 1 { "one operation".to_owned() } else { format!("{operations} operations") },
         program.machine.name,
         program.post.name,
+        if fits { "" } else { "`--fits` tells what flank milling would leave; " },
         match required {
             0 => "the default requirements".to_owned(),
             1 => "its requirement".to_owned(),

@@ -25,6 +25,8 @@ pub struct Options {
     pub form: EmitForm,
     /// How the part is written.
     pub part: PartOptions,
+    /// Whether a check tells what flank milling would leave on the faces.
+    pub fits: bool,
     /// Shared options.
     pub run: RunOptions,
 }

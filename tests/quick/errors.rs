@@ -1,5 +1,6 @@
 //! The report of every code as a golden, and the manual pages.
 
+use impellerc::base::progress::Progress;
 use impellerc::diagnostics::{Code, Severity, codes, render};
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::plan::{self, facts};
@@ -29,7 +30,7 @@ fn report(job: &Path) -> Outcome {
     if let Ok(Some(program)) = program {
         let _ = facts::flat_edges::check(&program, &mut outcome.sink);
         if stem(job).ends_with("-facts") {
-            facts::check(&program, &mut outcome.sink);
+            facts::check_with_fits(&program, &Progress::default(), &mut outcome.sink);
         }
         if stem(job).ends_with("-frame") {
             let _ = driver::check_frames(&program, &mut outcome.sink);

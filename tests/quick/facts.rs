@@ -2,6 +2,7 @@
 
 use crate::support;
 use impellerc::base::entity::PrimaryMap;
+use impellerc::base::progress::Progress;
 use impellerc::base::source::{SourceId, Span};
 use impellerc::base::units::Mm;
 use impellerc::diagnostics::{Diag, Severity, Sink};
@@ -20,7 +21,7 @@ use support::{operation, tool, wei_data, wei_part, wei_program};
 
 fn check(program: &Program) -> Vec<Diag> {
     let mut sink = Sink::default();
-    facts::check(program, &mut sink);
+    facts::check_with_fits(program, &Progress::default(), &mut sink);
     sink.diags().to_vec()
 }
 

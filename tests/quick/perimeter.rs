@@ -2,6 +2,7 @@
 
 use crate::support::pinned;
 use impellerc::base::entity::PrimaryMap;
+use impellerc::base::progress::Progress;
 use impellerc::base::units::Mm;
 use impellerc::diagnostics::{Sink, codes::verification};
 use impellerc::five_axis::{Carried, CarriedKind};
@@ -53,7 +54,7 @@ fn a_tool_that_does_not_stand_over_a_fixture_is_refused() {
         program.machine.retract = reached + length + gap;
         let has = |sink: &Sink| sink.diags().iter().any(|d| d.code == verification::RETRACT_TOO_LOW);
         let mut facts = Sink::default();
-        facts::check(&program, &mut facts);
+        facts::check(&program, &Progress::default(), &mut facts);
         assert_eq!(has(&facts), !fits, "facts at {gap}");
         let found = perimeter::check(&program, &shifted(program.machine.retract));
         assert!((found.clearance.get() - gap).abs() < 1e-6, "{found:?}");

@@ -31,7 +31,7 @@ crate::codes! {
     OUTLIER = "IMP0350", "data point does not fit the others", include_str!("pages/IMP0350.md");
     THROAT = "IMP0351", "throat of the channel", include_str!("pages/IMP0351.md");
     FLANK_FIT = "IMP0353", "how well the side of a cutter fits a face",
-        "The least error that flank milling leaves on a face, with one, two and three strips. The error is the \
+        "`impellerc check --fits` tells the least error that flank milling leaves on a face, with one, two and three strips. The error is the \
 deviation of the swept cutter from the face, shared evenly between gouge and excess; the hub and the neighbouring \
 vane are not considered. A ruled face can have a large error, because the error depends on the twist of the \
 face. For a face that an operation mills by points with a ball, the remark compares flank milling with the side of \

@@ -25,18 +25,14 @@ use ir::Program;
 const STRAIGHT_BULGE_MM: f64 = 1e-4;
 
 /// Reports the facts that matter to a programmer; facts that no plan can overcome are errors.
-pub fn check(program: &Program, sink: &mut Sink) {
-    check_with(program, &Progress::default(), sink);
-}
-
-/// [`check`] with reports of progress; a run that is cancelled ends soon, and leaves out facts.
-pub fn check_with(program: &Program, progress: &Progress, sink: &mut Sink) {
-    report(program, Some(progress), sink);
-}
-
-/// The facts of [`check`] but for what flank milling would leave: fits of the tool to all faces take most of the time.
-pub fn check_without_fits(program: &Program, _: &Progress, sink: &mut Sink) {
+pub fn check(program: &Program, _: &Progress, sink: &mut Sink) {
     report(program, None, sink);
+}
+
+/// [`check`], and what flank milling would leave: fits of the tools to all faces take most of the time. A run that is cancelled
+/// ends soon, and leaves out facts.
+pub fn check_with_fits(program: &Program, progress: &Progress, sink: &mut Sink) {
+    report(program, Some(progress), sink);
 }
 
 fn report(program: &Program, fits: Option<&Progress>, sink: &mut Sink) {
