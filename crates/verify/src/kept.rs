@@ -8,6 +8,7 @@ use super::SPACING;
 use super::place::describe;
 use super::proof::cells::{Extreme, Goals, PatchTask, Proved, SampledPatch};
 use super::proof::grid::{Grid, PlacedSurface};
+use super::proof::nearest::NEAR_ERROR;
 use super::proof::sweep::Sweep;
 use super::surface::{self, FAR, MIN_SLACK, SLACK, Worst};
 use super::symmetry::Symmetry;
@@ -126,9 +127,10 @@ pub(super) fn cover<'a>(program: &Program, shapes: &'a [Kept<'_>], sweeps: &[Swe
     let mut covered = Vec::new();
     for shape in shapes {
         let touched = |patch: &wheel::part::chart::Patch| {
-            shape
-                .ball(patch)
-                .is_none_or(|(middle, radius)| sweeps.iter().any(|sweep| sweep.near(&middle, radius + reach).is_some()))
+            shape.ball(patch).is_none_or(|(middle, radius)| {
+                let within = radius + reach + NEAR_ERROR;
+                sweeps.iter().any(|sweep| sweep.near(&middle, within).is_some())
+            })
         };
         let patches: Vec<_> = shape.patches(SPACING).into_par_iter().filter(touched).collect();
         let first = all.len();

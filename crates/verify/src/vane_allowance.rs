@@ -61,7 +61,7 @@ pub struct Moved<'a> {
 impl Shape for Moved<'_> {
     fn place(&self, x: f64, y: f64) -> Place {
         let place = self.chart.place(x, y);
-        let allowance = self.vane.at(self.part.height(&place.position));
+        let allowance = self.at(&place.position);
         Place { position: place.position + place.normal * allowance, ..place }
     }
 
@@ -69,7 +69,7 @@ impl Shape for Moved<'_> {
     fn thickness(&self, rectangle: [[f64; 2]; 2]) -> CellThickness {
         let [x, y] = rectangle.map(|[from, to]| 0.5 * (from + to));
         let middle = self.chart.place(x, y).position;
-        let even = self.chart.moved_thickness(rectangle, self.vane.at(self.part.height(&middle)));
+        let even = self.chart.moved_thickness(rectangle, self.at(&middle));
         if self.vane.growth() == 0.0 { even } else { even.plus(self.growth_thickness(rectangle, &middle)) }
     }
 
@@ -79,6 +79,13 @@ impl Shape for Moved<'_> {
 }
 
 impl Moved<'_> {
+    /// The allowance at a place of the surface.
+    fn at(&self, position: &Point3<f64>) -> f64 {
+        // An even allowance needs no height.
+        let height = if self.vane.growth() == 0.0 { 0.0 } else { self.part.height(position) };
+        self.vane.at(height)
+    }
+
     /// The share of the height changes by at most one over the sum of both distances in it per mm of way.
     fn growth_thickness(&self, rectangle: [[f64; 2]; 2], middle: &Point3<f64>) -> CellThickness {
         let half = rectangle.map(|[from, to]| 0.5 * (to - from));
@@ -108,48 +115,63 @@ pub(super) fn check(
     roughing: &[Sweep<'_>],
     progress: &Progress,
 ) -> Vec<VaneReport> {
-    let reports = roughing.iter().filter_map(|sweep| {
+    let with_allowance = |sweep| {
+        let sweep: &Sweep<'_> = sweep;
         let o = sweep.operation()?;
         let declared = &program.operations[motion.operations.get(o as usize)?.operation];
         let vane = declared.kind.roughing().map(|kept| kept.vane).filter(|vane| vane.root().get() > 0.0)?;
-        let (bound, worst) = missing(program, &declared.name, vane, std::slice::from_ref(sweep), progress);
-        let allowance = [vane.tip(), vane.root()].map(|value| value.get());
-        Some(VaneReport {
-            operation: o,
-            name: declared.name.clone(),
-            allowance: allowance.map(Mm),
-            worst,
-            bound: Mm(bound),
-        })
+        Some((o, declared.name.clone(), vane, sweep))
+    };
+    let operations: Vec<_> = roughing.iter().filter_map(with_allowance).collect();
+    // Operations with one allowance share the surfaces.
+    let mut allowances: Vec<VaneAllowance> = Vec::new();
+    for (_, _, vane, _) in &operations {
+        if !allowances.contains(vane) {
+            allowances.push(*vane);
+        }
+    }
+    let shapes: Vec<Vec<Moved<'_>>> = allowances.iter().map(|vane| moved(&program.part, *vane)).collect();
+    let covers: Vec<Cover<'_>> = shapes.iter().map(|shapes| cover(&program.part, shapes)).collect();
+    let reports = operations.into_iter().filter_map(|(operation, name, vane, sweep)| {
+        let cover = &covers[allowances.iter().position(|known| *known == vane)?];
+        let (bound, worst) = missing(program, &name, cover, std::slice::from_ref(sweep), progress);
+        let allowance = [vane.tip(), vane.root()].map(|value| Mm(value.get()));
+        Some(VaneReport { operation, name, allowance, worst, bound: Mm(bound) })
     });
     reports.collect()
+}
+
+/// Faces and fillets with an allowance.
+fn moved(part: &Part, vane: VaneAllowance) -> Vec<Moved<'_>> {
+    let of_vane = |chart: &Chart<'_>| matches!(chart.kind, SurfaceKind::Face(_) | SurfaceKind::Fillet(_));
+    charts(part).into_iter().filter(of_vane).map(|chart| Moved { chart, part, vane }).collect()
+}
+
+/// Moved surfaces in all sectors, with all of their patches.
+fn cover<'a>(part: &Part, shapes: &'a [Moved<'_>]) -> Cover<'a> {
+    let (mut grids, mut surfaces) = (Vec::new(), Vec::new());
+    for shape in shapes {
+        let first = grids.len();
+        grids.extend(shape.patches(SPACING).into_par_iter().map(|p| Grid::new(shape, p)).collect::<Vec<_>>());
+        surfaces.extend((0..part.vane_count).map(|sector| {
+            let (turn, id) = (part.sector_rotation(sector), SurfaceId { kind: shape.chart.kind, sector });
+            Covered { surface: PlacedSurface { shape, turn, id }, grids: (first..grids.len()).collect() }
+        }));
+    }
+    Cover { vanes: part.vane_count, surfaces, grids }
 }
 
 /// Proved bound of what is missing of an allowance, mm, and the worst place.
 fn missing(
     program: &Program,
     name: &str,
-    vane: VaneAllowance,
+    cover: &Cover<'_>,
     sweeps: &[Sweep<'_>],
     progress: &Progress,
 ) -> (f64, Option<MissingAllowance>) {
-    let part = &program.part;
-    let of_vane = |chart: &Chart<'_>| matches!(chart.kind, SurfaceKind::Face(_) | SurfaceKind::Fillet(_));
-    let shapes: Vec<Moved<'_>> =
-        charts(part).into_iter().filter(of_vane).map(|chart| Moved { chart, part, vane }).collect();
-    let (mut grids, mut covered) = (Vec::new(), Vec::new());
-    for shape in &shapes {
-        let first = grids.len();
-        grids.extend(shape.patches(SPACING).into_par_iter().map(|p| Grid::new(shape, p)).collect::<Vec<_>>());
-        covered.extend((0..part.vane_count).map(|sector| {
-            let (turn, id) = (part.sector_rotation(sector), SurfaceId { kind: shape.chart.kind, sector });
-            Covered { surface: PlacedSurface { shape, turn, id }, grids: (first..grids.len()).collect() }
-        }));
-    }
     let tolerance = program.tolerances.chord_rough.get();
     let stage = format!("{name}, allowance on vanes");
-    let cover = Cover { vanes: part.vane_count, surfaces: covered, grids };
-    let all = deepest(&cover, sweeps, 0.0, tolerance, progress, stage);
+    let all = deepest(cover, sweeps, 0.0, tolerance, progress, stage);
     let bound = all.iter().map(|d| -d.low).fold(0.0, f64::max);
     let least = |found: Extreme| found.map_or(0.0, |f| f.0);
     let worst = cover.surfaces.iter().zip(&all).filter(|(_, d)| least(d.found) < 0.0);

@@ -21,7 +21,7 @@ pub(crate) mod grid;
 mod hierarchy;
 mod hull;
 mod lower_bound;
-mod nearest;
+pub(crate) mod nearest;
 pub mod piece;
 pub mod sweep;
 pub(crate) mod turns;

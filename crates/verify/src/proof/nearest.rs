@@ -6,8 +6,9 @@ use super::sweep::{MIN_AXIS_DISTANCE, Nearest, Sweep, TURN_SLACK};
 use nalgebra::{Point3, Vector3};
 use tool_stock::collide::Slope;
 
-/// Largest error of the distance that [`Sweep::near`] finds, mm.
-const NEAR_ERROR: f64 = 5e-3;
+/// Largest error of the distance that [`Sweep::near`] finds, mm: it may find nothing where a piece is this much nearer than the
+/// cutoff.
+pub(crate) const NEAR_ERROR: f64 = 5e-3;
 
 /// Size of the stack of nodes: a binary tree over at most 2^32 pieces.
 const STACK_DEPTH: usize = 64;
@@ -60,8 +61,8 @@ impl Sweep<'_> {
         found
     }
 
-    /// A piece nearest to a point up to [`NEAR_ERROR`], by one evaluation per piece;
-    /// `None` where no piece is nearer than `cutoff`.
+    /// A piece nearest to a point up to [`NEAR_ERROR`], by one evaluation per piece; `None` where no piece is nearer than `cutoff`
+    /// less this error.
     pub(crate) fn near(&self, p: &Point3<f64>, cutoff: f64) -> Option<NearPiece> {
         let mut best = None;
         self.descend(p, cutoff - NEAR_ERROR, |index, least| {
@@ -273,6 +274,8 @@ mod tests {
                 let least = one_by_one.map(|touch| touch.value).fold(f64::INFINITY, f64::min);
                 let found = sweep.nearest(&p, f64::INFINITY).unwrap().distance;
                 assert!((found - least).abs() <= TURN_SLACK, "{:?}: {found} for {least}", solid.cutter);
+                // A search that goes farther by the error misses no piece.
+                assert!(sweep.near(&p, least + 1e-9 + NEAR_ERROR).is_some(), "{:?}: {least}", solid.cutter);
                 let near = sweep.near(&p, f64::INFINITY).unwrap().distance;
                 assert!((near - least).abs() < 2.0 * NEAR_ERROR, "{:?}: {near} for {least}", solid.cutter);
             }
