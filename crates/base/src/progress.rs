@@ -6,10 +6,10 @@
 //! Planning and verification look before each step whether they were cancelled. A cancelled run ends with an error and makes no
 //! value. Steps take some hundredths of a second: an editor waits for the end of a cancelled run before it judges the next text.
 
+use core::time::Duration;
 use std::borrow::Cow;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
 
 /// All works of a run, in the order in which they began.
 #[derive(Debug, Default)]

@@ -206,7 +206,17 @@ pub fn certify_with(
     if let Some(left) = &left {
         left.report(program, &samples, sink);
     }
-    report_faults(program, motion, &certificate, sink);
+    report_checks(program, motion, &certificate, sink);
+    let narrower = Narrower { program, motion, samples: &samples, splines: &splines, progress };
+    let judged = checked(progress, "contracts", || contracts::judge(program, motion, &certificate, &narrower, sink))?;
+    (certificate.contracts, certificate.allowed) = judged;
+    finite::report(program, motion, &certificate, sink);
+    if progress.is_cancelled() { Err(Aborted) } else { Ok(certificate) }
+}
+
+/// Reports what the checks without contracts found.
+fn report_checks(program: &Program, motion: &Motion, certificate: &Certificate, sink: &mut Sink) {
+    report_faults(program, motion, certificate, sink);
     perimeter::report(program, motion, &certificate.perimeter, sink);
     kept::report(program, motion, &certificate.kept, sink);
     if let Some(found) = &certificate.allowance {
@@ -217,11 +227,6 @@ pub fn certify_with(
     if let Some(report) = &certificate.stock {
         stock::report(program, motion, report, sink);
     }
-    let narrower = Narrower { program, motion, samples: &samples, splines: &splines, progress };
-    let judged = checked(progress, "contracts", || contracts::judge(program, motion, &certificate, &narrower, sink))?;
-    (certificate.contracts, certificate.allowed) = judged;
-    finite::report(program, motion, &certificate, sink);
-    if progress.is_cancelled() { Err(Aborted) } else { Ok(certificate) }
 }
 
 /// Takes the distance between curves and chords from the clearances to table, fixtures and clamping.
