@@ -446,7 +446,7 @@ fn a_signal_between_two_outputs_leaves_no_half() {
 #[test]
 fn timings_by_pass_and_check() {
     let place = Place::new();
-    let run = place.run(&["job.imp", "--force", "-o", "timed.nc", "--timings"]);
+    let run = place.run(&["job.imp", "-o", "timed.nc", "--timings"]);
     let lines: Vec<Vec<&str>> = run.err.lines().map(|l| l.split_whitespace().collect()).collect();
     assert!(lines.contains(&vec!["clock", "processor"]), "{}", run.err);
     for name in ["lower", "plan", "link-moves", "time-feeds", "verify", "surfaces", "clearance", "stock", "total"] {
