@@ -184,10 +184,10 @@ pub(super) fn deepest(
     }
     prove(&mut found, &|_| true, limit);
     // A cancelled run has no value that anybody sees.
-    found.into_iter().flatten().collect()
+    found.into_iter().flatten().map(|deepest| Deepest { low: deepest.low.min(cutoff), ..deepest }).collect()
 }
 
-/// [`deepest`] of some surfaces, each by itself.
+/// [`deepest`] of some surfaces, each by itself; where no cutter is below the cutoff, the bound lies beyond it.
 fn prove_deepest(
     covered: &[&Covered<'_>],
     grids: &[Grid],
@@ -237,7 +237,7 @@ fn prove_deepest(
     for ((s, _), p) in tasks.iter().zip(&proved) {
         all[*s] = all[*s].join(p);
     }
-    all.into_iter().map(|p| Deepest { found: p.least.filter(|l| l.0 < FAR), low: p.low.min(cutoff) }).collect()
+    all.into_iter().map(|p| Deepest { found: p.least.filter(|l| l.0 < FAR), low: p.low }).collect()
 }
 
 /// Reports cuts into kept surfaces as errors, one per kind.
