@@ -368,7 +368,7 @@ fn operation_report(
     // The part and the turned blank are the same in each sector.
     let sweep = sweeps.iter().find(|sweep| sweep.operation().is_some_and(|own| own as usize == o));
     let pieces = sweep.map_or_else(Vec::new, Sweep::first_pieces);
-    let turned = sweep.map_or(0.0, |sweep| sweep.pose_error(tool.solid.arm()));
+    let turned = sweep.map_or(0.0, Sweep::partner_error);
     let mut rapids = pieces.clone();
     rapids.retain(|p| p.kind == MoveKind::Rapid);
     let half_stock = STOCK_SPACING * std::f64::consts::FRAC_1_SQRT_2;

@@ -108,9 +108,9 @@ impl<'a> Sweep<'a> {
         self.pieces.len()
     }
 
-    /// Upper bound of the distance between what is proved of partners, mm.
+    /// Upper bound of the distance between the tools of partners at any time, mm.
     pub(crate) fn partner_error(&self) -> f64 {
-        self.turns.as_ref().map_or(0.0, |classes| classes.bound_error(self.solid.arm()))
+        self.turns.as_ref().map_or(0.0, |classes| classes.error(self.solid.arm()))
     }
 
     /// The move of the partner of a move, turned by a number of pitches.
@@ -132,15 +132,10 @@ impl<'a> Sweep<'a> {
     }
 
     /// Of pieces that are each other, turned, the first one each, in the order of time. What holds for them holds for all,
-    /// less [`Self::pose_error`].
+    /// less [`Self::partner_error`].
     pub(crate) fn first_pieces(&self) -> Vec<Piece<'a>> {
         let first = |piece: &&Piece<'a>| self.turns.as_ref().is_none_or(|classes| classes.is_first(piece.order));
         self.in_time().filter(first).copied().collect()
-    }
-
-    /// Upper bound of the distance between points of the tool in partners, mm; `arm` is their distance from the tip.
-    pub(crate) fn pose_error(&self, arm: f64) -> f64 {
-        self.turns.as_ref().map_or(0.0, |classes| classes.pose_error(arm))
     }
 
     /// Builds the hierarchy over pieces in the order of time.

@@ -2,9 +2,8 @@
 //!
 //! They are found from the poses of the tool alone, and so from the joints: no assumption on how the motion was planned. Two
 //! pieces are *partners* where the tips at both ends and the axes at every quarter, turned, are the same to [`TIP_ROUNDING`] and
-//! [`AXIS_ROUNDING`]. The bounds of the proof take the axis as the parabola through both ends and the middle and add the error
-//! of the parabola, which follows from the turn of the rotary axes; for partners this turn is the same too. What is proved of a
-//! piece holds therefore for its partners, turned, within the differences that were found.
+//! [`AXIS_ROUNDING`]. Between the quarters a bound of the fifth derivative of the axis holds them together, so that the distance
+//! of partners at any time is known.
 
 use super::piece::Piece;
 use nalgebra::{Point3, Rotation3};
@@ -13,8 +12,12 @@ use rayon::prelude::*;
 /// Largest distance of the tips of partners, mm.
 const TIP_ROUNDING: f64 = 1e-7;
 
-/// Largest distance of the unit axes of partners, and of their turns in radians.
+/// Largest distance of the unit axes of partners.
 const AXIS_ROUNDING: f64 = 1e-9;
+
+/// Largest value between five even places of the polynomial of degree four whose values there are at most one: the largest sum of
+/// the absolute Lagrange polynomials.
+const INTERPOLATED: f64 = 2.21;
 
 /// Number of classes with about the same key that a piece is compared with. A piece of one class more counts as one without
 /// partners.
@@ -43,7 +46,7 @@ pub(crate) struct TurnClasses {
     vanes: u32,
     /// Largest distances between partners.
     off: Difference,
-    /// Largest distance of the axes of partners between the places where they are compared.
+    /// How far an axis leaves, between the places where axes are compared, the polynomial through these, at most.
     between: f64,
 }
 
@@ -144,15 +147,10 @@ impl TurnClasses {
         self.by_class[from..].iter().take_while(|m| m.class == own.class).all(|m| order <= m.order)
     }
 
-    /// Upper bound of the distance between the bounds of partners, for points of the tool within an arm of its tip, mm. Each
-    /// of two partners differs from the piece with which both were compared.
-    pub(crate) fn bound_error(&self, arm: f64) -> f64 {
-        2.0 * (self.off.tip + self.off.axis * arm)
-    }
-
-    /// The same for the poses of partners themselves, also between the places where their axes are compared.
-    pub(crate) fn pose_error(&self, arm: f64) -> f64 {
-        self.bound_error(arm) + 2.0 * self.between * arm
+    /// Upper bound of the distance between points of the tool in partners at any time, mm, for points within an arm of its tip.
+    /// Each of two partners differs from the piece with which both were compared.
+    pub(crate) fn error(&self, arm: f64) -> f64 {
+        2.0 * (self.off.tip + (INTERPOLATED * self.off.axis + 2.0 * self.between) * arm)
     }
 }
 
@@ -182,7 +180,7 @@ fn power([mut x, mut y]: [f64; 2], mut exponent: usize) -> [f64; 2] {
 
 /// The number of pitches by which a piece is another one turned, with their largest distances; `None` where it is not.
 fn turned(from: &Piece<'_>, to: &Piece<'_>, turns: &[Rotation3<f64>]) -> Option<(u32, Difference)> {
-    if from.kind != to.kind || (from.half().turn - to.half().turn).abs() > AXIS_ROUNDING {
+    if from.kind != to.kind {
         return None;
     }
     // The angle between the horizontal directions that are farthest from the axis of the part.
@@ -270,7 +268,7 @@ mod tests {
                 assert_eq!(classes.partner(order, by), Some((sector + by) % 7 * in_sector + own));
             }
         }
-        assert!(classes.bound_error(100.0) < 1e-10 && classes.pose_error(100.0) < 1e-8);
+        assert!(classes.error(100.0) < 1e-8);
     }
 
     /// A point that is moved by a micrometre or an axis turned by 0.01 deg in one sector has no partner; no other piece loses its own.
