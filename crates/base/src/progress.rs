@@ -1,7 +1,8 @@
 //! Progress of long work, for display, and the request to cancel it.
 //!
 //! The stages count their steps here. The counters use neither terminals nor clocks, and no result depends on the
-//! counts. Who runs them may give a clock ([`Progress::timed`]): then each part of a stage has its times. Each work has its own counter, so that a share is the share of counted steps and not of estimated weights.
+//! counts. Who runs them may give a clock ([`Progress::timed`]): then each part of a stage has its times. Each work has its own
+//! counter, so that a share is the share of counted steps and not of estimated weights.
 //!
 //! Planning and verification look before each step whether they were cancelled. A cancelled run ends with an error and makes no
 //! value. Steps take some hundredths of a second: an editor waits for the end of a cancelled run before it judges the next text.

@@ -92,7 +92,7 @@ fn void(program: &Program, design: &Cloud, progress: &Progress) -> Vec<(Point3<f
         let r = libm::hypot(x, y);
         r <= r_max && inside(profile, r, z) && part.hub.distance(&Point3::new(x, y, z)) > 0.0
     };
-    let over_hub: Vec<Point3<f64>> = (0..=levels)
+    (0..=levels)
         .into_par_iter()
         .flat_map_iter(|k| {
             let z = low + k as f64 * grid;
@@ -112,25 +112,12 @@ fn void(program: &Program, design: &Cloud, progress: &Progress) -> Vec<(Point3<f
             }
             level
         })
-        .collect();
-    over_hub.par_chunks(POINTS_IN_TURN).flat_map_iter(|points| outside(points, design)).collect()
-}
-
-/// Those of some points that lie outside of the part, with their distance to it.
-fn outside(points: &[Point3<f64>], design: &Cloud) -> Vec<(Point3<f64>, f64)> {
-    // The distance changes no faster than the point moves, so that the point before gives a cutoff.
-    let mut last: Option<(Point3<f64>, f64)> = None;
-    let mut found = Vec::new();
-    for p in points {
-        let cutoff = last.map_or(f64::INFINITY, |(q, distance)| distance + (p - q).norm() + MIN_SLACK);
-        let Some((distance, index)) = design.least(|q| (q - p).norm(), cutoff) else { continue };
-        last = Some((*p, distance));
-        let nearest = &design.points()[index];
-        if (p - nearest.position).dot(&nearest.normal) > 0.0 {
-            found.push((*p, distance));
-        }
-    }
-    found
+        .filter_map(|p| {
+            let (distance, index) = design.least(|q| (q - p).norm(), f64::INFINITY)?;
+            let nearest = &design.points()[index];
+            ((p - nearest.position).dot(&nearest.normal) > 0.0).then_some((p, distance))
+        })
+        .collect()
 }
 
 /// True when (r, z) lies inside the closed profile.
