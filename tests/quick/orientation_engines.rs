@@ -373,7 +373,7 @@ fn tube(directions: &[Vector3<f64>], half: f64) -> Corridor {
     Corridor { cones: cones.collect(), spacing: 1.0, length: 6.0 }
 }
 
-const WEIGHTS: Weights = Weights { first: 0.05, second: 1.0, third: 1.0, peak: 1.0, least_tilt: 0.05 };
+const WEIGHTS: Weights = Weights { first: 0.05, second: 1.0, third: 1.0, peak: 1.0, middle: 0.003, least_tilt: 0.05 };
 
 #[test]
 fn a_smooth_run_stays_in_its_corridor() {

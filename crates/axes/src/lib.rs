@@ -5,3 +5,4 @@
 
 pub mod envelope;
 pub mod orient;
+mod quadratic;

@@ -4,12 +4,12 @@
 //! Motion is a sum over stations for both rotary axes: the squares of dq/ds and of `reach` times d2q/ds2, where s is
 //! the length of the lower curve. The first term stands for the turn of the axes, the second for their acceleration.
 
-use super::band::{Band, dot};
 use super::deviation::Mounted;
 use super::measured::{Measured, Row};
 use super::second_derivative;
 use super::step::{Aim, Model, best};
 use super::target::Target;
+use crate::quadratic::{Band, dot};
 use nalgebra::Vector3;
 use nurbs::angle::nearest_turn;
 use nurbs::{AxisAt, DualCurve};

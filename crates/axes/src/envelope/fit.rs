@@ -1,9 +1,9 @@
 //! Least squares: shifts of the control points that reduce the sum of squared violations (damped Gauss-Newton).
 
-use super::band::Band;
 use super::deviation::Mounted;
 use super::measured::{Measured, Row};
 use super::target::Target;
+use crate::quadratic::Band;
 use nurbs::DualCurve;
 
 /// Damping of unknowns that no target changes.

@@ -1,10 +1,13 @@
 //! Deviations of all targets, and their derivatives by the control points.
 
-use super::band::dot;
 use super::deviation::{Deviation, Mounted, deviations};
-use super::program::MAX_ENTRIES;
 use super::target::Target;
+use crate::quadratic::dot;
 use nurbs::DualCurve;
+use nurbs::bezier::MAX_BEZIER_DEGREE;
+
+/// Control points on which a deviation depends, as coordinates of both curves, at most.
+pub(super) const MAX_ENTRIES: usize = 6 * (MAX_BEZIER_DEGREE + 1);
 
 /// Deviations of all targets for one curve.
 #[derive(Clone, Debug)]

@@ -10,13 +10,11 @@
 //! A violation is the amount by which a deviation of the swept tool exceeds the bounds of a point. The deviation is
 //! that of the whole sweep, not that of one ruling from one axis.
 
-mod band;
 pub mod deviation;
 pub mod ease;
 pub mod fit;
 pub mod measured;
 pub mod minimax;
-mod program;
 mod second_derivative;
 mod step;
 pub mod target;

@@ -4,7 +4,7 @@
 //! The sum approximates the integral of the squares of both second derivatives, mm2: each of their control points
 //! counts for one knot span.
 
-use super::band::Band;
+use crate::quadratic::Band;
 use nurbs::DualCurve;
 
 /// Entries of a row: one coordinate of three neighbouring control points of one curve.

@@ -4,11 +4,10 @@
 //! Of some thousand bounds only few are active. The first program contains the bounds with the least slack. Each
 //! further program adds bounds that its predecessor violates, until none is violated.
 
-use super::band::Band;
-use super::measured::{Measured, Row};
-use super::program::{Bound, QuadraticProgram};
+use super::measured::{MAX_ENTRIES, Measured, Row};
 use super::second_derivative;
 use super::target::{Of, Target};
+use crate::quadratic::{Accuracy, Band, Bound, QuadraticProgram, SharedCost};
 use nurbs::DualCurve;
 
 /// Least widening that serves as the unit of the program, mm.
@@ -79,6 +78,9 @@ const IDLE_IN_MOTION: f64 = 1e-6;
 /// Weight of the second derivatives against the widening, where targets push a curve along itself, 1/mm2. Of two equal
 /// curves the one with less second derivative wins, and not one that runs to and fro.
 const SECOND_DERIVATIVE_WEIGHT: f64 = 1e-6;
+
+/// Accuracy of a program: the curve is measured after each step.
+const ACCURACY: Accuracy = Accuracy { gap: [1e-4, 1e-5], slope: 1e-4 };
 
 /// The best shifts. `None` when a program has no solution. `kept` holds the numbers of the targets with active bounds
 /// of the previous step, and is updated.
@@ -154,9 +156,9 @@ fn solve(model: &Model<'_>, aim: &Aim<'_>, active: &[Side], unit: f64) -> Option
     let bound = |side: &Side| {
         let row = &model.rows[side.target];
         let scale = side.sign * model.trust / unit;
-        Bound { first: row.first, a: row.scaled(scale), limit: side.limit / unit, give: side.give }
+        Bound { first: row.first, a: row.scaled(scale), limit: side.limit / unit, give: side.give, shared: 0 }
     };
-    let bounds: Vec<Bound> = active.iter().map(bound).collect();
+    let bounds: Vec<Bound<MAX_ENTRIES>> = active.iter().map(bound).collect();
     let (quadratic, linear): (Band, Vec<f64>) = match aim {
         Aim::Widening(_) => {
             let (mut hessian, mut slope) = (Band::new(n, second_derivative::WIDTH), vec![0.0; n]);
@@ -178,14 +180,16 @@ fn solve(model: &Model<'_>, aim: &Aim<'_>, active: &[Side], unit: f64) -> Option
             (quadratic, slope.iter().map(|x| x / (scale * model.trust)).collect())
         }
     };
-    let widens = matches!(aim, Aim::Widening(_));
+    let widening = [SharedCost { linear: 1.0, quadratic: 0.0 }];
     let (x, w) = QuadraticProgram {
         bounds: &bounds,
         entries: model.curve.entries(),
         quadratic: &quadratic,
         linear: &linear,
-        widens,
+        shared: if matches!(aim, Aim::Widening(_)) { &widening } else { &[] },
+        accuracy: ACCURACY,
     }
     .solve()?;
+    let w = w.first().copied().unwrap_or(0.0);
     Some(ControlStep { shift: x.iter().map(|x| x * model.trust).collect(), widening: (w * unit).max(0.0) })
 }

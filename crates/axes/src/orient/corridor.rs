@@ -6,8 +6,7 @@
 //! the plane of the ellipse is linearised. The convex problem is solved and the map is linearised again at its
 //! solution, until the solution no longer changes. Last, each axis is compared with its true ellipse.
 
-use clarabel::algebra::CscMatrix;
-use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, SupportedConeT};
+use crate::quadratic::{Accuracy, Band, Bound, QuadraticProgram, SharedCost};
 use nalgebra::{Matrix2, Vector2, Vector3};
 use nurbs::EllipticCone;
 use std::f64::consts::TAU;
@@ -33,6 +32,15 @@ const SETTLED: f64 = 1e-5;
 /// Cost of an axis out of its cone, as a multiple of the weight of third differences: it exceeds all others.
 const OUTSIDE: f64 = 60.0;
 
+/// Fewest stations: each has a third difference.
+const MIN_STATIONS: usize = 4;
+
+/// Unknowns that a bound joins: an axis at two neighbouring stations, with the other axis between.
+const ENTRIES: usize = 3;
+
+/// Accuracy of a program: its terms differ by eight orders, from third differences to the pull to the middle.
+const ACCURACY: Accuracy = Accuracy { gap: [1e-10, 1e-10], slope: 1e-9 };
+
 /// Weights of the minimised terms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Weights {
@@ -44,6 +52,9 @@ pub struct Weights {
     pub third: f64,
     /// Squares of the largest turns of each rotary axis per mm.
     pub peak: f64,
+    /// Squares of the distance of the axis from the middle of its cone, as a tangent: of runs that turn equally, which a shift of all
+    /// angles changes into each other, the one in the middle is best.
+    pub middle: f64,
     /// Least angle of axis 1 to both sides of zero, radians, where the pole is at zero: nearer to it axis 2 turns fast. Zero where
     /// the pole is elsewhere.
     pub least_tilt: f64,
@@ -116,6 +127,8 @@ impl Corridor {
         levels.enumerate().fold((0, 0.0), |worst, x| if x.1 > worst.1 { x } else { worst })
     }
 
+    /// The best angles by the map linearised at `run`, each at most `trust` from there. The unknowns are the changes as
+    /// shares of `trust`, both axes of a station side by side: then all terms join near unknowns.
     fn solve(
         &self,
         run: &[[f64; 2]],
@@ -124,70 +137,108 @@ impl Corridor {
         tool_axis: &dyn Fn([f64; 2]) -> Vector3<f64>,
     ) -> Option<Vec<[f64; 2]>> {
         let n = self.cones.len();
-        if n < 4 || run.len() != n {
+        if n < MIN_STATIONS || run.len() != n {
             return None;
         }
-        // Unknowns: axis 1 of all stations, axis 2 of all stations, the largest turn of each, and the distance out of
-        // the cones.
-        let count = 2 * n + 3;
-        let mut square = Triplets::default();
-        let (h, length) = (self.spacing, self.length);
-        let third = weights.third * length.powi(4) / h.powi(5);
-        let orders: [(&[f64], f64); 3] = [
-            (&[-1.0, 1.0], weights.first / h),
-            (&[1.0, -2.0, 1.0], weights.second * length.powi(2) / h.powi(3)),
-            (&[-1.0, 3.0, -3.0, 1.0], third),
-        ];
-        for axis in 0..2 {
-            for (stencil, weight) in orders {
-                for first in 0..=n - stencil.len() {
-                    for (i, p) in stencil.iter().enumerate() {
-                        for (j, q) in stencil.iter().enumerate().skip(i) {
-                            square.add(axis * n + first + i, axis * n + first + j, 2.0 * weight * p * q);
-                        }
-                    }
-                }
-            }
-            square.add(2 * n + axis, 2 * n + axis, 2.0 * weights.peak * h * n as f64);
-        }
-        let mut rows = CorridorRows::default();
+        let at = run.as_flattened();
+        let mut square = self.differences(weights);
+        let mut slope = square.times(at);
+        let mut bounds = turns(at, trust);
+        let middle = 2.0 * weights.middle * self.spacing / self.length.powi(2);
         for (k, (cone, angles)) in self.cones.iter().zip(run).enumerate() {
-            self.in_cone(&mut rows, k, cone, *angles, tool_axis)?;
-            for (axis, value) in angles.iter().enumerate() {
-                rows.at_most(&[(axis * n + k, 1.0)], value + trust);
-                rows.at_most(&[(axis * n + k, -1.0)], trust - value);
+            let place = Linearised::new(cone, *angles, tool_axis)?;
+            for (row, off) in [0, 1].map(|i| (place.jacobian.row(i), place.off[i])) {
+                square.add_square(2 * k, &[row[0], row[1]], middle);
+                (0..2).for_each(|axis| slope[2 * k + axis] += middle * row[axis] * off);
             }
+            bounds.extend(
+                place.sides(cone, trust).map(|(a, limit)| Bound { limit: limit / trust, ..at_station(k, n, a, 0) }),
+            );
             // Always feasible: angles that start nearer to zero than the least tilt may only go away from it.
-            if weights.least_tilt > 0.0 {
-                rows.at_most(&[(k, -angles[0].signum())], -weights.least_tilt.min(angles[0].abs()));
-            }
-            if k + 1 < n {
-                for axis in 0..2 {
-                    let (p, q) = (axis * n + k, axis * n + k + 1);
-                    rows.at_most(&[(q, 1.0), (p, -1.0), (2 * n + axis, -h)], 0.0);
-                    rows.at_most(&[(p, 1.0), (q, -1.0), (2 * n + axis, -h)], 0.0);
-                }
+            let room = angles[0].abs() - weights.least_tilt.min(angles[0].abs());
+            if weights.least_tilt > 0.0 && room < trust {
+                let away = [-angles[0].signum(), 0.0];
+                bounds.push(Bound { limit: room / trust, give: 0.0, ..at_station(k, n, away, 0) });
             }
         }
-        // An axis may leave its cone only where it must.
-        let out = 2 * n + 2;
-        rows.at_most(&[(out, -1.0)], 0.0);
-        let mut linear = vec![0.0; count];
-        linear[out] = OUTSIDE * third;
-        let solution = solve_quadratic(&square, &linear, &rows, count)?;
-        Some((0..n).map(|k| [solution[k], solution[n + k]]).collect())
+        let unit = square.largest();
+        square.scale(1.0 / unit);
+        slope.iter_mut().for_each(|x| *x /= unit * trust);
+        // An axis may leave its cone only where it must. Distances out of the cones and turns are shares of `trust` as well.
+        let out = SharedCost { linear: OUTSIDE * self.third(weights) / (unit * trust), quadratic: 0.0 };
+        let peak = SharedCost { linear: 0.0, quadratic: 2.0 * weights.peak * n as f64 / (self.spacing * unit) };
+        let program = QuadraticProgram {
+            bounds: &bounds,
+            entries: ENTRIES,
+            quadratic: &square,
+            linear: &slope,
+            shared: &[out, peak, peak],
+            accuracy: ACCURACY,
+        };
+        let (change, _) = program.solve()?;
+        Some((0..n).map(|k| [0, 1].map(|axis| run[k][axis] + trust * change[2 * k + axis])).collect())
     }
 
-    /// Rows that keep the axis of a station inside of its cone.
-    fn in_cone(
-        &self,
-        rows: &mut CorridorRows,
-        k: usize,
+    /// Weight of third differences.
+    fn third(&self, weights: &Weights) -> f64 {
+        weights.third * self.length.powi(4) / self.spacing.powi(5)
+    }
+
+    /// Twice the matrix of the squares of first, second and third differences.
+    fn differences(&self, weights: &Weights) -> Band {
+        let n = self.cones.len();
+        let (h, length) = (self.spacing, self.length);
+        // Both axes of a station are side by side.
+        let orders: [(&[f64], f64); 3] = [
+            (&[-1.0, 0.0, 1.0], weights.first / h),
+            (&[1.0, 0.0, -2.0, 0.0, 1.0], weights.second * length.powi(2) / h.powi(3)),
+            (&[-1.0, 0.0, 3.0, 0.0, -3.0, 0.0, 1.0], self.third(weights)),
+        ];
+        let mut square = Band::new(2 * n, 6);
+        for (stencil, weight) in orders {
+            for first in 0..=2 * n - stencil.len() {
+                square.add_square(first, stencil, 2.0 * weight);
+            }
+        }
+        square
+    }
+}
+
+/// Bounds of the turn of each axis between neighbouring stations by the largest turn, as shares of `trust`.
+fn turns(at: &[f64], trust: f64) -> Vec<Bound<ENTRIES>> {
+    let both = |i: usize| {
+        let turn = (at[i + 2] - at[i]) / trust;
+        [1.0, -1.0].map(|sign| Bound {
+            first: i,
+            a: [-sign, 0.0, sign],
+            limit: -sign * turn,
+            give: 1.0,
+            shared: 1 + i % 2,
+        })
+    };
+    (0..at.len() - 2).flat_map(both).collect()
+}
+
+/// A bound with two factors at the axes of a station, which gives way.
+fn at_station(k: usize, stations: usize, [a, b]: [f64; 2], shared: usize) -> Bound<ENTRIES> {
+    // Behind the last station there is no third unknown.
+    let (first, a) = if k + 1 < stations { (2 * k, [a, b, 0.0]) } else { (2 * k - 1, [0.0, a, b]) };
+    Bound { first, a, limit: 0.0, give: 1.0, shared }
+}
+
+/// The map from the rotary angles at a station to the plane of its ellipse, linearised.
+struct Linearised {
+    jacobian: Matrix2<f64>,
+    /// Place of the tool axis from the middle of the ellipse.
+    off: Vector2<f64>,
+}
+
+impl Linearised {
+    fn new(
         cone: &EllipticCone,
         [first, second]: [f64; 2],
         tool_axis: &dyn Fn([f64; 2]) -> Vector3<f64>,
-    ) -> Option<()> {
-        let n = self.cones.len();
+    ) -> Option<Self> {
         let here = cone.project(&tool_axis([first, second]))?;
         // Central differences: the map is smooth, and the step 1e-5 gives ten digits.
         let step = 1e-5;
@@ -196,66 +247,20 @@ impl Corridor {
             Some((p? - q?) / (2.0 * step))
         };
         let jacobian = Matrix2::from_columns(&[by(step, 0.0)?, by(0.0, step)?]);
+        Some(Self { jacobian, off: here - cone.centre })
+    }
+
+    /// Factors and limits of the sides of the polygon that the axis can reach by changes of both angles up to `trust`.
+    fn sides(&self, cone: &EllipticCone, trust: f64) -> impl Iterator<Item = ([f64; 2], f64)> {
         let to_circle = cone.to_circle();
-        let (turned, offset) = (to_circle * jacobian, to_circle * (here - cone.centre));
+        let (turned, offset) = (to_circle * self.jacobian, to_circle * self.off);
         let inner = POLYGON_SCALE * libm::cos(TAU / (2.0 * SIDES as f64));
-        for side in 0..SIDES {
+        (0..SIDES).filter_map(move |side| {
             let (sin, cos) = libm::sincos(TAU * side as f64 / SIDES as f64);
             let out = Vector2::new(cos, sin);
             let slope = turned.transpose() * out;
-            let bound = inner - out.dot(&offset) + slope.x * first + slope.y * second;
-            rows.at_most(&[(k, slope.x), (n + k, slope.y), (2 * n + 2, -1.0)], bound);
-        }
-        Some(())
+            let limit = inner - out.dot(&offset);
+            (limit < trust * slope.abs().sum()).then_some(([slope.x, slope.y], limit))
+        })
     }
-}
-
-/// Entries of a sparse matrix.
-#[derive(Default)]
-struct Triplets {
-    rows: Vec<usize>,
-    columns: Vec<usize>,
-    values: Vec<f64>,
-}
-
-impl Triplets {
-    fn add(&mut self, row: usize, column: usize, value: f64) {
-        self.rows.push(row);
-        self.columns.push(column);
-        self.values.push(value);
-    }
-
-    fn matrix(&self, rows: usize, columns: usize) -> CscMatrix<f64> {
-        CscMatrix::new_from_triplets(rows, columns, self.rows.clone(), self.columns.clone(), self.values.clone())
-    }
-}
-
-/// Linear constraints.
-#[derive(Default)]
-struct CorridorRows {
-    matrix: Triplets,
-    bounds: Vec<f64>,
-}
-
-impl CorridorRows {
-    /// Sum of factors times unknowns is at most a bound.
-    fn at_most(&mut self, terms: &[(usize, f64)], bound: f64) {
-        for (column, factor) in terms {
-            self.matrix.add(self.bounds.len(), *column, *factor);
-        }
-        self.bounds.push(bound);
-    }
-}
-
-/// Minimum of x P x / 2 + q x under the constraints; P is given by its upper half. `None` when the solver finds no
-/// solution.
-fn solve_quadratic(square: &Triplets, linear: &[f64], rows: &CorridorRows, count: usize) -> Option<Vec<f64>> {
-    let p = square.matrix(count, count);
-    let a = rows.matrix.matrix(rows.bounds.len(), count);
-    let cones: [SupportedConeT<f64>; 1] = [NonnegativeConeT(rows.bounds.len())];
-    let settings = DefaultSettings { verbose: false, max_iter: 100, ..DefaultSettings::default() };
-    let mut solver = DefaultSolver::new(&p, linear, &a, &rows.bounds, &cones, settings).ok()?;
-    solver.solve();
-    let solved = matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved);
-    solved.then(|| solver.solution.x.clone())
 }

@@ -1,13 +1,11 @@
 //! Sampled surfaces with a hierarchy, for the least distance of a tool to the samples.
 //!
-//! The hierarchy is that of parry; the bound and the leaves are our own. The signed distance of a tool at the middle of
-//! a box gives a far better bound than the bounding box of the tool. This is the only file that names parry.
+//! A node is the ball about its samples. The signed distance of a tool at the centre of the ball gives a far better bound
+//! than the bounding box of the tool. The nodes stand in the order of a descent, so that a search needs neither a queue nor
+//! an allocation.
 
 use super::tool::tool_coordinates;
 use nalgebra::{Point3, Vector3};
-use parry3d_f64::bounding_volume::Aabb;
-use parry3d_f64::math::Vector;
-use parry3d_f64::partitioning::{Bvh, BvhBuildStrategy, BvhNode};
 
 /// A sample of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,28 +24,35 @@ const LEAF: usize = 8;
 /// Number of points below which one thread orders them alone.
 const ALONE: usize = 4096;
 
+/// Most levels of the hierarchy: it halves its samples, so that memory ends before.
+const MAX_LEVELS: usize = 64;
+
 /// Samples of surfaces, ordered in space.
 pub struct Cloud {
     points: Vec<CloudPoint>,
-    tree: Bvh,
+    /// Each node stands before its nodes, all of the first half before those of the second.
+    nodes: Vec<Node>,
+}
+
+/// The ball about a run of samples.
+#[derive(Clone, Copy)]
+struct Node {
+    centre: Point3<f64>,
+    radius: f64,
+    /// First sample of a leaf; of other nodes the place of the second half.
+    to: u32,
+    is_leaf: bool,
 }
 
 impl Cloud {
     /// Builds the hierarchy.
     pub fn new(mut points: Vec<CloudPoint>) -> Self {
         order(&mut points);
-        let boxes: Vec<Aabb> = points
-            .chunks(LEAF)
-            .map(|chunk| {
-                let (mut low, mut high) = (chunk[0].position, chunk[0].position);
-                for p in chunk {
-                    low = low.inf(&p.position);
-                    high = high.sup(&p.position);
-                }
-                Aabb::new(Vector::new(low.x, low.y, low.z), Vector::new(high.x, high.y, high.z))
-            })
-            .collect();
-        Self { tree: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes), points }
+        let mut nodes = Vec::with_capacity(2 * points.len().div_ceil(LEAF));
+        if !points.is_empty() {
+            add_nodes(&points, 0, &mut nodes);
+        }
+        Self { points, nodes }
     }
 
     /// The samples, in the order of the indices that queries return.
@@ -86,20 +91,21 @@ impl Cloud {
         value: impl Fn(usize, &Point3<f64>) -> f64,
         cutoff: f64,
     ) -> Option<(f64, usize)> {
-        let bound = |node: &BvhNode, _: f64| bound(node, &low);
-        let leaf = |chunk: u32, _: f64| {
-            let start = chunk as usize * LEAF;
-            let end = (start + LEAF).min(self.points.len());
-            let mut best: Option<(f64, usize)> = None;
-            for (i, p) in self.points[start..end].iter().enumerate() {
-                let d = value(start + i, &p.position);
-                if best.is_none_or(|b| d < b.0) {
-                    best = Some((d, start + i));
+        let mut best: Option<(f64, usize)> = None;
+        let mut limit = cutoff;
+        self.descend(low, |bound, leaf| {
+            let Some(leaf) = leaf else { return if bound < limit { Search::Into } else { Search::Past } };
+            if bound < limit {
+                for (i, p) in self.leaf(leaf) {
+                    let d = value(i, &p.position);
+                    if d < limit {
+                        (limit, best) = (d, Some((d, i)));
+                    }
                 }
             }
-            best.map(|(cost, index)| NearestSample { cost, index })
-        };
-        self.tree.find_best(cutoff, bound, leaf).map(|(_, found)| (found.cost, found.index))
+            Search::Past
+        });
+        best
     }
 
     /// True when [`Self::least`] would find a sample: the search ends at the first one.
@@ -114,36 +120,93 @@ impl Cloud {
         value: impl Fn(usize, &Point3<f64>) -> f64,
         cutoff: f64,
     ) -> bool {
-        let bound = |node: &BvhNode, best: f64| if best < cutoff { f64::INFINITY } else { bound(node, &low) };
-        let leaf = |chunk: u32, best: f64| {
-            let start = chunk as usize * LEAF;
-            let mut points = self.points[start..].iter().take(LEAF).zip(start..);
-            let below = |(p, index): (&CloudPoint, usize)| {
-                let cost = value(index, &p.position);
-                (cost < cutoff).then_some(NearestSample { cost, index })
+        let mut found = false;
+        self.descend(low, |bound, leaf| {
+            if bound >= cutoff {
+                return Search::Past;
+            }
+            let Some(leaf) = leaf else { return Search::Into };
+            found = self.leaf(leaf).any(|(i, p)| value(i, &p.position) < cutoff);
+            if found { Search::End } else { Search::Past }
+        });
+        found
+    }
+
+    /// The samples of a leaf, with their indices.
+    fn leaf(&self, first: usize) -> impl Iterator<Item = (usize, &CloudPoint)> {
+        let end = (first + LEAF).min(self.points.len());
+        (first..end).zip(&self.points[first..end])
+    }
+
+    /// Visits nodes, each with the lower bound of a value over its samples, the lower one of two halves first; leaves with
+    /// their first sample. The value changes no faster than the position.
+    fn descend(&self, low: impl Fn(&Point3<f64>) -> f64, mut visit: impl FnMut(f64, Option<usize>) -> Search) {
+        let bound = |node: &Node| low(&node.centre) - node.radius;
+        let mut open = [(0.0, 0_u32); MAX_LEVELS];
+        let mut count = 0;
+        let Some(root) = self.nodes.first() else { return };
+        let mut next = Some((bound(root), 0_u32));
+        while let Some((below, at)) = next {
+            let node = &self.nodes[at as usize];
+            let leaf = node.is_leaf.then_some(node.to as usize);
+            next = match visit(below, leaf) {
+                Search::End => return,
+                Search::Into if leaf.is_none() => {
+                    let [one, two] = [at + 1, node.to].map(|k| (bound(&self.nodes[k as usize]), k));
+                    let (first, then) = if two.0 < one.0 { (two, one) } else { (one, two) };
+                    open[count] = then;
+                    count += 1;
+                    Some(first)
+                }
+                Search::Into | Search::Past => {
+                    count = count.wrapping_sub(1);
+                    open.get(count).copied()
+                }
             };
-            if best < cutoff { None } else { points.find_map(below) }
-        };
-        self.tree.find_best(cutoff, bound, leaf).is_some()
+        }
     }
 }
 
-/// Lower bound of a value over a box; the value changes no faster than the position.
-fn bound(node: &BvhNode, value: impl Fn(&Point3<f64>) -> f64) -> f64 {
-    let centre = (node.mins() + node.maxs()) * 0.5;
-    let half = (node.maxs() - node.mins()) * 0.5;
-    value(&Point3::new(centre.x, centre.y, centre.z)) - half.length()
+/// How a search goes on behind a node.
+enum Search {
+    /// With the halves of the node.
+    Into,
+    /// Past the node.
+    Past,
+    /// Not at all.
+    End,
 }
 
-struct NearestSample {
-    cost: f64,
-    index: usize,
-}
-
-impl parry3d_f64::partitioning::BvhLeafCost for NearestSample {
-    fn cost(&self) -> f64 {
-        self.cost
+/// Adds the nodes over a run of samples that begins with sample `first`.
+fn add_nodes(points: &[CloudPoint], first: usize, nodes: &mut Vec<Node>) {
+    let (low, high) = ends(points);
+    let centre = low + (high - low) * 0.5;
+    let square = points.iter().map(|p| (p.position - centre).norm_squared()).fold(0.0, f64::max);
+    let at = nodes.len();
+    let is_leaf = points.len() <= LEAF;
+    nodes.push(Node { centre, radius: square.sqrt(), to: index(first), is_leaf });
+    if !is_leaf {
+        let (one, two) = points.split_at(half(points));
+        add_nodes(one, first, nodes);
+        nodes[at].to = index(nodes.len());
+        add_nodes(two, first + one.len(), nodes);
     }
+}
+
+/// Samples are at most some millions.
+fn index(i: usize) -> u32 {
+    u32::try_from(i).unwrap_or(u32::MAX)
+}
+
+/// Corners of the box about samples.
+fn ends(points: &[CloudPoint]) -> (Point3<f64>, Point3<f64>) {
+    let first = points[0].position;
+    points.iter().fold((first, first), |(low, high), p| (low.inf(&p.position), high.sup(&p.position)))
+}
+
+/// Number of samples in the first half of a run: whole leaves, so that no leaf spans a cut.
+fn half(points: &[CloudPoint]) -> usize {
+    (points.len() / 2).div_ceil(LEAF) * LEAF
 }
 
 /// Orders points so that each run of [`LEAF`] points is compact: repeated bisection along the longest side.
@@ -151,18 +214,13 @@ fn order(points: &mut [CloudPoint]) {
     if points.len() <= LEAF {
         return;
     }
-    let (mut low, mut high) = (points[0].position, points[0].position);
-    for p in points.iter() {
-        low = low.inf(&p.position);
-        high = high.sup(&p.position);
-    }
+    let (low, high) = ends(points);
     let axis = (high - low).imax();
-    // Whole leaves on the left, so that no leaf spans a cut.
-    let middle = (points.len() / 2).div_ceil(LEAF) * LEAF;
+    let middle = half(points);
     points.select_nth_unstable_by(middle.min(points.len() - 1), |a, b| {
         a.position[axis].total_cmp(&b.position[axis]).then(a.tag.cmp(&b.tag))
     });
-    let (left, right) = points.split_at_mut(middle.min(points.len()));
+    let (left, right) = points.split_at_mut(middle);
     if left.len() > ALONE {
         rayon::join(|| order(left), || order(right));
     } else {

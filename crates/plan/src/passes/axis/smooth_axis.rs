@@ -51,7 +51,8 @@ const AT_POLE: f64 = 1e-9;
 /// Weights of the minimised terms.
 fn weights(chain: &Chain) -> Weights {
     let pole_at_zero = libm::sin(chain.polar_angle(0.0)) < AT_POLE;
-    Weights { first: 0.02, second: 1.0, third: 1.0, peak: 3.0, least_tilt: if pole_at_zero { MIN_TILT } else { 0.0 } }
+    let least_tilt = if pole_at_zero { MIN_TILT } else { 0.0 };
+    Weights { first: 0.02, second: 1.0, third: 1.0, peak: 3.0, middle: 0.003, least_tilt }
 }
 
 /// Why a pass was not smoothed.

@@ -5,7 +5,7 @@
 
 /// A symmetric matrix: for each row of the lower triangle the diagonal entry and `width` entries before it.
 #[derive(Clone, Debug)]
-pub(super) struct Band {
+pub(crate) struct Band {
     size: usize,
     width: usize,
     /// Row i starts at i * (width + 1) and ends with its diagonal entry; places before the first column are zero.
@@ -13,7 +13,7 @@ pub(super) struct Band {
 }
 
 /// Sum of products.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     // Four independent sums.
     let mut sums = [0.0; 4];
     let (a4, b4) = (a.chunks_exact(4), b.chunks_exact(4));
@@ -28,18 +28,18 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 impl Band {
     /// Zero matrix.
-    pub(super) fn new(size: usize, width: usize) -> Self {
+    pub(crate) fn new(size: usize, width: usize) -> Self {
         let width = width.min(size.saturating_sub(1));
         Self { size, width, rows: vec![0.0; size * (width + 1)] }
     }
 
     /// Number of rows and columns.
-    pub(super) fn size(&self) -> usize {
+    pub(crate) fn size(&self) -> usize {
         self.size
     }
 
     /// The same matrix with space for entries farther from the diagonal.
-    pub(super) fn widened(&self, width: usize) -> Self {
+    pub(crate) fn widened(&self, width: usize) -> Self {
         let mut out = Self::new(self.size, width.max(self.width));
         let gap = out.width - self.width;
         for (to, from) in out.rows.chunks_exact_mut(out.width + 1).zip(self.rows.chunks_exact(self.width + 1)) {
@@ -49,7 +49,7 @@ impl Band {
     }
 
     /// Adds `weight` a a', where `entries` are the entries of a from column `first` on.
-    pub(super) fn add_square(&mut self, first: usize, entries: &[f64], weight: f64) {
+    pub(crate) fn add_square(&mut self, first: usize, entries: &[f64], weight: f64) {
         let stride = self.width + 1;
         for (i, a) in entries.iter().enumerate() {
             let diagonal = (first + i) * stride + self.width;
@@ -61,23 +61,23 @@ impl Band {
     }
 
     /// Entry i of the diagonal.
-    pub(super) fn diagonal(&mut self, i: usize) -> &mut f64 {
+    pub(crate) fn diagonal(&mut self, i: usize) -> &mut f64 {
         let at = i * (self.width + 1) + self.width;
         &mut self.rows[at]
     }
 
     /// Largest entry of the diagonal.
-    pub(super) fn largest(&self) -> f64 {
+    pub(crate) fn largest(&self) -> f64 {
         self.rows.chunks_exact(self.width + 1).map(|row| row[self.width]).fold(0.0, f64::max)
     }
 
     /// Multiplies all entries by a number.
-    pub(super) fn scale(&mut self, by: f64) {
+    pub(crate) fn scale(&mut self, by: f64) {
         self.rows.iter_mut().for_each(|x| *x *= by);
     }
 
     /// Product with a vector.
-    pub(super) fn times(&self, x: &[f64]) -> Vec<f64> {
+    pub(crate) fn times(&self, x: &[f64]) -> Vec<f64> {
         let mut out = vec![0.0; self.size];
         for i in 0..self.size {
             let (from, row) = self.row(i);
@@ -98,7 +98,7 @@ impl Band {
     }
 
     /// The lower Cholesky factor; `None` where the matrix is not positive definite.
-    pub(super) fn factor(mut self) -> Option<Factor> {
+    pub(crate) fn factor(mut self) -> Option<Factor> {
         let stride = self.width + 1;
         for i in 0..self.size {
             let (done, current) = self.rows.split_at_mut(i * stride);
@@ -124,11 +124,11 @@ impl Band {
 }
 
 /// Cholesky factor of a band matrix; it stores the inverse of each diagonal entry.
-pub(super) struct Factor(Band);
+pub(crate) struct Factor(Band);
 
 impl Factor {
     /// Solution for a right side.
-    pub(super) fn solve(&self, right: &[f64]) -> Vec<f64> {
+    pub(crate) fn solve(&self, right: &[f64]) -> Vec<f64> {
         let mut x = right.to_vec();
         for i in 0..x.len() {
             let (from, row) = self.0.row(i);
