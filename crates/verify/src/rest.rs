@@ -8,7 +8,8 @@ use super::left::Left;
 use super::proof::cells::MIN_SLACK;
 use super::proof::piece::At;
 use super::proof::sweep::Sweep;
-use base::progress::Progress;
+use super::symmetry::Symmetry;
+use base::progress::{Progress, Work};
 use base::units::{Mm, Share};
 use ir::Program;
 use nalgebra::Point3;
@@ -144,9 +145,9 @@ pub struct Measured<'a> {
 
 /// Reports after each roughing operation, in order. `sectors` lists the sectors that any operation machines: other
 /// channels remain full and are not tested.
-pub fn reports(
+pub fn reports<'a>(
     program: &Program,
-    measured: &Measured<'_>,
+    measured: &Measured<'a>,
     sweeps: &[Sweep<'_>],
     roughing: &[usize],
     progress: &Progress,
@@ -157,7 +158,11 @@ pub fn reports(
     if progress.is_cancelled() {
         return Vec::new();
     }
-    let at_surface: Vec<&Sample> = samples.iter().filter(|s| s.surface.milled()).step_by(SAMPLE_STRIDE).collect();
+    // The same places of each surface in every sector.
+    let sectors = samples.chunk_by(|a, b| a.surface.sector == b.surface.sector);
+    let in_sector = |samples: &'a [Sample]| samples.iter().filter(|s| s.surface.milled()).step_by(SAMPLE_STRIDE);
+    let at_surface: Vec<&Sample> = sectors.flat_map(in_sector).collect();
+    let symmetry = Symmetry::of(sweeps, program.part.vane_count);
     let far = super::surface::FAR;
     let thickness = |p: &Point3<f64>| start.map_or(far, |start| start.depth(p).min(far));
     let mut left: Vec<f64> = at_surface.par_iter().map(|s| thickness(&s.position)).collect();
@@ -165,10 +170,7 @@ pub fn reports(
     let mut reports = Vec::new();
     let work = progress.begin("stock after roughing", (last + 1) * (at_surface.len() + void.len()));
     for (index, sweep) in sweeps.iter().enumerate().take(last + 1) {
-        left.par_chunks_mut(POINTS_IN_TURN).zip(at_surface.par_chunks(POINTS_IN_TURN)).for_each(|(left, samples)| {
-            work.do_step(|| cut_at(sweep, samples, left));
-            work.advance(samples.len() - 1);
-        });
+        cut(sweep, &symmetry, &at_surface, &mut left, &work);
         cleared.par_chunks_mut(POINTS_IN_TURN).zip(void.par_chunks(POINTS_IN_TURN)).for_each(|(cleared, points)| {
             work.do_step(|| clear_at(sweep, points, cleared));
             work.advance(points.len() - 1);
@@ -205,6 +207,57 @@ pub fn reports(
 
 /// Points that are asked in turn, each near the one before.
 const POINTS_IN_TURN: usize = 64;
+
+/// Lowers what is left at the samples of all sectors to the distance of the cutter: in the first proved sector, and from there in the
+/// others.
+fn cut(sweep: &Sweep<'_>, symmetry: &Symmetry<'_>, samples: &[&Sample], left: &mut [f64], work: &Work) {
+    let direct = |samples: &[&Sample], left: &mut [f64]| {
+        left.par_chunks_mut(POINTS_IN_TURN).zip(samples.par_chunks(POINTS_IN_TURN)).for_each(|(left, samples)| {
+            work.do_step(|| cut_at(sweep, samples, left));
+            work.advance(samples.len() - 1);
+        });
+    };
+    let sector = |sample: &&Sample| sample.surface.sector;
+    let Some(from) = samples.iter().position(|s| sector(s) == symmetry.first) else { return direct(samples, left) };
+    let count = samples[from..].iter().take_while(|s| sector(s) == symmetry.first).count();
+    let firsts = &samples[from..from + count];
+    let before = left[from..from + count].to_vec();
+    direct(firsts, &mut left[from..from + count]);
+    let after = left[from..from + count].to_vec();
+    for (left, samples) in left.chunks_mut(count).zip(samples.chunks(count)) {
+        let Some(other) = samples.first().map(sector).filter(|other| *other != symmetry.first) else { continue };
+        let unshared = symmetry.unshared_in(sweep, other).filter(|_| samples.len() == count);
+        let Some(unshared) = unshared else {
+            direct(samples, left);
+            continue;
+        };
+        let places = firsts.par_iter().zip(samples).map(|(first, sample)| [first.position, sample.position]);
+        let values = before.par_iter().zip(&after).map(|(before, after)| [*before, *after]);
+        left.par_iter_mut().zip(places).zip(values).for_each(|((left, places), values)| {
+            work.do_step(|| follow(sweep, unshared, places, values, symmetry.error(), left));
+        });
+    }
+}
+
+/// Lowers what is left at a place to the distance of the cutter. `values` are what was left before and after the sweep at the same
+/// place of the first sector, where all pieces that both sectors share are as far away.
+fn follow(
+    sweep: &Sweep<'_>,
+    [ahead, behind]: [Option<&Sweep<'_>>; 2],
+    [first, place]: [Point3<f64>; 2],
+    [before, after]: [f64; 2],
+    error: f64,
+    left: &mut f64,
+) {
+    let is_shared = ahead.is_none_or(|ahead| ahead.nearest(&first, after + error).is_none());
+    // Where the sweep left nothing less in the first sector, its pieces are only known to be no nearer than that.
+    let shared = if after < before { Some(after) } else { (*left <= before).then_some(*left) };
+    let by = |sweep: &Sweep<'_>, cutoff: f64| sweep.nearest(&place, cutoff).map_or(cutoff, |n| n.distance);
+    *left = match shared.filter(|_| is_shared) {
+        Some(shared) => behind.map_or(f64::INFINITY, |behind| by(behind, left.min(shared))).min(shared).min(*left),
+        None => by(sweep, *left),
+    };
+}
 
 /// Lowers what is left at samples to the distance of the cutter.
 fn cut_at(sweep: &Sweep<'_>, samples: &[&Sample], left: &mut [f64]) {

@@ -78,6 +78,15 @@ impl<'a> Symmetry<'a> {
         is_clear(first, ahead) && is_clear(other, behind)
     }
 
+    /// Pieces of the sweep of an operation that two sectors do not share: of the first sector and of the other one. `None` where
+    /// there are too many.
+    pub(super) fn unshared_in(&self, sweep: &Sweep<'_>, sector: u32) -> Option<[Option<&Sweep<'a>>; 2]> {
+        let pitches = self.pitches(sector);
+        let unshared = |pitches: u32| self.unshared.get(pitches as usize)?.as_deref();
+        let (ahead, behind) = (unshared(pitches)?, unshared((self.vanes - pitches) % self.vanes)?);
+        Some([ahead, behind].map(|sweeps| sweeps.iter().find(|s| s.operation() == sweep.operation())))
+    }
+
     /// The move in a sector that is the partner of a move of the first sector.
     pub(super) fn partner(&self, at: At, sector: u32) -> Option<At> {
         let sweep = self.sweeps.iter().find(|sweep| sweep.operation() == Some(at.operation))?;

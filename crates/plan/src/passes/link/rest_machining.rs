@@ -15,6 +15,7 @@
 use super::clearance_surface::ClearanceSurface;
 use super::cleared::Cleared;
 use super::direct_link::DirectLinks;
+use super::like_sectors::LikeSectors;
 use super::stock_steps::{PathPoint, error_between_rays, path_length, rounding, stations, steps};
 use super::{stock_links, stock_order, strokes};
 use crate::passes::context::Obstacles;
@@ -55,11 +56,13 @@ pub fn run(
     let uses_stock = |o: &ClOperation| follows_stock(&program.operations[o.operation]);
     let Some(last) = cl.operations.iter().rposition(uses_stock) else { return Ok(()) };
     let mut field = field(program, sink)?;
+    let sectors: Vec<&[u32]> = cl.operations.iter().map(|o| &program.operations[o.operation].sectors[..]).collect();
     let mut cleared = Cleared::default();
     let mut failed = false;
     for (i, planned) in cl.operations.iter_mut().enumerate() {
         let operation = &program.operations[planned.operation];
         let direct = DirectLinks::new(program, obstacles, operation);
+        let like = LikeSectors::new(program, &sectors[..=i]);
         cleared.change_tool(program.tools[operation.tool].solid.cutter_alone(0.0));
         if let Some(strategy) = operation.kind.strategy().filter(|strategy| strategy.follows_stock()) {
             let work = progress.begin(format!("{}, stock", operation.name), planned.passes.len());
@@ -69,7 +72,7 @@ pub fn run(
                     add_cuts(program, planned, &mut cleared);
                 }
                 RoughingStrategy::Rough { .. } => {
-                    stock_order::reduce(program, operation, &direct, planned, &mut field, &mut cleared, &work);
+                    stock_order::reduce(program, operation, &direct, &like, planned, &mut field, &mut cleared, &work);
                 }
                 RoughingStrategy::Groove { .. } | RoughingStrategy::Expand { .. } => {}
             }
@@ -89,7 +92,7 @@ pub fn run(
         let cuts = i < last;
         let what = if cuts { "rest stock" } else { "links" };
         let work = progress.begin(format!("{}, {what}", operation.name), planned.passes.len());
-        stock_links::add(program, operation, &direct, planned, cuts, &mut field, &work);
+        stock_links::add(program, operation, &direct, &like, planned, cuts, &mut field, &work);
         if cuts {
             add_cuts(program, planned, &mut cleared);
         }

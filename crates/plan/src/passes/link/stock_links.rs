@@ -6,13 +6,15 @@
 //! between neighbouring lines, which direct links prove without any stock, are left to them.
 //!
 //! The stock is that before the operation, which holds all that the operation may find; for operations that later ones
-//! find the rest of, it is the stock that each pass leaves.
+//! find the rest of, it is the stock that each pass leaves. Sectors that find the same stock as another one, turned, have its
+//! links.
 
 use super::direct_link::DirectLinks;
+use super::like_sectors::{LikeSectors, are_turned, turned};
 use super::stock_steps::steps;
 use super::through_air::ThroughAir;
 use base::progress::Work;
-use ir::{ClOperation, Operation, Program};
+use ir::{ClOperation, ClPass, Operation, Program};
 use tool_stock::stock::{self, Field, StepKind};
 
 /// Adds the links of an operation, and removes its cuts from the stock where `cuts` is true.
@@ -20,6 +22,7 @@ pub(super) fn add(
     program: &Program,
     operation: &Operation,
     direct: &DirectLinks<'_>,
+    like: &LikeSectors<'_>,
     planned: &mut ClOperation,
     cuts: bool,
     field: &mut Field,
@@ -30,22 +33,38 @@ pub(super) fn add(
     let air = ThroughAir::new(program, direct, solid, field);
     let mut before = None;
     let mut linked = 0;
-    for pass in &mut planned.passes {
-        if work.do_step(|| ()).is_none() {
-            return;
-        }
-        let ends = pass.points.first().copied().zip(pass.points.last().copied());
-        let Some((first, last)) = ends else { continue };
-        if let Some(end) = before
-            && !(operation.kind.finishes() && direct.between(&end, &first).is_some())
-        {
-            pass.link = air.quickest(&end, &first, operation.link_feed.get() / 60.0, field);
+    let mut steady: Option<Vec<ClPass>> = None;
+    for passes in planned.passes.chunk_by_mut(|a, b| a.sector == b.sector) {
+        let sector = passes[0].sector;
+        let known = steady.as_ref().and_then(|steady: &Vec<ClPass>| {
+            let turn = like.turn(steady.first()?.sector, sector)?;
+            let links = || steady.iter().map(|pass| turned(pass, sector, &turn).link).collect::<Vec<_>>();
+            are_turned(steady, passes, &turn).then(links)
+        });
+        for (k, pass) in passes.iter_mut().enumerate() {
+            if work.do_step(|| ()).is_none() {
+                return;
+            }
+            let ends = pass.points.first().copied().zip(pass.points.last().copied());
+            let Some((first, last)) = ends else { continue };
+            // The first pass comes from a sector that may have other passes.
+            let known = known.as_ref().and_then(|links| links.get(k)).filter(|_| k > 0);
+            if let Some(link) = known {
+                pass.link.clone_from(link);
+            } else if let Some(end) = before
+                && !(operation.kind.finishes() && direct.between(&end, &first).is_some())
+            {
+                pass.link = air.quickest(&end, &first, operation.link_feed.get() / 60.0, field);
+            }
             linked += usize::from(pass.link.is_some());
+            before = Some(last);
+            if cuts {
+                let steps = steps(&program.machine, std::slice::from_ref(pass), StepKind::Cut, 0.0);
+                stock::simulate(field, &cutter, steps.map(|(_, step)| step));
+            }
         }
-        before = Some(last);
-        if cuts {
-            let steps = steps(&program.machine, std::slice::from_ref(pass), StepKind::Cut, 0.0);
-            stock::simulate(field, &cutter, steps.map(|(_, step)| step));
+        if steady.is_none() && like.follows(sector) {
+            steady = Some(passes.to_vec());
         }
     }
     if linked > 0 {

@@ -11,12 +11,15 @@
 //! A tool comes down along its axis to the start of a pass. Where the middle of its end has no teeth, the start lies where
 //! the middle finds no material: outside of the blank, or where the tool has cut before. The lead goes back to such a place.
 //!
+//! Sectors that find the same stock as another one, turned, have its passes.
+//!
 //! The stock is simulated pass by pass, so that each pass finds what all passes before it have left. A cutter that is
 //! enlarged by the error between the rays of the stock decides where it is in air; its shank and holder count as well.
 
 use super::clearance_sphere::ClearanceSphere;
 use super::cleared::Cleared;
 use super::direct_link::DirectLinks;
+use super::like_sectors::{LikeSectors, turned};
 use super::stock_steps::{PathPoint, path_length, stations, steps_of};
 use super::through_air::ThroughAir;
 use crate::passes::context::maximal_ranges;
@@ -75,6 +78,7 @@ pub(super) fn reduce(
     program: &Program,
     operation: &Operation,
     direct: &DirectLinks<'_>,
+    like: &LikeSectors<'_>,
     planned: &mut ClOperation,
     field: &mut Field,
     cleared: &mut Cleared,
@@ -96,20 +100,29 @@ pub(super) fn reduce(
     let mut kept: Vec<ClPass> = Vec::new();
     let (mut lengths, mut linked) = ([0.0; 2], 0);
     let count = planned.passes.len();
-    // Loops of a slot have one name.
-    for group in std::mem::take(&mut planned.passes).chunk_by(|a, b| a.label == b.label && a.sector == b.sector) {
+    let mut steady: Option<(u32, Vec<Reduced>)> = None;
+    for passes in std::mem::take(&mut planned.passes).chunk_by(|a, b| a.sector == b.sector) {
+        let sector = passes[0].sector;
+        let before = kept.last().and_then(|p| p.points.last()).copied();
+        let repeats = steady.as_ref().and_then(|(from, reduced)| Some((reduced, like.turn(*from, sector)?)));
+        let reduced = match repeats {
+            Some((reduced, turn)) => {
+                work.advance(passes.len());
+                let in_sector = |r: &Reduced| Reduced { pass: turned(&r.pass, sector, &turn), ..*r };
+                reduction.repeated(reduced.iter().map(in_sector).collect(), before, field)
+            }
+            None => reduction.in_sector(passes, before, field, work),
+        };
         if work.is_cancelled() {
             return;
         }
-        let before = kept.last().and_then(|p| p.points.last()).copied();
-        let reduced = match group {
-            [pass] => work.step(reduction.reduced(pass, before, field)),
-            loops => reduction.slots(loops, before, field, work),
-        };
-        for reduced in reduced {
+        for reduced in &reduced {
             linked += usize::from(reduced.pass.link.is_some());
             lengths = [0, 1].map(|k: usize| lengths[k] + reduced.lengths[k]);
-            kept.push(reduced.pass);
+            kept.push(reduced.pass.clone());
+        }
+        if steady.is_none() && like.follows(sector) {
+            steady = Some((sector, reduced));
         }
     }
     let [cut, air] = lengths;
@@ -122,6 +135,43 @@ pub(super) fn reduce(
 }
 
 impl Reduction<'_> {
+    /// The passes of a sector that cut.
+    fn in_sector(
+        &mut self,
+        passes: &[ClPass],
+        mut before: Option<ClPoint>,
+        field: &mut Field,
+        work: &Work,
+    ) -> Vec<Reduced> {
+        let mut kept = Vec::new();
+        // Loops of a slot have one name.
+        for group in passes.chunk_by(|a, b| a.label == b.label) {
+            if work.is_cancelled() {
+                break;
+            }
+            let reduced = match group {
+                [pass] => work.step(self.reduced(pass, before, field)),
+                loops => self.slots(loops, before, field, work),
+            };
+            before = reduced.last().and_then(|r| r.pass.points.last()).copied().or(before);
+            kept.extend(reduced);
+        }
+        kept
+    }
+
+    /// Passes that are known from another sector, the first one with its own link from the end of the pass before. Removes their
+    /// cuts from the stock.
+    fn repeated(&mut self, mut passes: Vec<Reduced>, before: Option<ClPoint>, field: &mut Field) -> Vec<Reduced> {
+        if let Some(Reduced { pass, .. }) = passes.first_mut() {
+            let ends = before.zip(pass.points.first());
+            pass.link = ends.and_then(|(end, first)| self.air.link(&end, first, field));
+        }
+        for Reduced { pass, .. } in &passes {
+            self.cut(pass.sector, &stations(&self.program.machine, pass), field);
+        }
+        passes
+    }
+
     /// Largest depth of a pass in the stock, mm.
     fn deepest(&self, pass: &ClPass, field: &mut Field) -> f64 {
         let depths = self.air.depths(&stations(&self.program.machine, pass), field).unwrap_or_default();
