@@ -5,7 +5,7 @@ use crate::support::bounded;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-const JOB: &str = include_str!("../../jobs/wei2021/wei2021.imp");
+const JOB: &str = include_str!("../../jobs/wei2021/paper-strategies.imp");
 
 struct Run {
     folder: tempfile::TempDir,

@@ -7,7 +7,7 @@ use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::plan::budget;
 use std::process::Command;
 
-const JOB: &str = include_str!("../../jobs/wei2021/wei2021.imp");
+const JOB: &str = include_str!("../../jobs/wei2021/paper-strategies.imp");
 
 fn job(changes: &[(&str, &str)]) -> String {
     changes.iter().fold(JOB.to_owned(), |text, (from, to)| {

@@ -11,7 +11,7 @@ use impellerc::wheel::method::{AxisMethod, Lines, Milling, Spacing};
 use impellerc::wheel::part::{BladeId, SurfaceClass, SurfaceKind};
 use proptest::prelude::*;
 
-const JOB: &str = include_str!("../../jobs/wei2021/wei2021.imp");
+const JOB: &str = include_str!("../../jobs/wei2021/paper-strategies.imp");
 const REDUCED: &str = include_str!("../../jobs/reduced/reduced.imp");
 
 /// The shipped library and the curves of the reduced job.

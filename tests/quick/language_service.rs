@@ -10,7 +10,7 @@ use std::path::Path;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-const JOB: &str = include_str!("../../jobs/wei2021/wei2021.imp");
+const JOB: &str = include_str!("../../jobs/wei2021/paper-strategies.imp");
 
 /// An editor with one text.
 struct Editor {

@@ -22,7 +22,7 @@ use std::sync::LazyLock;
 /// Jobs with their curve files.
 const JOBS: [[&str; 2]; 3] = [
     [include_str!("../../jobs/reduced/reduced.imp"), include_str!("../../jobs/reduced/vane_curves.csv")],
-    [include_str!("../../jobs/wei2021/wei2021.imp"), include_str!("../../jobs/reduced/vane_curves.csv")],
+    [include_str!("../../jobs/wei2021/paper-strategies.imp"), include_str!("../../jobs/reduced/vane_curves.csv")],
     [include_str!("../../jobs/small/small.imp"), include_str!("../../jobs/small/vane_curves.csv")],
 ];
 
