@@ -24,8 +24,7 @@ const NEVER: &[(&str, &str)] = &[
 const ALONE: &[(&str, &[&str])] = &[("nurbs", &[]), ("five-axis", &["nurbs"]), ("tool-stock", &[])];
 
 /// The one crate that names a library, so that the library can be exchanged there.
-const OWNERS: &[(&str, &str)] =
-    &[("parry3d-f64", "tool-stock"), ("pest", "syntax"), ("toml", "job"), ("spade", "nurbs")];
+const OWNERS: &[(&str, &str)] = &[("pest", "syntax"), ("toml", "job"), ("spade", "nurbs")];
 
 const FORBIDDEN_NAMES: &[&str] = &["util", "helper", "common", "misc", "manager"];
 
