@@ -80,7 +80,7 @@ const IDLE_IN_MOTION: f64 = 1e-6;
 const SECOND_DERIVATIVE_WEIGHT: f64 = 1e-6;
 
 /// Accuracy of a program: the curve is measured after each step.
-const ACCURACY: Accuracy = Accuracy { gap: [1e-4, 1e-5], slope: 1e-4 };
+const ACCURACY: Accuracy = Accuracy { gap: [1e-4, 1e-5], slope: 1e-4, at_rest: 1.0 };
 
 /// The best shifts. `None` when a program has no solution. `kept` holds the numbers of the targets with active bounds
 /// of the previous step, and is updated.

@@ -39,7 +39,7 @@ const MIN_STATIONS: usize = 4;
 const ENTRIES: usize = 3;
 
 /// Accuracy of a program: its terms differ by eight orders, from third differences to the pull to the middle.
-const ACCURACY: Accuracy = Accuracy { gap: [1e-10, 1e-10], slope: 1e-9 };
+const ACCURACY: Accuracy = Accuracy { gap: [1e-10, 1e-10], slope: 1e-9, at_rest: 1e4 };
 
 /// Weights of the minimised terms.
 #[derive(Clone, Copy, Debug, PartialEq)]

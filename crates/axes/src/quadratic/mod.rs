@@ -55,6 +55,8 @@ pub(crate) struct Accuracy {
     pub(crate) gap: [f64; 2],
     /// Largest residual of the slopes.
     pub(crate) slope: f64,
+    /// As many times less accurate a solution is taken where no step makes it better: rounding ends the way to it.
+    pub(crate) at_rest: f64,
 }
 
 /// Most steps; some twelve are needed.
@@ -151,6 +153,7 @@ impl<const ENTRIES: usize> QuadraticProgram<'_, ENTRIES> {
         let taken = self.taken(&x, &w);
         let mut left = Each::of(|limit, taken, _| (limit - taken).max(0.1), &limits, &taken, &taken);
         let mut weight = Each::of(|left, _, _| 1.0 / left.max(1.0), &left, &left, &left);
+        let mut rests = false;
         let largest = limits.all().fold(1.0, |m: f64, r| if r.is_finite() { m.max(r.abs()) } else { m });
         for _ in 0..MAX_PROGRAM_STEPS {
             let taken = self.taken(&x, &w);
@@ -160,10 +163,14 @@ impl<const ENTRIES: usize> QuadraticProgram<'_, ENTRIES> {
             let value = 0.5 * dot(&px, &x) + dot(self.linear, &x) + self.cost(&w);
             let worst = off.bounds.all().fold(0.0, |m: f64, x| m.max(x.abs()));
             let steep = off.slope.iter().chain(&off.shared).fold(0.0, |m: f64, x| m.max(x.abs()));
-            let Accuracy { gap: [share, number], slope } = self.accuracy;
-            if worst <= MAX_RESIDUAL * largest && steep <= slope && gap <= share * value.abs() + number {
+            let Accuracy { gap: [share, number], slope, at_rest } = self.accuracy;
+            let allowed = share * value.abs() + number;
+            let keeps =
+                |times: f64| worst <= MAX_RESIDUAL * largest && steep <= times * slope && gap <= times * allowed;
+            if keeps(1.0) {
                 return Some((x, w));
             }
+            rests = keeps(at_rest);
             let share = Each::of(|weight, left, _| weight / left, &weight, &left, &left);
             let normal = self.normal(&share)?;
             let mean = gap / left.count();
@@ -182,14 +189,14 @@ impl<const ENTRIES: usize> QuadraticProgram<'_, ENTRIES> {
             let change = self.towards(&complement, &off, &left, &share, &normal);
             let step = (BORDER_SHARE * left.step(&change.left).min(weight.step(&change.weight))).min(1.0);
             if step < 1e-7 {
-                return None;
+                break;
             }
             x.iter_mut().zip(&change.x).for_each(|(x, d)| *x += step * d);
             w.iter_mut().zip(&change.w).for_each(|(w, d)| *w += step * d);
             left.go(&change.left, step);
             weight.go(&change.weight, step);
         }
-        None
+        rests.then_some((x, w))
     }
 
     /// Residuals; `px` is P x, `taken` are the left sides of the bounds, `left` their slack.
@@ -325,7 +332,7 @@ mod tests {
         SharedCost { linear: 0.0, quadratic: 0.7 },
         SharedCost { linear: 0.1, quadratic: 0.3 },
     ];
-    const ACCURACY: Accuracy = Accuracy { gap: [1e-4, 1e-5], slope: 1e-4 };
+    const ACCURACY: Accuracy = Accuracy { gap: [1e-4, 1e-5], slope: 1e-4, at_rest: 1.0 };
 
     /// Bounds along ten control points of cubics or quintics, and a curvature. Every bound gives way by one of the first `shared` of
     /// [`SHARED`].
