@@ -4,7 +4,7 @@
 //! when the body is nearest, then for the times before and after, and so on. Queries of all intervals are combined,
 //! eight at once; the removed parts are united at the end.
 
-use super::lanes::{self, Answers, LANES, Lanes, Question};
+use super::lanes::{self, Answers, EndQuestion, LANES, Lanes, Lines, Question};
 use super::moving::{MAX_NEWTON, Moving};
 use super::ray::SKIN;
 use super::sweep::{RayLine, SEARCH_GAP_MM, StepQuery};
@@ -132,7 +132,7 @@ impl Intervals {
         }
         std::mem::swap(&mut self.open, &mut self.unsettled);
         while !self.open.is_empty() {
-            self.ask(moving, true);
+            self.ask(moving);
             self.open.clear();
             for k in 0..self.unsettled.len() {
                 self.divide(moving, self.unsettled[k]);
@@ -144,29 +144,64 @@ impl Intervals {
     /// Queries all intervals for the whole time, first from one end of the time, then the undecided rest from the
     /// other.
     fn ask_ends(&mut self, moving: &Moving, take: bool) {
-        let first = self.first;
-        let times = [0.0, 1.0];
-        let all = (0..self.x.len()).map(|n| Open { interval: n, times, slopes: [0.0; 2], slope: 0.0, t: times[first] });
-        self.open.clear();
-        self.open.extend(all);
-        self.ask(moving, take);
-        for open in &mut self.unsettled {
-            open.slopes[first] = open.slope;
-            open.t = times[1 - first];
+        let (first, count) = (self.first, self.x.len());
+        let time = |end: usize| if end == 0 { 0.0 } else { 1.0 };
+        let all = |n: usize| Open { interval: n, times: [0.0, 1.0], slopes: [0.0; 2], slope: 0.0, t: time(first) };
+        self.unsettled.clear();
+        for start in (0..count).step_by(LANES) {
+            let lanes = LANES.min(count - start);
+            let mut lines = Lines::default();
+            for (lane, column) in [&mut lines.x, &mut lines.y, &mut lines.a, &mut lines.b].into_iter().zip(self.columns()) {
+                lane[..lanes].copy_from_slice(&column[start..start + lanes]);
+            }
+            let answers = self.vectors.dispatch(EndQuestion { moving, lines: &lines, end: first });
+            self.sort_out(&answers, take, (start..start + lanes).map(all));
         }
-        let before = [self.open.len(), self.unsettled.len()];
+        let before = self.unsettled.len();
         std::mem::swap(&mut self.open, &mut self.unsettled);
-        self.ask(moving, take);
+        self.unsettled.clear();
+        let mut open = std::mem::take(&mut self.open);
+        for open in open.chunks_mut(LANES) {
+            let mut lines = Lines::default();
+            for (i, open) in open.iter_mut().enumerate() {
+                open.slopes[first] = open.slope;
+                open.t = time(1 - first);
+                let n = open.interval;
+                (lines.x[i], lines.y[i], lines.a[i], lines.b[i]) = (self.x[n], self.y[n], self.a[n], self.b[n]);
+            }
+            let answers = self.vectors.dispatch(EndQuestion { moving, lines: &lines, end: 1 - first });
+            self.sort_out(&answers, take, open.iter().copied());
+        }
+        self.open = open;
         for open in &mut self.unsettled {
             open.slopes[1 - first] = open.slope;
         }
-        if before[0] - before[1] < before[1] - self.unsettled.len() {
+        if count - before < before - self.unsettled.len() {
             self.first = 1 - first;
         }
     }
 
+    /// Places and ends of the intervals.
+    fn columns(&self) -> [&[f64]; 4] {
+        [&self.x, &self.y, &self.a, &self.b]
+    }
+
+    /// Keeps the removed parts of answers, and lists the intervals that remain undecided.
+    fn sort_out(&mut self, answers: &Answers, take: bool, asked: impl Iterator<Item = Open>) {
+        for (i, open) in asked.enumerate() {
+            match answers.state[i] {
+                lanes::UNTOUCHED => {}
+                lanes::CUT if take => {
+                    let (from, to) = (answers.from[i], answers.to[i]);
+                    self.parts.push(IntervalPart { interval: open.interval, from, to, times: [open.t; 2] });
+                }
+                _ => self.unsettled.push(Open { slope: answers.slope[i], ..open }),
+            }
+        }
+    }
+
     /// Queries all undecided intervals, keeps the removed parts, and lists the intervals that remain undecided.
-    fn ask(&mut self, moving: &Moving, take: bool) {
+    fn ask(&mut self, moving: &Moving) {
         self.unsettled.clear();
         let mut next = 0;
         while next < self.open.len() {
@@ -186,18 +221,9 @@ impl Intervals {
             if count == 0 {
                 return;
             }
-            let Answers { state, from, to, slope } = self.vectors.dispatch(Question { moving, lanes: &lanes });
-            for i in 0..count {
-                let open = &self.open[who[i]];
-                match state[i] {
-                    lanes::UNTOUCHED => {}
-                    lanes::CUT if take => {
-                        let (from, to) = (from[i], to[i]);
-                        self.parts.push(IntervalPart { interval: open.interval, from, to, times: [open.t; 2] });
-                    }
-                    _ => self.unsettled.push(Open { slope: slope[i], ..*open }),
-                }
-            }
+            let answers = self.vectors.dispatch(Question { moving, lanes: &lanes });
+            let asked = who.map(|n| self.open[n.min(self.open.len() - 1)]);
+            self.sort_out(&answers, true, asked.into_iter().take(count));
         }
     }
 

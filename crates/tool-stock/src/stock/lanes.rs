@@ -31,6 +31,15 @@ pub(super) struct Lanes {
     pub(super) t: Lane,
 }
 
+/// Intervals of lines along Z, from `a` to `b`.
+#[derive(Default)]
+pub(super) struct Lines {
+    pub(super) x: Lane,
+    pub(super) y: Lane,
+    pub(super) a: Lane,
+    pub(super) b: Lane,
+}
+
 /// Position of a body relative to a line.
 struct LaneHit {
     /// Part of the line inside of the body; `high` is below `low` when the line misses the body.
@@ -116,50 +125,179 @@ impl Question<'_> {
             let pose = moving.sweep.stand(lanes.t[i]);
             let line = RayLine { x: lanes.x[i], y: lanes.y[i] };
             let (back, ahead) = (lanes.start[i] - lanes.t[i], lanes.end[i] - lanes.t[i]);
-            let span = larger(-back, ahead);
-            let (a, b) = (lanes.a[i], lanes.b[i]);
-            let LaneHit { low, high, from, to, nearest } = body.stand(&pose, &line, [a, b], moving.speed * span);
-            let inside = low < high;
-            let (before, after) = (high <= a, low >= b);
-            let outside = inside & (before | after);
-            let through = inside & !(before | after);
-            let (upper, lower) = (high < b, low > a);
-            // The place to evaluate: the end of the interval on the side of the body, the end of the part inside, or
-            // the nearest place.
-            let x = larger(smaller(nearest, to), from);
-            let x = if outside { if before { a } else { b } } else { x };
-            let x = if through { if upper { high } else { low } } else { x };
-            let sign = if outside & before | through & upper { 1.0 } else { -1.0 };
-            let query = pose.query(body, &line, x);
-            let (drift, twist, turn) = (moving.drift, moving.twist, moving.turn * span);
-            let least = smaller(least(&query, back, drift, twist), least(&query, ahead, drift, twist));
-            // Where the body leaves the line at this time, it reaches farther at no other time.
-            let leaves = (query.rise * sign >= turn) & (least > -LEFT);
-            let rising = larger(turn - query.rise, 0.0) * (to - x);
-            let falling = larger(turn + query.rise, 0.0) * (x - from);
-            let away = (from >= to) | (least > larger(rising, falling));
-            let settled = if inside { leaves } else { away };
-            let untouched = if settled { UNTOUCHED } else { UNDECIDED };
-            let cut = if upper & lower { HALF_CUT } else { CUT };
-            let cut = if leaves | !(upper | lower) { cut } else { UNDECIDED };
-            answers.state[i] = if through { cut } else { untouched };
-            answers.slope[i] = query.slope;
-            answers.from[i] = larger(low, a);
-            answers.to[i] = smaller(high, b);
+            let times = Times { span: larger(-back, ahead), back, ahead };
+            answers.set(i, answer(body, moving, &pose, &line, [lanes.a[i], lanes.b[i]], &times));
         }
         for i in 0..LANES {
             if answers.state[i] == HALF_CUT {
                 let pose = moving.sweep.stand(lanes.t[i]);
-                let query = pose.query(body, &RayLine { x: lanes.x[i], y: lanes.y[i] }, answers.from[i]);
-                let runs = [lanes.start[i] - lanes.t[i], lanes.end[i] - lanes.t[i]];
-                let span = larger(-runs[0], runs[1]);
-                let least = runs.map(|run| least(&query, run, moving.drift, moving.twist));
-                let leaves = -query.rise >= moving.turn * span && smaller(least[0], least[1]) > -LEFT;
-                answers.state[i] = if leaves { CUT } else { UNDECIDED };
-                answers.slope[i] = query.slope;
+                let (back, ahead) = (lanes.start[i] - lanes.t[i], lanes.end[i] - lanes.t[i]);
+                let times = Times { span: larger(-back, ahead), back, ahead };
+                answers.confirm(i, body, moving, &pose, &RayLine { x: lanes.x[i], y: lanes.y[i] }, &times);
             }
         }
         answers
+    }
+}
+
+/// A query about the whole time of a moving body from one of its ends, the same for all lanes.
+pub(super) struct EndQuestion<'a> {
+    pub(super) moving: &'a Moving,
+    pub(super) lines: &'a Lines,
+    /// 0 for the start and 1 for the end of the time.
+    pub(super) end: usize,
+}
+
+impl pulp::WithSimd for EndQuestion<'_> {
+    type Output = Answers;
+
+    #[inline(always)]
+    fn with_simd<S: pulp::Simd>(self, _: S) -> Answers {
+        match self.moving.shape {
+            SolidShape::Flat { radius, top } => self.answers(&Round::<false> { radius, top }),
+            SolidShape::Ball { radius, top } if top > 2.0 * radius => self.answers(&Round::<true> { radius, top }),
+            shape => self.answers(&shape),
+        }
+    }
+}
+
+impl EndQuestion<'_> {
+    #[inline(always)]
+    fn answers(&self, body: &impl Standing) -> Answers {
+        let Self { moving, lines, end } = self;
+        let pose = &moving.ends[*end];
+        let run = OneRun(if *end == 0 { 1.0 } else { -1.0 });
+        let mut answers = Answers::default();
+        for i in 0..LANES {
+            let line = RayLine { x: lines.x[i], y: lines.y[i] };
+            let (a, b) = (larger(lines.a[i], moving.low[2]), smaller(lines.b[i], moving.high[2]));
+            let mut found = answer(body, moving, pose, &line, [a, b], &run);
+            found.state = if a < b { found.state } else { UNTOUCHED };
+            answers.set(i, found);
+        }
+        for i in 0..LANES {
+            if answers.state[i] == HALF_CUT {
+                answers.confirm(i, body, moving, pose, &RayLine { x: lines.x[i], y: lines.y[i] }, &run);
+            }
+        }
+        answers
+    }
+}
+
+/// The time that a query covers, from the time of its pose.
+trait Runs {
+    /// The longer one of the times before and after.
+    fn span(&self) -> f64;
+    /// Least value over the time.
+    fn least(&self, query: &StepQuery, moving: &Moving) -> f64;
+}
+
+/// Times before and after.
+struct Times {
+    span: f64,
+    back: f64,
+    ahead: f64,
+}
+
+impl Runs for Times {
+    #[inline(always)]
+    fn span(&self) -> f64 {
+        self.span
+    }
+
+    #[inline(always)]
+    fn least(&self, query: &StepQuery, moving: &Moving) -> f64 {
+        let least = |run: f64| least(query, run, moving.drift, moving.twist);
+        smaller(least(self.back), least(self.ahead))
+    }
+}
+
+/// The whole time to one side; to the other side there is none, where the value itself is the least.
+struct OneRun(f64);
+
+impl Runs for OneRun {
+    #[inline(always)]
+    fn span(&self) -> f64 {
+        1.0
+    }
+
+    #[inline(always)]
+    fn least(&self, query: &StepQuery, moving: &Moving) -> f64 {
+        smaller(query.f, least(query, self.0, moving.drift, moving.twist))
+    }
+}
+
+/// Result of a query about one interval.
+struct OneAnswer {
+    state: u64,
+    slope: f64,
+    from: f64,
+    to: f64,
+}
+
+impl Answers {
+    #[inline(always)]
+    fn set(&mut self, i: usize, one: OneAnswer) {
+        (self.state[i], self.slope[i], self.from[i], self.to[i]) = (one.state, one.slope, one.from, one.to);
+    }
+
+    /// Confirms the lower end of a part, or leaves the interval undecided.
+    #[inline(always)]
+    fn confirm(
+        &mut self,
+        i: usize,
+        body: &impl Standing,
+        moving: &Moving,
+        pose: &StepPose,
+        line: &RayLine,
+        runs: &impl Runs,
+    ) {
+        let query = pose.query(body, line, self.from[i]);
+        let leaves = -query.rise >= moving.turn * runs.span() && runs.least(&query, moving) > -LEFT;
+        self.state[i] = if leaves { CUT } else { UNDECIDED };
+        self.slope[i] = query.slope;
+    }
+}
+
+/// What a body at one pose decides about an interval.
+#[inline(always)]
+fn answer(
+    body: &impl Standing,
+    moving: &Moving,
+    pose: &StepPose,
+    line: &RayLine,
+    [a, b]: [f64; 2],
+    runs: &impl Runs,
+) -> OneAnswer {
+    let LaneHit { low, high, from, to, nearest } = body.stand(pose, line, [a, b], moving.speed * runs.span());
+    let inside = low < high;
+    let (before, after) = (high <= a, low >= b);
+    let outside = inside & (before | after);
+    let through = inside & !(before | after);
+    let (upper, lower) = (high < b, low > a);
+    // The place to evaluate: the end of the interval on the side of the body, the end of the part inside, or
+    // the nearest place.
+    let x = larger(smaller(nearest, to), from);
+    let x = if outside { if before { a } else { b } } else { x };
+    let x = if through { if upper { high } else { low } } else { x };
+    let sign = if outside & before | through & upper { 1.0 } else { -1.0 };
+    let query = pose.query(body, line, x);
+    let turn = moving.turn * runs.span();
+    let least = runs.least(&query, moving);
+    // Where the body leaves the line at this time, it reaches farther at no other time.
+    let leaves = (query.rise * sign >= turn) & (least > -LEFT);
+    let rising = larger(turn - query.rise, 0.0) * (to - x);
+    let falling = larger(turn + query.rise, 0.0) * (x - from);
+    let away = (from >= to) | (least > larger(rising, falling));
+    let settled = if inside { leaves } else { away };
+    let untouched = if settled { UNTOUCHED } else { UNDECIDED };
+    let cut = if upper & lower { HALF_CUT } else { CUT };
+    let cut = if leaves | !(upper | lower) { cut } else { UNDECIDED };
+    OneAnswer {
+        state: if through { cut } else { untouched },
+        slope: query.slope,
+        from: larger(low, a),
+        to: smaller(high, b),
     }
 }
 

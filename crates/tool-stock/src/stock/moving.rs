@@ -4,7 +4,7 @@
 //! time, since the function of a turning body is not convex.
 
 use super::shape::{Extent, SolidShape};
-use super::sweep::{RayLine, SEARCH_GAP_MM, StepSweep};
+use super::sweep::{RayLine, SEARCH_GAP_MM, StepPose, StepSweep};
 use nalgebra::Vector3;
 
 /// Reserve for rounding of poses, mm.
@@ -41,6 +41,8 @@ pub(super) struct Moving {
     /// Corners of a box around the whole sweep.
     pub(super) low: [f64; 3],
     pub(super) high: [f64; 3],
+    /// Poses with their speeds at both ends of the time.
+    pub(super) ends: [StepPose; 2],
     /// Pose at half time.
     pub(super) tip: Vector3<f64>,
     pub(super) axis: Vector3<f64>,
@@ -89,7 +91,8 @@ impl Moving {
         let around = plunges.then_some(side);
         let (from, to, radius) = (from - moved, to + moved, radius + moved);
         let speed = way + turn * reach + drift;
-        Self { sweep, shape, drift, turn, speed, bow, twist, low, high, tip, axis, from, to, radius, side, around }
+        let ends = [sweep.stand(0.0), sweep.stand(1.0)];
+        Self { sweep, shape, drift, turn, speed, bow, twist, low, high, ends, tip, axis, from, to, radius, side, around }
     }
 
     /// Largest error of depths below its surface, mm.
