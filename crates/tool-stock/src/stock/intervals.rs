@@ -7,6 +7,7 @@
 use super::lanes::{self, Answers, EndQuestion, LANES, Lanes, Lines, Question};
 use super::moving::{MAX_NEWTON, Moving};
 use super::ray::SKIN;
+use super::reach::{ReachQuestion, StepLanes};
 use super::sweep::{RayLine, SEARCH_GAP_MM, StepQuery};
 
 /// Bow below which a piece of time is not divided, mm: two tangents that intersect inside have an error of a quarter of
@@ -39,8 +40,6 @@ pub(super) struct Intervals {
     parts: Vec<IntervalPart>,
     /// Parts removed from the rays since the last [`Self::clear`].
     pub(super) chips: Vec<Chip>,
-    /// End of the time that decided most of the last queries, and is queried first.
-    first: usize,
     vectors: pulp::Arch,
 }
 
@@ -77,7 +76,6 @@ impl Default for Intervals {
             unsettled: Vec::new(),
             parts: Vec::new(),
             chips: Vec::new(),
-            first: 0,
             vectors: pulp::Arch::new(),
         }
     }
@@ -109,6 +107,24 @@ impl Intervals {
         self.a.push(a);
         self.b.push(b);
         self.ray.push(ray);
+    }
+
+    /// Which steps may reach the intervals on all lines within `lateral` of their middle. The window is what a body may meet;
+    /// on both sides of the place where it is nearest, the material is bounded for itself.
+    pub(super) fn reached(&self, steps: &StepLanes, middle: &RayLine, lateral: f64, window: [f64; 2]) -> [bool; LANES] {
+        let mut reached = [false; LANES];
+        let twice = window[0] + window[1];
+        for upper in [false, true] {
+            let mut within = [f64::INFINITY, f64::NEG_INFINITY];
+            for (a, b) in self.a.iter().zip(&self.b).filter(|(a, b)| (*a + *b > twice) == upper) {
+                within = [within[0].min(*a), within[1].max(*b)];
+            }
+            if within[0] < within[1] {
+                let found = self.vectors.dispatch(ReachQuestion { steps, line: middle, lateral, within });
+                reached.iter_mut().zip(found).for_each(|(all, one)| *all |= one);
+            }
+        }
+        reached
     }
 
     /// Drops the intervals from which the body removes nothing.
@@ -144,7 +160,7 @@ impl Intervals {
     /// Queries all intervals for the whole time, first from one end of the time, then the undecided rest from the
     /// other.
     fn ask_ends(&mut self, moving: &Moving, take: bool) {
-        let (first, count) = (self.first, self.x.len());
+        let (first, count) = (1, self.x.len());
         let time = |end: usize| if end == 0 { 0.0 } else { 1.0 };
         let all = |n: usize| Open { interval: n, times: [0.0, 1.0], slopes: [0.0; 2], slope: 0.0, t: time(first) };
         self.unsettled.clear();
@@ -157,7 +173,6 @@ impl Intervals {
             let answers = self.vectors.dispatch(EndQuestion { moving, lines: &lines, end: first });
             self.sort_out(&answers, take, (start..start + lanes).map(all));
         }
-        let before = self.unsettled.len();
         std::mem::swap(&mut self.open, &mut self.unsettled);
         self.unsettled.clear();
         let mut open = std::mem::take(&mut self.open);
@@ -175,9 +190,6 @@ impl Intervals {
         self.open = open;
         for open in &mut self.unsettled {
             open.slopes[1 - first] = open.slope;
-        }
-        if count - before < before - self.unsettled.len() {
-            self.first = 1 - first;
         }
     }
 

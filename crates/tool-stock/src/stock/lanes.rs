@@ -41,14 +41,14 @@ pub(super) struct Lines {
 }
 
 /// Position of a body relative to a line.
-struct LaneHit {
+pub(super) struct LaneHit {
     /// Part of the line inside of the body; `high` is below `low` when the line misses the body.
-    low: f64,
-    high: f64,
+    pub(super) low: f64,
+    pub(super) high: f64,
     /// Part of the interval that the body may reach, and approximately the place where it is nearest.
-    from: f64,
-    to: f64,
-    nearest: f64,
+    pub(super) from: f64,
+    pub(super) to: f64,
+    pub(super) nearest: f64,
 }
 
 /// The body removes nothing of the interval.
@@ -74,7 +74,7 @@ pub(super) struct Answers {
 /// Least value over a time before or after of a parabola with a value, slope and second derivative, less linear and
 /// cubic terms with the factors `drift` and `twist`.
 #[inline(always)]
-fn least(query: &StepQuery, run: f64, drift: f64, twist: f64) -> f64 {
+pub(super) fn least(query: &StepQuery, run: f64, drift: f64, twist: f64) -> f64 {
     let square = run * run;
     let slope = query.slope * run - (drift + twist * square) * run.abs();
     let second = query.second * square;
@@ -86,13 +86,13 @@ fn least(query: &StepQuery, run: f64, drift: f64, twist: f64) -> f64 {
 
 /// The smaller of two numbers, neither of which is NaN; unlike `min` a single instruction.
 #[inline(always)]
-fn smaller(a: f64, b: f64) -> f64 {
+pub(super) fn smaller(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
 /// The larger of two numbers, neither of which is NaN.
 #[inline(always)]
-fn larger(a: f64, b: f64) -> f64 {
+pub(super) fn larger(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
@@ -302,7 +302,7 @@ fn answer(
 }
 
 /// A body with its position relative to a line.
-trait Standing: RadiusProfile {
+pub(super) trait Standing: RadiusProfile {
     /// `from` and `to` bound the part that the body may reach while no point of it moves farther than `margin`.
     fn stand(&self, pose: &StepPose, line: &RayLine, interval: [f64; 2], margin: f64) -> LaneHit;
 }

@@ -9,6 +9,7 @@
 //! | `sweep` | such a body in motion: its signed distance, and the least value over time |
 //! | `moving` | such a body in motion with bounds, against a line |
 //! | `lanes` | queries about eight intervals of material at once against such a body |
+//! | `reach` | which steps may reach a group of lines |
 //! | `intervals` | what such a body removes of the intervals of a group of lines |
 //! | [`lune`] | material about the axis that a step along the axis removes |
 //! | [`slices`] | slices of a cutter along its axis: sides to which it removes material |
@@ -30,6 +31,7 @@ pub mod lune;
 pub mod mesh;
 mod moving;
 mod ray;
+mod reach;
 mod run;
 mod shape;
 pub mod simulate;

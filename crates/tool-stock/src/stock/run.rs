@@ -2,6 +2,7 @@
 
 use super::field::frame;
 use super::moving::{Moving, square_to};
+use super::reach::StepLanes;
 use super::shape::SolidShape;
 use super::sweep::StepSweep;
 use super::{Field, Step, StepKind, Touched};
@@ -33,6 +34,8 @@ pub(super) struct Prepared {
     /// The cutter over the whole run, and step by step, for steps that cut.
     pub(super) whole: Option<Moving>,
     pub(super) steps: Vec<Moving>,
+    /// These steps as columns.
+    pub(super) lanes: Option<StepLanes>,
 }
 
 /// Frame of a family of rays, in which its rays run along Z.
@@ -85,11 +88,14 @@ pub(super) fn prepare(
                 .collect();
             let whole = if rapid { None } else { moving(cutter) };
             let each = if whole.is_some() { sweeps.as_slice() } else { &[] };
+            let steps: Vec<Moving> =
+                each.iter().zip(own).map(|(sweep, step)| of_step(sweep, step, cutter, frame)).collect();
             Prepared {
                 ordinals: ordinals[range.clone()].to_vec(),
                 forbidden,
                 whole,
-                steps: each.iter().zip(own).map(|(sweep, step)| of_step(sweep, step, cutter, frame)).collect(),
+                lanes: StepLanes::new(&steps),
+                steps,
                 sweeps,
             }
         })

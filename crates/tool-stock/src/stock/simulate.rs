@@ -318,8 +318,8 @@ impl Said {
         slices: &Slices,
         work: &mut Intervals,
     ) {
-        let cut = &run.steps[steps.clone()];
-        let whole = match cut {
+        let Some(lanes) = &run.lanes else { return };
+        let whole = match &run.steps[steps.clone()] {
             [] => return,
             [one] => one,
             _ => match &run.whole {
@@ -328,8 +328,8 @@ impl Said {
             },
         };
         let mut removals = [Removal::NONE; MAX_RUN_STEPS];
-        tile.remove(&RayRun { whole, steps: cut, slices }, work, &mut removals);
-        for (ordinal, removal) in run.ordinals[steps].iter().zip(&removals) {
+        tile.remove(&RayRun { whole, steps: &run.steps, range: steps, lanes, slices }, work, &mut removals);
+        for (ordinal, removal) in run.ordinals.iter().zip(&removals) {
             if removal.length > 0.0 {
                 match self.removals.last_mut() {
                     Some((last, r)) if last == ordinal => r.add(removal),

@@ -80,6 +80,39 @@ pub(super) struct StepPose {
 }
 
 impl StepPose {
+    /// Numbers of a pose, without its time.
+    pub(super) const NUMBERS: usize = 20;
+
+    /// The pose as numbers.
+    pub(super) fn numbers(&self) -> [f64; Self::NUMBERS] {
+        let Self { tip, axis, way, turning, pull, advance, swing, square, by_square, by_along, .. } = self;
+        let mut numbers = [0.0; Self::NUMBERS];
+        for (place, v) in numbers.chunks_exact_mut(3).zip([tip, axis, way, turning, pull]) {
+            place.copy_from_slice(v.as_slice());
+        }
+        numbers[15..].copy_from_slice(&[*advance, *swing, *square, *by_square, *by_along]);
+        numbers
+    }
+
+    /// The pose of some numbers at a time.
+    #[inline(always)]
+    pub(super) fn from_numbers(of: impl Fn(usize) -> f64, t: f64) -> Self {
+        let vector = |k: usize| Vector3::new(of(k), of(k + 1), of(k + 2));
+        Self {
+            tip: vector(0),
+            axis: vector(3),
+            way: vector(6),
+            turning: vector(9),
+            pull: vector(12),
+            advance: of(15),
+            swing: of(16),
+            square: of(17),
+            by_square: of(18),
+            by_along: of(19),
+            t,
+        }
+    }
+
     /// The function on a line at a height.
     #[inline(always)]
     pub(super) fn query(&self, body: &impl RadiusProfile, line: &RayLine, z: f64) -> StepQuery {

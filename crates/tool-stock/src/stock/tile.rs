@@ -5,6 +5,7 @@ use super::intervals::{Chip, Intervals};
 use super::lune::{self, Lune};
 use super::moving::Moving;
 use super::ray::Ray;
+use super::reach::StepLanes;
 use super::slices::{Sides, Slices};
 use super::sweep::RayLine;
 
@@ -305,17 +306,19 @@ impl Tile {
 
     /// Removes what a cutter sweeps in the steps of a run, and adds to the removal of each step.
     pub(super) fn remove(&mut self, run: &RayRun, work: &mut Intervals, removals: &mut [Removal]) {
-        let steps = run.steps;
         self.visit(run.whole, |rays, group| {
             work.clear();
             group.intervals(rays, |ray, line, part| work.push(line, ray, part));
-            if steps.len() > 1 {
+            let reached = work.reached(run.lanes, &group.middle, group.lateral, group.window);
+            let near = run.range.clone().filter(|k| reached[*k]);
+            if near.clone().nth(1).is_some() {
                 work.sift(run.whole);
             }
             if work.is_empty() {
                 return Visited::Unchanged;
             }
-            for (step, removal) in steps.iter().zip(removals.iter_mut()) {
+            for k in near {
+                let (step, removal) = (&run.steps[k], &mut removals[k]);
                 let first = work.chips.len();
                 work.cut(step);
                 for chip in &work.chips[first..] {
@@ -380,8 +383,11 @@ enum Visited {
 pub(super) struct RayRun<'a> {
     /// The whole run as one motion.
     pub(super) whole: &'a Moving,
-    /// Its steps, in order.
+    /// Its steps, in order, and those of them that count.
     pub(super) steps: &'a [Moving],
+    pub(super) range: std::ops::Range<usize>,
+    /// The steps as columns.
+    pub(super) lanes: &'a StepLanes,
     /// Slices of the cutter.
     pub(super) slices: &'a Slices,
 }
