@@ -157,20 +157,21 @@ impl Intervals {
         self.unite();
     }
 
-    /// Queries all intervals for the whole time, first from one end of the time, then the undecided rest from the
-    /// other.
+    /// Queries all intervals for the whole time, first from its end, then the undecided rest from its start. The order never
+    /// depends on other queries: where both ends decide, it decides about the last digits.
     fn ask_ends(&mut self, moving: &Moving, take: bool) {
-        let (first, count) = (1, self.x.len());
-        let time = |end: usize| if end == 0 { 0.0 } else { 1.0 };
-        let all = |n: usize| Open { interval: n, times: [0.0, 1.0], slopes: [0.0; 2], slope: 0.0, t: time(first) };
+        let count = self.x.len();
+        let all = |n: usize| Open { interval: n, times: [0.0, 1.0], slopes: [0.0; 2], slope: 0.0, t: 1.0 };
         self.unsettled.clear();
         for start in (0..count).step_by(LANES) {
             let lanes = LANES.min(count - start);
             let mut lines = Lines::default();
-            for (lane, column) in [&mut lines.x, &mut lines.y, &mut lines.a, &mut lines.b].into_iter().zip(self.columns()) {
+            for (lane, column) in
+                [&mut lines.x, &mut lines.y, &mut lines.a, &mut lines.b].into_iter().zip(self.columns())
+            {
                 lane[..lanes].copy_from_slice(&column[start..start + lanes]);
             }
-            let answers = self.vectors.dispatch(EndQuestion { moving, lines: &lines, end: first });
+            let answers = self.vectors.dispatch(EndQuestion { moving, lines: &lines, end: 1 });
             self.sort_out(&answers, take, (start..start + lanes).map(all));
         }
         std::mem::swap(&mut self.open, &mut self.unsettled);
@@ -179,17 +180,17 @@ impl Intervals {
         for open in open.chunks_mut(LANES) {
             let mut lines = Lines::default();
             for (i, open) in open.iter_mut().enumerate() {
-                open.slopes[first] = open.slope;
-                open.t = time(1 - first);
+                open.slopes[1] = open.slope;
+                open.t = 0.0;
                 let n = open.interval;
                 (lines.x[i], lines.y[i], lines.a[i], lines.b[i]) = (self.x[n], self.y[n], self.a[n], self.b[n]);
             }
-            let answers = self.vectors.dispatch(EndQuestion { moving, lines: &lines, end: 1 - first });
+            let answers = self.vectors.dispatch(EndQuestion { moving, lines: &lines, end: 0 });
             self.sort_out(&answers, take, open.iter().copied());
         }
         self.open = open;
         for open in &mut self.unsettled {
-            open.slopes[1 - first] = open.slope;
+            open.slopes[0] = open.slope;
         }
     }
 

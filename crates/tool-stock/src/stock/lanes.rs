@@ -4,7 +4,7 @@
 //! are the same, bit by bit, for vectors of any width.
 
 use super::moving::Moving;
-use super::shape::{RadiusProfile, Round, SolidShape};
+use super::shape::{RadiusProfile, RadiusValue, Round, SolidShape};
 use super::sweep::{RayLine, StepPose, StepQuery};
 
 /// Reserve for rounding, mm.
@@ -259,6 +259,14 @@ impl Answers {
     }
 }
 
+/// Largest fall along a line of a plane at a place, which turns by `turn`, over a part of the line.
+#[inline(always)]
+pub(super) fn fall(query: &StepQuery, turn: f64, x: f64, [from, to]: [f64; 2]) -> f64 {
+    let rising = larger(turn - query.rise, 0.0) * (to - x);
+    let falling = larger(turn + query.rise, 0.0) * (x - from);
+    larger(rising, falling)
+}
+
 /// What a body at one pose decides about an interval.
 #[inline(always)]
 fn answer(
@@ -286,16 +294,18 @@ fn answer(
     let least = runs.least(&query, moving);
     // Where the body leaves the line at this time, it reaches farther at no other time.
     let leaves = (query.rise * sign >= turn) & (least > -LEFT);
-    let rising = larger(turn - query.rise, 0.0) * (to - x);
-    let falling = larger(turn + query.rise, 0.0) * (x - from);
-    let away = (from >= to) | (least > larger(rising, falling));
+    let part = [from, to];
+    let level = body.level(pose, line, x, &query);
+    let away = (from >= to)
+        | (least > fall(&query, turn, x, part))
+        | (runs.least(&level, moving) > fall(&level, turn, x, part));
     let settled = if inside { leaves } else { away };
     let untouched = if settled { UNTOUCHED } else { UNDECIDED };
     let cut = if upper & lower { HALF_CUT } else { CUT };
     let cut = if leaves | !(upper | lower) { cut } else { UNDECIDED };
     OneAnswer {
         state: if through { cut } else { untouched },
-        slope: query.slope,
+        slope: if inside { query.slope } else { level.slope },
         from: larger(low, a),
         to: smaller(high, b),
     }
@@ -305,6 +315,35 @@ fn answer(
 pub(super) trait Standing: RadiusProfile {
     /// `from` and `to` bound the part that the body may reach while no point of it moves farther than `margin`.
     fn stand(&self, pose: &StepPose, line: &RayLine, interval: [f64; 2], margin: f64) -> LaneHit;
+
+    /// A plane below the function that rises as little as possible along a line, from a query at a place: where the line passes
+    /// an edge, one face rises along it and the other falls.
+    #[inline(always)]
+    fn level(&self, _pose: &StepPose, _line: &RayLine, _x: f64, query: &StepQuery) -> StepQuery {
+        *query
+    }
+}
+
+/// The side of a cutter without its ends.
+struct Side {
+    radius: f64,
+}
+
+impl RadiusProfile for Side {
+    #[inline(always)]
+    fn at(&self, rho: f64, _: f64) -> RadiusValue {
+        RadiusValue { f: rho - self.radius, by_rho: 1.0, by_s: 0.0 }
+    }
+}
+
+/// The space over the plane at the tip.
+struct Bottom;
+
+impl RadiusProfile for Bottom {
+    #[inline(always)]
+    fn at(&self, _: f64, s: f64) -> RadiusValue {
+        RadiusValue { f: -s, by_rho: 0.0, by_s: -1.0 }
+    }
 }
 
 impl Standing for SolidShape {
@@ -340,6 +379,10 @@ impl<const BALL: bool> Standing for Round<BALL> {
         let (bottom, end) = planes(if BALL { radius } else { 0.0 }, top);
         let (mut low, mut high) = (larger(low, bottom), smaller(high, end));
         let mut nearest = larger(smaller(centre, end), bottom);
+        if !BALL {
+            // Past the edge, between the side and the plane.
+            nearest = if meets & (low >= high) { 0.5 * (low + high) } else { nearest };
+        }
         if BALL {
             let middle = radius * along - d.z;
             let root = middle * middle - far + 2.0 * radius * s;
@@ -361,6 +404,25 @@ impl<const BALL: bool> Standing for Round<BALL> {
         let from = larger(larger(a, bottom), centre - half);
         let to = smaller(smaller(b, end), centre + half);
         LaneHit { low, high, from, to: if may { to } else { -FAR }, nearest }
+    }
+
+    #[inline(always)]
+    fn level(&self, pose: &StepPose, line: &RayLine, x: f64, query: &StepQuery) -> StepQuery {
+        if BALL {
+            return *query;
+        }
+        let (side, bottom) = (pose.query(&Side { radius: self.radius }, line, x), pose.query(&Bottom, line, x));
+        let opposed = (side.rise < 0.0) != (bottom.rise < 0.0);
+        // A mean of both lies below the larger one.
+        let share = bottom.rise / if opposed { bottom.rise - side.rise } else { 1.0 };
+        let mean = |a: f64, b: f64, own: f64| if opposed { b + (a - b) * share } else { own };
+        StepQuery {
+            f: mean(side.f, bottom.f, query.f),
+            rise: mean(side.rise, bottom.rise, query.rise),
+            slope: mean(side.slope, bottom.slope, query.slope),
+            second: mean(side.second, bottom.second, query.second),
+            t: query.t,
+        }
     }
 }
 
@@ -401,5 +463,44 @@ mod tests {
             }
         }
         assert!(states[..3].iter().all(|n| *n > 50), "{states:?}");
+    }
+
+    /// Against places and times all over the material that a decided interval keeps.
+    #[test]
+    fn little_is_left_inside() {
+        let axis = |a: f64| Vector3::new(a.sin() * 0.6, 0.8 * a.sin(), a.cos());
+        let tips = [Vector3::new(1.0, 2.0, -1.0), Vector3::new(1.9, 2.4, -1.2)];
+        let sweep = StepSweep::through(tips, [0.3, 0.31, 0.325].map(axis));
+        let mut states = [0; 3];
+        for shape in [SolidShape::Flat { radius: 3.0, top: 20.0 }, SolidShape::Ball { radius: 3.0, top: 20.0 }] {
+            let moving = Moving::new(sweep, shape, 0.0);
+            for k in 0..400 {
+                let at = |i: usize, f: f64| (f64::from(k) * f + i as f64).sin();
+                let low: Lane = std::array::from_fn(|i| 6.0 * at(i, 1.9) - 3.0);
+                let (x, y) =
+                    (std::array::from_fn(|i| 1.7 + 4.0 * at(i, 0.7)), std::array::from_fn(|i| 2.2 + 4.0 * at(i, 1.3)));
+                let lines = Lines { x, y, a: low, b: low.map(|z| z + 4.0) };
+                for end in [0, 1] {
+                    let said = pulp::Arch::new().dispatch(EndQuestion { moving: &moving, lines: &lines, end });
+                    for i in 0..LANES {
+                        states[said.state[i] as usize] += 1;
+                        let removed = if said.state[i] == CUT { [said.from[i], said.to[i]] } else { [f64::MAX; 2] };
+                        if said.state[i] == UNDECIDED {
+                            continue;
+                        }
+                        for (t, z) in (0..=20).flat_map(|t| (0..=40).map(move |z| (t, z))) {
+                            let z = lines.a[i] + 0.1 * f64::from(z);
+                            if removed[0] <= z && z <= removed[1] {
+                                continue;
+                            }
+                            let pose = sweep.stand(0.05 * f64::from(t));
+                            let depth = -pose.query(&shape, &RayLine { x: x[i], y: y[i] }, z).f;
+                            assert!(depth < LEFT + LENGTH_ROUNDING_MM, "{shape:?} {k} {i} {end} {t} {z}: {depth}");
+                        }
+                    }
+                }
+            }
+        }
+        assert!(states.iter().all(|n| *n > 100), "{states:?}");
     }
 }

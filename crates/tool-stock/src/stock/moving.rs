@@ -92,7 +92,25 @@ impl Moving {
         let (from, to, radius) = (from - moved, to + moved, radius + moved);
         let speed = way + turn * reach + drift;
         let ends = [sweep.stand(0.0), sweep.stand(1.0)];
-        Self { sweep, shape, drift, turn, speed, bow, twist, low, high, ends, tip, axis, from, to, radius, side, around }
+        Self {
+            sweep,
+            shape,
+            drift,
+            turn,
+            speed,
+            bow,
+            twist,
+            low,
+            high,
+            ends,
+            tip,
+            axis,
+            from,
+            to,
+            radius,
+            side,
+            around,
+        }
     }
 
     /// Largest error of depths below its surface, mm.

@@ -1,6 +1,7 @@
 //! Runs: successive steps combined to one motion, in the frame of a family of rays.
 
 use super::field::frame;
+use super::lanes::LANES;
 use super::moving::{Moving, square_to};
 use super::reach::StepLanes;
 use super::shape::SolidShape;
@@ -16,8 +17,8 @@ const LEAST_LENGTH: f64 = 1e-9;
 /// Share of a step within which a time is at its end.
 const AT_END: f64 = 1e-9;
 
-/// Most steps of a run.
-pub(super) const MAX_RUN_STEPS: usize = 8;
+/// Most steps of a run: one for each lane of a query about them.
+pub(super) const MAX_RUN_STEPS: usize = LANES;
 
 /// Longest tip motion of a run, mm; and largest deviation of its steps from the run, as a share of this motion. The aim
 /// is to exclude as much of a path as possible at once.
