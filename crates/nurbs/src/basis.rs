@@ -24,55 +24,88 @@ pub fn span(knots: &[f64], degree: usize, u: f64) -> usize {
     degree + inner.partition_point(|k| *k <= u).saturating_sub(1)
 }
 
-/// Functions at `u` in span `i` of a degree and of the two degrees below, the highest last: entry j of degree d weights
-/// control point i - d + j.
+/// [`span`], which is tried first where that of a place nearby is known.
+pub(super) fn span_from(knots: &[f64], degree: usize, u: f64, nearby: usize) -> usize {
+    if knots[nearby] <= u && u < knots[nearby + 1] { nearby } else { span(knots, degree, u) }
+}
+
+/// From the functions of degree `d - 1` at `u` to those of degree `d`. `around` are the knots round the span, as many on either side as the
+/// degree of the spline.
 #[inline(always)]
-fn functions<const P: usize>(knots: &[f64], degree: usize, i: usize, u: f64) -> [[f64; P]; 3] {
+fn raised<const P: usize>(around: &[f64], d: usize, u: f64, mut n: [f64; P]) -> [f64; P] {
+    let middle = around.len() / 2;
+    let mut saved = 0.0;
+    for j in 0..d {
+        let right = around[middle + j];
+        let left = around[middle + j - d];
+        let width = right - left;
+        let term = if width > 0.0 { n[j] / width } else { 0.0 };
+        n[j] = saved + (right - u) * term;
+        saved = (u - left) * term;
+    }
+    n[d] = saved;
+    n
+}
+
+/// Functions at `u` of the degree of a spline and of the two degrees below, the highest last: entry j of degree d weights
+/// control point i - d + j, where i is the span.
+#[inline(always)]
+fn functions<const P: usize>(around: &[f64], degree: usize, u: f64) -> [[f64; P]; 3] {
     let mut n = [0.0; P];
     n[0] = 1.0;
     let mut all = [[0.0; P], [0.0; P], n];
-    for d in 1..=degree {
-        let mut saved = 0.0;
-        for j in 0..d {
-            let right = knots[i + 1 + j];
-            let left = knots[i + 1 + j - d];
-            let width = right - left;
-            let term = if width > 0.0 { n[j] / width } else { 0.0 };
-            n[j] = saved + (right - u) * term;
-            saved = (u - left) * term;
-        }
-        n[d] = saved;
-        all = [all[1], all[2], n];
+    let mut raise = |d: usize| all = [all[1], all[2], raised(around, d, u, all[2])];
+    // Written out up to the degree of the kernel: the compiler unrolls a loop whose length it knows, but not one in another.
+    if degree >= 1 {
+        raise(1);
     }
+    if degree >= 2 {
+        raise(2);
+    }
+    if degree >= 3 {
+        raise(3);
+    }
+    (4..=degree).for_each(raise);
     all
 }
 
-/// One differentiation step: from functions of `degree - 1` to the derivative of those of `degree`.
+/// One differentiation step: from functions of degree `d - 1` to the derivative of those of degree `d`.
 #[inline(always)]
-fn derive<const P: usize>(knots: &[f64], degree: usize, i: usize, lower: &[f64; P]) -> [f64; P] {
-    let mut d = [0.0; P];
-    for j in 0..degree {
-        // Function j of the lower degree belongs to control index i - degree + 1 + j.
-        let k = i + 1 + j - degree;
-        let width = knots[k + degree] - knots[k];
+fn derive<const P: usize>(around: &[f64], d: usize, lower: &[f64; P]) -> [f64; P] {
+    let middle = around.len() / 2;
+    let mut derived = [0.0; P];
+    for j in 0..d {
+        let width = around[middle + j] - around[middle + j - d];
         if width > 0.0 {
-            let term = degree as f64 * lower[j] / width;
-            d[j] -= term;
-            d[j + 1] += term;
+            let term = d as f64 * lower[j] / width;
+            derived[j] -= term;
+            derived[j + 1] += term;
         }
     }
-    d
+    derived
 }
 
 /// Basis functions at `u` with derivatives up to `order` (at most 2); higher derivatives are zero.
 pub fn evaluate(knots: &[f64], degree: usize, u: f64, order: usize) -> Basis {
-    // A degree that the compiler knows unrolls the loops.
-    match degree {
-        3 => of_degree(knots, 3, u, order),
-        2 => of_degree(knots, 2, u, order),
-        1 => of_degree(knots, 1, u, order),
+    match (degree, order) {
+        (3, 0) => known::<3, 0>(knots, u),
+        (3, 1) => known::<3, 1>(knots, u),
+        (3, _) => known::<3, 2>(knots, u),
         _ => of_degree(knots, degree, u, order),
     }
+}
+
+/// Functions of the degree of the kernel with two derivatives in span `i`, as [`evaluate`] gives them.
+#[inline(never)]
+pub(super) fn cubic_in_span(knots: &[f64], i: usize, u: f64) -> Basis {
+    in_span(knots, 3, i, u, 2)
+}
+
+/// [`of_degree`] for a degree and an order that the compiler knows: no loop remains. Inlined side by side such functions would be merged
+/// to one with loops again.
+#[inline(never)]
+fn known<const DEGREE: usize, const ORDER: usize>(knots: &[f64], u: f64) -> Basis {
+    of_degree(knots, DEGREE, u, ORDER)
 }
 
 /// The same for a degree of at most P - 1.
@@ -84,14 +117,15 @@ pub fn of_degree<const P: usize>(knots: &[f64], degree: usize, u: f64, order: us
 /// The same for the polynomials of span `i`, which go on beyond its ends.
 #[inline(always)]
 pub fn in_span<const P: usize>(knots: &[f64], degree: usize, i: usize, u: f64, order: usize) -> Basis<P> {
+    let around = &knots[i + 1 - degree..][..2 * degree];
     let mut values = [[0.0; P]; 3];
-    let [two_below, below, own] = functions(knots, degree, i, u);
+    let [two_below, below, own] = functions(around, degree, u);
     values[0] = own;
     if order >= 1 && degree >= 1 {
-        values[1] = derive(knots, degree, i, &below);
+        values[1] = derive(around, degree, &below);
     }
     if order >= 2 && degree >= 2 {
-        values[2] = derive(knots, degree, i, &derive(knots, degree - 1, i, &two_below));
+        values[2] = derive(around, degree, &derive(around, degree - 1, &two_below));
     }
     Basis { first: i - degree, values }
 }

@@ -1,7 +1,7 @@
 //! NURBS curves (Wei 1).
 
 use super::GeomError;
-use super::basis::{self, MAX_DEGREE};
+use super::basis::{self, Basis, MAX_DEGREE};
 use super::quadrature::integral;
 use nalgebra::{Point3, Rotation3, Vector3, Vector4};
 
@@ -150,10 +150,20 @@ impl NurbsCurve {
 
     /// Point, first and second derivative at a parameter of the domain.
     pub fn derivatives(&self, u: f64) -> CurveDerivatives {
-        let basis = basis::evaluate(&self.knots, self.degree, u, 2);
+        self.weighted(&basis::evaluate(&self.knots, self.degree, u, 2))
+    }
+
+    /// [`Self::derivatives`] of a curve of the degree of the kernel at places in a row: `span` is that of the place before, and becomes
+    /// that of this one.
+    pub(super) fn next_derivatives(&self, u: f64, span: &mut usize) -> CurveDerivatives {
+        *span = basis::span_from(&self.knots, self.degree, u, *span);
+        self.weighted(&basis::cubic_in_span(&self.knots, *span, u))
+    }
+
+    /// Point and derivatives by the basis functions.
+    fn weighted(&self, basis: &Basis) -> CurveDerivatives {
         let mut sums = [Vector4::zeros(); 3];
-        for j in 0..=self.degree {
-            let c = &self.control[basis.first + j];
+        for (c, j) in self.control[basis.first..=basis.first + self.degree].iter().zip(0..=MAX_DEGREE) {
             for (sum, n) in sums.iter_mut().zip(&basis.values) {
                 *sum += c * n[j];
             }

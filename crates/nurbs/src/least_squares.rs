@@ -24,7 +24,7 @@ pub(super) struct SoughtSpline<'k, const N: usize> {
     pub(super) smoothing: f64,
 }
 
-/// Normal equations of the control points that are not given.
+/// Normal equations of the control points that are not given; of the symmetric matrix the lower triangle counts.
 struct NormalEquations {
     matrix: DMatrix<f64>,
     right: DMatrix<f64>,
@@ -79,19 +79,22 @@ impl<const N: usize> SoughtSpline<'_, N> {
 
     fn add_point(&self, equations: &mut NormalEquations, point: SVector<f64, N>, u: f64) {
         let basis = basis::of_degree::<{ MAX_BEZIER_DEGREE + 1 }>(self.knots, self.degree, u, 0);
-        let entry = |k: usize| ((basis.first + k) % self.count(), basis.values[0][k]);
-        let entries = || (0..=self.degree).map(entry);
         let mut rest = point;
-        for (j, w) in entries() {
+        // Rows of the control points with a weight at the point, where they are sought.
+        let mut rows = [None; MAX_BEZIER_DEGREE + 1];
+        for (k, row) in rows[..=self.degree].iter_mut().enumerate() {
+            let j = (basis.first + k) % self.count();
+            *row = self.row(j);
             if let Some(given) = self.given(j) {
-                rest -= given * w;
+                rest -= given * basis.values[0][k];
             }
         }
-        for (row, w) in entries().filter_map(|(j, w)| Some((self.row(j)?, w))) {
+        let entries = || rows.iter().zip(&basis.values[0]).filter_map(|(row, w)| Some(((*row)?, *w)));
+        for (row, w) in entries() {
             for k in 0..N {
                 equations.right[(row, k)] += w * rest[k];
             }
-            for (column, v) in entries().filter_map(|(j, v)| Some((self.row(j)?, v))) {
+            for (column, v) in entries().filter(|(column, _)| *column <= row) {
                 equations.matrix[(row, column)] += w * v;
             }
         }

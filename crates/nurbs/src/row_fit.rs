@@ -212,7 +212,8 @@ impl RowFit {
                 .map(|pair| libm::atan2(pair[0].cross(&pair[1]).norm(), pair[0].dot(&pair[1])))
                 .sum::<f64>()
         };
-        self.control.iter().map(|control| along(&self.curve(control))).sum()
+        let turns: Vec<f64> = self.control.par_iter().map(|control| along(&self.curve(control))).collect();
+        turns.into_iter().sum()
     }
 
     /// Largest distance of a judged point to its spline, mm.
@@ -227,7 +228,7 @@ impl RowFit {
         for _ in 0..=CORRECTIONS {
             let Some(control) = self.least_squares(row, &at) else { break };
             let curve = self.curve(&control);
-            let feet: Vec<(f64, f64)> = row.points.iter().zip(&at).map(|(p, u)| self.foot(&curve, p, *u)).collect();
+            let feet: Vec<(f64, f64)> = self.feet(&curve, &row.points, &at);
             let largest = |feet: &[(f64, f64)]| feet.iter().map(|f| f.1).fold(0.0, f64::max);
             if best.as_ref().is_none_or(|b| largest(&feet) < largest(&b.1)) {
                 best = Some((control, feet.clone()));
@@ -251,28 +252,38 @@ impl RowFit {
         sought.nearest_to(row.points.iter().map(|p| p.coords), at.iter().copied())
     }
 
-    /// Parameter of the foot of a point near `u`, by Newton's method, and its distance.
-    fn foot(&self, curve: &NurbsCurve, p: &Point3<f64>, u: f64) -> (f64, f64) {
-        let inside = |u: f64| if self.closed { u.rem_euclid(1.0) } else { u.clamp(0.0, 1.0) };
-        let mut best = (u, f64::INFINITY);
-        let mut here = u;
-        for _ in 0..6 {
-            let d = curve.derivatives(here);
-            let gap = d.point - p;
-            if gap.norm() < best.1 {
-                best = (here, gap.norm());
-            }
-            let slope = d.first.norm_squared() + gap.dot(&d.second);
-            if slope <= 0.0 {
-                break;
-            }
-            let next = inside(here - gap.dot(&d.first) / slope);
-            if next == here {
-                break;
-            }
-            here = next;
+    /// Parameters of the feet of points near `at`, by Newton's method, and their distances. All points take a step before any takes the
+    /// next one: the steps of one point wait for each other, those of different points do not.
+    fn feet(&self, curve: &NurbsCurve, points: &[Point3<f64>], at: &[f64]) -> Vec<(f64, f64)> {
+        /// Steps of a point.
+        const STEPS: usize = 6;
+        // What lies inside takes no division.
+        let inside = |u: f64| match self.closed {
+            true if !(0.0..1.0).contains(&u) => u.rem_euclid(1.0),
+            true => u,
+            false => u.clamp(0.0, 1.0),
+        };
+        let mut feet: Vec<(f64, f64)> = at.iter().map(|u| (*u, f64::INFINITY)).collect();
+        // Where each point is, and where it was a step ago.
+        let mut places: Vec<[f64; 2]> = at.iter().map(|u| [*u, f64::NAN]).collect();
+        let mut moving: Vec<usize> = (0..points.len()).collect();
+        for _ in 0..STEPS {
+            let mut span = DEGREE;
+            moving.retain(|i| {
+                let [here, before] = places[*i];
+                let d = curve.next_derivatives(here, &mut span);
+                let gap = d.point - points[*i];
+                if gap.norm() < feet[*i].1 {
+                    feet[*i] = (here, gap.norm());
+                }
+                let slope = d.first.norm_squared() + gap.dot(&d.second);
+                let next = inside(here - gap.dot(&d.first) / slope);
+                places[*i] = [next, here];
+                // Back where it was, a point would go on between two places.
+                slope > 0.0 && next != here && next != before
+            });
         }
-        best
+        feet
     }
 
     /// The spline of a row; the knots of a closed one are not clamped.
