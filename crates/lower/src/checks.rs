@@ -289,16 +289,19 @@ pub(super) fn splitters_between(spec: &PartSpec, part: &Part, sink: &mut Sink) -
         (0..=PLACES[0]).flat_map(move |i| (0..=PLACES[1]).map(move |j| (share(i, PLACES[0]), share(j, PLACES[1]))))
     };
     let main = part.face_ahead(BladeId::MAIN);
+    let above_and_below = Patch { u: [0.0, 1.0], v: [-0.2, 1.2] };
+    let searches: Vec<_> = part.faces().map(|face| (face, part.face(face).surface.search(above_and_below))).collect();
     for id in part.blade_ids().skip(1) {
         // The faces opposite: the neighbour, and a main blade where the neighbour is shorter.
         let far = |face: FaceId| if part.looks_ahead(face) { (main.other(), part.pitch()) } else { (main, 0.0) };
         let meets = |face: FaceId, p: &Point3<f64>| {
             [part.opposite(face), far(face)].into_iter().find(|(wall, turn)| {
                 let near = Rotation3::from_axis_angle(&Vector3::z_axis(), -turn) * p;
-                let wall = part.face(*wall);
-                let foot = wall.surface.closest(&near, Patch { u: [0.0, 1.0], v: [-0.2, 1.2] });
-                let within = foot.u > 0.0 && foot.u < 1.0;
-                within && (near - foot.point).dot(&wall.normal(foot.u, foot.v)) <= 0.0
+                let search = searches.iter().find(|(face, _)| face == wall);
+                search.map(|(_, search)| search.closest(&near)).is_some_and(|foot| {
+                    let within = foot.u > 0.0 && foot.u < 1.0;
+                    within && (near - foot.point).dot(&part.face(*wall).normal(foot.u, foot.v)) <= 0.0
+                })
             })
         };
         let found = id.faces().into_iter().find_map(|face| {

@@ -6,6 +6,7 @@ use super::knots::merge_knots;
 use super::proximity::{Patch, Projection};
 use super::{GeomError, NurbsCurve, NurbsSurface, SurfaceDerivatives};
 use nalgebra::{DMatrix, Point3, Rotation3, Vector3};
+use std::borrow::Cow;
 use std::sync::OnceLock;
 
 /// S(u, v) = sum over k of `L_k(v)` `C_k(u)`. The `C_k` are the sections at the places `v_k`. The `L_k` are splines of
@@ -28,15 +29,37 @@ pub struct LoftedSurface {
     seeds: Seeds,
 }
 
-/// Points of the whole surface from which the search for closest points begins, computed when they are first needed: column
-/// after column of equal u.
+/// Seeds of the whole surface, computed when they are first needed.
 #[derive(Clone, Debug, Default)]
-struct Seeds(OnceLock<Vec<Vector3<f64>>>);
+struct Seeds(OnceLock<SeedGrid>);
+
+/// Points of a patch from which the search for closest points begins.
+#[derive(Clone, Debug)]
+struct SeedGrid {
+    /// Their coordinates, column after column of equal u.
+    coordinates: [Vec<f64>; 3],
+    /// Intervals of a column.
+    across: usize,
+    /// Every point of the patch lies at most this far from a seed, mm.
+    reach: f64,
+}
 
 /// Seeds follow from the surface: surfaces are equal whether these are computed or not.
 impl PartialEq for Seeds {
     fn eq(&self, _: &Self) -> bool {
         true
+    }
+}
+
+impl SeedGrid {
+    /// Squared distances of the seeds from a point.
+    fn squares(&self, p: &Point3<f64>) -> Vec<f64> {
+        let [x, y, z] = &self.coordinates;
+        let square = |((x, y), z): ((&f64, &f64), &f64)| {
+            let [x, y, z] = [x - p.x, y - p.y, z - p.z];
+            x * x + y * y + z * z
+        };
+        x.iter().zip(y).zip(z).map(square).collect()
     }
 }
 
@@ -278,58 +301,67 @@ impl LoftedSurface {
         }
     }
 
-    /// Points of a patch on a grid: column after column of equal u.
-    fn grid(&self, patch: Patch) -> Vec<Vector3<f64>> {
-        let across = SECTION_SEEDS * (self.sections.len() - 1);
+    /// Points of a patch on a grid.
+    fn grid(&self, patch: Patch) -> SeedGrid {
+        // A line of equal v has one seed at each u.
+        let across = if patch.v[0] < patch.v[1] { SECTION_SEEDS * (self.sections.len() - 1) } else { 0 };
         // The line at each u, and the weights at each v, are computed once.
         let rows: Vec<(usize, [f64; MAX_DEGREE + 1])> = (0..=across)
             .map(|j| {
-                let v = between(patch.v, j, across);
+                let v = between(patch.v, j, across.max(1));
                 let inside = v.clamp(0.0, 1.0);
                 let basis = basis::evaluate(&self.knots[1], self.degree[1], inside, 1);
                 let weight = |k: usize| basis.values[0][k] + basis.values[1][k] * (v - inside);
                 (basis.first, std::array::from_fn(weight))
             })
             .collect();
-        let mut points = Vec::with_capacity((U_SEEDS + 1) * (across + 1));
+        let mut coordinates = [0; 3].map(|_| Vec::with_capacity((U_SEEDS + 1) * (across + 1)));
         for i in 0..=U_SEEDS {
             let line = self.line(between(patch.u, i, U_SEEDS));
-            let point = |(first, weights): &(usize, [f64; MAX_DEGREE + 1])| -> Vector3<f64> {
-                line[*first..].iter().zip(weights).map(|(c, weight)| c * *weight).sum()
-            };
-            points.extend(rows.iter().map(point));
-        }
-        points
-    }
-
-    /// Closest point of a patch: distances on a grid, then Newton's method from each local minimum of the grid, inside
-    /// the patch.
-    pub fn closest(&self, p: &Point3<f64>, patch: Patch) -> Projection {
-        let across = SECTION_SEEDS * (self.sections.len() - 1);
-        let of_patch;
-        let grid = if patch == Patch::WHOLE {
-            self.seeds.0.get_or_init(|| self.grid(Patch::WHOLE))
-        } else {
-            of_patch = self.grid(patch);
-            &of_patch
-        };
-        let distances: Vec<f64> = grid.iter().map(|point| (point - p.coords).norm()).collect();
-        let distance = |i: usize, j: usize| distances[i * (across + 1) + j];
-        let mut best: Option<Projection> = None;
-        for i in 0..=U_SEEDS {
-            for j in 0..=across {
-                let around = (i.saturating_sub(1)..=(i + 1).min(U_SEEDS))
-                    .flat_map(|a| (j.saturating_sub(1)..=(j + 1).min(across)).map(move |b| (a, b)));
-                if around.into_iter().any(|(a, b)| distance(a, b) < distance(i, j)) {
-                    continue;
-                }
-                let found = self.refine(p, [between(patch.u, i, U_SEEDS), between(patch.v, j, across)], patch);
-                if best.is_none_or(|b| found.distance < b.distance) {
-                    best = Some(found);
-                }
+            for (first, weights) in &rows {
+                let point: Vector3<f64> = line[*first..].iter().zip(weights).map(|(c, weight)| c * *weight).sum();
+                coordinates.iter_mut().zip(point.iter()).for_each(|(all, x)| all.push(*x));
             }
         }
-        best.unwrap_or_else(|| self.projection(p, [patch.u[0], patch.v[0]]))
+        SeedGrid { coordinates, across, reach: self.reach_of_seeds(patch, across) }
+    }
+
+    /// Largest distance of a point of a patch to the nearest of its seeds, mm, by the largest derivatives; these are known of the surface
+    /// within its borders alone.
+    fn reach_of_seeds(&self, patch: Patch, across: usize) -> f64 {
+        if !(in_square(patch.u[0], patch.v[0]) && in_square(patch.u[1], patch.v[1])) {
+            return f64::INFINITY;
+        }
+        let columns = self.sections.len();
+        // A derivative is a mean of the differences of neighbouring control points over the mean knots between them.
+        let largest = |direction: usize, stride: usize| {
+            let (knots, degree) = (&self.knots[direction], self.degree[direction]);
+            let index = |i: usize| if direction == 0 { i / columns } else { i % columns };
+            let rate = |i: usize| {
+                let k = index(i);
+                (self.control[i + stride] - self.control[i]).norm() * degree as f64
+                    / (knots[k + degree + 1] - knots[k + 1])
+            };
+            let has_next = |i: &usize| direction == 0 || index(*i) + 1 < columns;
+            (0..self.control.len() - stride).filter(has_next).map(rate).fold(0.0, f64::max)
+        };
+        let half = |range: [f64; 2], intervals: usize| 0.5 * (range[1] - range[0]) / intervals.max(1) as f64;
+        largest(0, columns) * half(patch.u, U_SEEDS) + largest(1, 1) * half(patch.v, across)
+    }
+
+    /// A search for closest points of a patch, for many points: its seeds are computed once.
+    pub fn search(&self, patch: Patch) -> LoftedSearch<'_> {
+        let grid = if patch == Patch::WHOLE {
+            Cow::Borrowed(self.seeds.0.get_or_init(|| self.grid(Patch::WHOLE)))
+        } else {
+            Cow::Owned(self.grid(patch))
+        };
+        LoftedSearch { surface: self, patch, grid }
+    }
+
+    /// Closest point of a patch, as [`LoftedSearch::closest`].
+    pub fn closest(&self, p: &Point3<f64>, patch: Patch) -> Projection {
+        self.search(patch).closest(p)
     }
 
     fn projection(&self, p: &Point3<f64>, [u, v]: [f64; 2]) -> Projection {
@@ -383,6 +415,45 @@ impl LoftedSurface {
             best = nearer;
         }
         best
+    }
+}
+
+/// A search for closest points of a patch of a lofted surface.
+#[derive(Clone, Debug)]
+pub struct LoftedSearch<'a> {
+    surface: &'a LoftedSurface,
+    patch: Patch,
+    grid: Cow<'a, SeedGrid>,
+}
+
+impl LoftedSearch<'_> {
+    /// Closest point: distances on a grid, then Newton's method inside the patch, from each local minimum of the grid that may have a
+    /// nearer point around it than the one to which the nearest point of the grid leads.
+    pub fn closest(&self, p: &Point3<f64>) -> Projection {
+        let Self { surface, patch, grid } = self;
+        let squares = grid.squares(p);
+        let column = grid.across + 1;
+        let refined = |k: usize| {
+            let start = [between(patch.u, k / column, U_SEEDS), between(patch.v, k % column, grid.across.max(1))];
+            surface.refine(p, start, *patch)
+        };
+        let nearest = (1..squares.len()).fold(0, |least, k| if squares[k] < squares[least] { k } else { least });
+        let first = refined(nearest);
+        let limit = (first.distance + grid.reach) * (first.distance + grid.reach);
+        let mut best: Option<Projection> = None;
+        for k in (0..squares.len()).filter(|k| squares[*k] <= limit) {
+            let (i, j) = (k / column, k % column);
+            let mut around = (i.saturating_sub(1)..=(i + 1).min(U_SEEDS))
+                .flat_map(|a| (j.saturating_sub(1)..=(j + 1).min(grid.across)).map(move |b| a * column + b));
+            if around.any(|other| squares[other] < squares[k]) {
+                continue;
+            }
+            let found = if k == nearest { first } else { refined(k) };
+            if best.is_none_or(|b| found.distance < b.distance) {
+                best = Some(found);
+            }
+        }
+        best.unwrap_or(first)
     }
 }
 

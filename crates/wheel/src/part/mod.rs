@@ -75,5 +75,5 @@ pub use rolling_ball::hub_normal;
 pub use row::{BladeRow, Part};
 pub use sample::{Sample, sample};
 pub use stock::{Clamping, Stock};
-pub use surface::{FaceLine, FaceSurface, Surface};
+pub use surface::{FaceLine, FaceSearch, FaceSurface, Surface};
 pub use turned_profile::TurnedProfile;

@@ -1,6 +1,7 @@
 //! Surfaces of blades: the common interface of all kinds.
 
 use nalgebra::{Point3, Vector3};
+use nurbs::lofted::LoftedSearch;
 use nurbs::proximity::{ClosestPair, Patch, Projection};
 use nurbs::range::Partials;
 use nurbs::{LoftedSurface, NurbsCurve, RuledSurface, SurfaceDerivatives};
@@ -126,7 +127,34 @@ impl FaceLine<'_> {
     }
 }
 
+/// A search for closest points of a patch of a face, for many points.
+#[derive(Clone, Debug)]
+pub enum FaceSearch<'a> {
+    /// The surface and the patch.
+    Ruled(&'a RuledSurface, Patch),
+    /// With seeds of the patch.
+    Lofted(LoftedSearch<'a>),
+}
+
+impl FaceSearch<'_> {
+    /// Closest point, as [`Surface::closest`].
+    pub fn closest(&self, p: &Point3<f64>) -> Projection {
+        match self {
+            Self::Ruled(surface, patch) => surface.closest(p, *patch),
+            Self::Lofted(search) => search.closest(p),
+        }
+    }
+}
+
 impl FaceSurface {
+    /// A search for closest points of a patch.
+    pub fn search(&self, patch: Patch) -> FaceSearch<'_> {
+        match self {
+            Self::Ruled(s) => FaceSearch::Ruled(s, patch),
+            Self::Lofted(s) => FaceSearch::Lofted(s.search(patch)),
+        }
+    }
+
     /// The line of equal u.
     pub fn line(&self, u: f64) -> FaceLine<'_> {
         match self {
@@ -210,9 +238,10 @@ impl FaceSurface {
             |range: [f64; 2], i: u32, n: u32| range[0] + (range[1] - range[0]) * f64::from(i) / f64::from(n.max(1));
         // A patch that is a line has all its places with the first v.
         let across = if patch.v[0] < patch.v[1] { PROJECTION_SEEDS[1] } else { 0 };
+        let (own, others) = (self.search(patch), other.search(other_patch));
         let from = |p: &Point3<f64>| {
-            let second = other.closest(p, other_patch);
-            let first = self.closest(&second.point, patch);
+            let second = others.closest(p);
+            let first = own.closest(&second.point);
             ClosestPair { first, second, distance: first.distance }
         };
         let seeds: Vec<(u32, u32)> =
