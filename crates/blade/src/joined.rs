@@ -8,6 +8,7 @@
 use super::Outline;
 use nalgebra::{DMatrix, DVector, Point3};
 use nurbs::{interpolate_at, row_fit::Row};
+use rayon::prelude::*;
 
 /// Points by which a closed row goes on beyond both ends: the spline forgets its ends within a few.
 const ROUND: usize = 12;
@@ -40,12 +41,13 @@ impl JoinedSections {
     /// # Errors
     /// The index of a section with a piece of fewer than two points, or a point that coincides with the one before it.
     pub(super) fn new(outlines: &[Outline], chain: &[Run], closed: bool) -> Result<Self, usize> {
-        let mut rows = Vec::with_capacity(outlines.len());
-        for (section, outline) in outlines.iter().enumerate() {
-            let mut row = SectionRow::new(outline, chain).ok_or(section)?;
-            row.points = dense(&row.points, closed).ok_or(section)?;
-            rows.push(row);
-        }
+        let row = |outline: &Outline| {
+            let row = SectionRow::new(outline, chain)?;
+            Some(SectionRow { points: dense(&row.points, closed)?, ..row })
+        };
+        let rows: Vec<Option<SectionRow>> = outlines.par_iter().map(row).collect();
+        let found = rows.into_iter().enumerate().map(|(section, row)| row.ok_or(section));
+        let mut rows = found.collect::<Result<Vec<_>, _>>()?;
         smooth_ends(&mut rows, chain, closed);
         // The share of an interval between anchors is its mean share in the sections.
         let last = rows[0].anchors.len() - 1;

@@ -138,7 +138,8 @@ impl AngleBlade<'_> {
             joints[edge] = section.inside(edge, depths[edge]);
         }
         // Sides towards greater and smaller theta, each from the leading to the trailing edge.
-        let sides = [1.0, -1.0].map(|side| section.side(side, joints, depths));
+        let on_edges = [0, 1].map(|edge| section.edge_places(edge, joints[edge], depths[edge]));
+        let sides = [1.0, -1.0].map(|side| section.side(side, joints, depths, &on_edges));
         let [greater, smaller] = sides;
         let (greater, smaller) = (greater?, smaller?);
         let faces = match pressure {
@@ -316,8 +317,32 @@ impl SectionLine<'_> {
             .collect()
     }
 
+    /// Shares of the way for the points of both halves of an elliptic edge, from the faces to the nose, with the share of the thickness
+    /// there; none for an edge that is cut off.
+    fn edge_places(&self, edge: usize, joint: f64, depth: f64) -> Vec<[f64; 2]> {
+        if self.blade.edges[edge] == EdgeShape::CutOff {
+            return Vec::new();
+        }
+        let angle = |k: usize| std::f64::consts::FRAC_PI_2 * k as f64 / HALF_EDGE as f64;
+        let at = |k: usize| {
+            let (sin, cos) = libm::sincos(angle(k));
+            match k {
+                0 => [joint, cos],
+                HALF_EDGE => [self.ends[edge], 0.0],
+                _ => [self.inside(edge, depth * (1.0 - sin)), cos],
+            }
+        };
+        (0..=HALF_EDGE).map(at).collect()
+    }
+
     /// Points of a side.
-    fn side(&self, side: f64, joints: [f64; 2], depths: [f64; 2]) -> Result<SidePoints, SectionFault> {
+    fn side(
+        &self,
+        side: f64,
+        joints: [f64; 2],
+        depths: [f64; 2],
+        on_edges: &[Vec<[f64; 2]>; 2],
+    ) -> Result<SidePoints, SectionFault> {
         let mut range = joints;
         for edge in [0, 1] {
             if self.blade.edges[edge] == EdgeShape::CutOff {
@@ -327,24 +352,9 @@ impl SectionLine<'_> {
         }
         let places = self.places(range, depths).into_iter();
         let face: Vec<(f64, OnSurface)> = places.map(|x| (x, self.on_side(x, side, 1.0))).collect();
-        let half = |edge: usize| -> Vec<(f64, OnSurface)> {
-            if self.blade.edges[edge] == EdgeShape::CutOff {
-                return Vec::new();
-            }
-            let angle = |k: usize| std::f64::consts::FRAC_PI_2 * k as f64 / HALF_EDGE as f64;
-            let at = |k: usize| {
-                let (sin, cos) = libm::sincos(angle(k));
-                let x = match k {
-                    0 => joints[edge],
-                    HALF_EDGE => self.ends[edge],
-                    _ => self.inside(edge, depths[edge] * (1.0 - sin)),
-                };
-                let share = if k == HALF_EDGE { 0.0 } else { cos };
-                (x, self.on_side(x, side, share))
-            };
-            (0..=HALF_EDGE).map(at).collect()
-        };
-        let halves = [half(0), half(1)];
+        let halves = on_edges.each_ref().map(|places| -> Vec<(f64, OnSurface)> {
+            places.iter().map(|[x, share]| (*x, self.on_side(*x, side, *share))).collect()
+        });
         for (line, forth) in [(&face, 1.0), (&halves[0], -1.0), (&halves[1], 1.0)] {
             self.check_fold(line, forth)?;
         }

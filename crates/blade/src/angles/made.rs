@@ -6,6 +6,7 @@ use crate::loft::{LoftFault, LoftedBlade, loft};
 use crate::outline::Side;
 use nalgebra::Point3;
 use nurbs::proximity::Patch;
+use rayon::prelude::*;
 
 /// Intervals between the sections of a blade: as many as its surfaces need between them.
 const INTERVALS: [usize; 3] = [8, 16, 32];
@@ -48,7 +49,8 @@ pub fn made(
     let mut best: Option<(LoftedBlade, SurfaceResidual)> = None;
     for intervals in INTERVALS {
         let at = |k: f64| blade.section(k / intervals as f64, pressure).map_err(MadeFault::Section);
-        let sections: Vec<Outline> = (0..=intervals).map(|k| at(k as f64)).collect::<Result<_, _>>()?;
+        let sections: Vec<Result<Outline, _>> = (0..=intervals).into_par_iter().map(|k| at(k as f64)).collect();
+        let sections: Vec<Outline> = sections.into_iter().collect::<Result<_, _>>()?;
         let lofted = loft(&sections, tolerance).map_err(MadeFault::Loft)?;
         let on = lofted.residual;
         let mut residual = SurfaceResidual {
@@ -57,12 +59,16 @@ pub fn made(
             at: on.at,
             sections: intervals + 1,
         };
-        for k in 0..intervals {
+        let compared = |k: usize| {
             let between = at(k as f64 + 0.5)?;
             let (distance, p) = farthest(&lofted, &between);
-            if distance > residual.distance {
-                residual =
-                    SurfaceResidual { distance, span: between.span.unwrap_or(0.0), at: p, sections: intervals + 1 };
+            Ok(SurfaceResidual { distance, span: between.span.unwrap_or(0.0), at: p, sections: intervals + 1 })
+        };
+        let between: Vec<Result<SurfaceResidual, MadeFault>> = (0..intervals).into_par_iter().map(compared).collect();
+        for found in between {
+            let found = found?;
+            if found.distance > residual.distance {
+                residual = found;
             }
         }
         // More sections do not help where the points of one section are missed, nor where the error is too large: it falls by a
