@@ -7,11 +7,9 @@ use ir::{Operation, OperationId, OperationKind, Program};
 use nalgebra::Point3;
 use nurbs::bracket::Bracket;
 use nurbs::proximity::Patch;
+use nurbs::range::{Interval, Jet};
 use rayon::prelude::*;
-use wheel::part::{
-    FaceSurface, Part, Surface, SurfaceId, SurfaceKind,
-    chart::{Place, Shape, charts},
-};
+use wheel::part::{FaceId, FaceSurface, Part, Surface, SurfaceId, SurfaceKind, chart::Place, columns::Columns};
 
 /// Free space for the tool of a point milling operation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,7 +58,8 @@ pub fn check(program: &Program, sink: &mut Sink) -> Vec<FreeSpace> {
         if spots.is_empty() {
             spots = measure(part, largest_needed(program));
         }
-        let own: Vec<&Spot> = spots.iter().filter(|s| surfaces.contains(&s.kind)).collect();
+        let mut own: Vec<&Spot> = spots.iter().filter(|s| surfaces.contains(&s.kind)).collect();
+        own.sort_by(|a, b| a.radius_limit.total_cmp(&b.radius_limit));
         let radius = program.tools[operation.tool].solid.cutter.tip_radius();
         let fits = narrowest(part, &own, radius).is_none_or(|s| s.radius_limit >= radius);
         let space = FreeSpace { operation: id, largest: largest(part, &own), fits };
@@ -82,33 +81,67 @@ fn largest_needed(program: &Program) -> f64 {
 /// Measures the free space at places all over faces and fillets, up to a radius.
 fn measure(part: &Part, most: f64) -> Vec<Spot> {
     let [columns, rows] = SURFACE_INTERVALS;
+    let sides = part.blade_ids().flat_map(|blade| part.sides(blade)).collect::<Vec<_>>();
+    let across: Vec<Opposite> = sides.into_par_iter().map(|side| Opposite::of(part, side)).collect();
     let mut spots = Vec::new();
-    for chart in charts(part) {
-        let (SurfaceKind::Face(side) | SurfaceKind::Fillet(side)) = chart.kind else { continue };
-        let (opposite, turn) = part.opposite(side);
-        let next = part.face(opposite).surface.rotated(turn);
-        let spot = |k: usize| {
-            let [i, j] = [k / (rows + 1), k % (rows + 1)];
-            let place = chart.place(i as f64 / columns as f64, j as f64 / rows as f64);
-            chart.is_milled(&place.position).then(|| Spot {
-                kind: chart.kind,
-                place,
-                radius_limit: radius_limit(&next, &place, most),
-            })
+    for surface in Columns::of_faces_and_fillets(part) {
+        let Some(next) = across.iter().find(|opposite| opposite.side == surface.side) else { continue };
+        let column = |i: usize| {
+            let places = surface.places(i as f64 / columns as f64, (0..=rows).map(|j| j as f64 / rows as f64));
+            let spot = |place| Spot { kind: surface.kind, radius_limit: radius_limit(next, &place, most), place };
+            places.into_iter().map(spot).collect::<Vec<_>>()
         };
-        spots.par_extend((0..(columns + 1) * (rows + 1)).into_par_iter().filter_map(spot));
+        spots.par_extend((0..=columns).into_par_iter().flat_map_iter(column));
     }
     spots
+}
+
+/// The surface on the other side of the channel from a side of a blade.
+struct Opposite {
+    side: FaceId,
+    surface: FaceSurface,
+    /// Boxes that together contain it: ranges of the coordinates over its parts.
+    boxes: Vec<[Interval; 3]>,
+}
+
+impl Opposite {
+    fn of(part: &Part, side: FaceId) -> Self {
+        /// Boxes along and up the surface: some millimetres each.
+        const BOXES: [usize; 2] = [16, 4];
+        let (opposite, turn) = part.opposite(side);
+        let surface = part.face(opposite).surface.rotated(turn);
+        let range = |k: usize, n: usize| [k as f64 / n as f64, (k + 1) as f64 / n as f64];
+        let part_of = |k: usize| [range(k / BOXES[1], BOXES[0]), range(k % BOXES[1], BOXES[1])];
+        let coordinates = |[u, v]: [[f64; 2]; 2]| {
+            let [along, up] = [u, v].map(|range| Jet::constant(Interval::new(range)));
+            surface.partials(u, v).along(&along, &up).map(|coordinate| coordinate.orders[0])
+        };
+        let boxes = (0..BOXES[0] * BOXES[1]).map(|k| coordinates(part_of(k))).collect();
+        Self { side, surface, boxes }
+    }
+
+    /// True where the boxes show that no point of the surface lies nearer to a point than this distance. Most balls are far from the next
+    /// vane, so that its nearest point need not be known.
+    fn is_beyond(&self, p: &Point3<f64>, distance: f64) -> bool {
+        self.boxes.iter().all(|ranges| {
+            let off = |k: usize| (ranges[k].low - p[k]).max(p[k] - ranges[k].high).max(0.0);
+            let [x, y, z] = [0, 1, 2].map(off);
+            x * x + y * y + z * z >= distance * distance
+        })
+    }
 }
 
 /// Radius of the largest ball, at most `most`, that touches a place from outside and does not meet a surface. Each step shrinks the ball
 /// until it passes through the surface point nearest to its centre (Ma, Bae, Choi: 3D medial point approximation using
 /// nearest neighbors, 2012).
-fn radius_limit(surface: &FaceSurface, place: &Place, most: f64) -> f64 {
+fn radius_limit(opposite: &Opposite, place: &Place, most: f64) -> f64 {
     let mut radius = most;
     for _ in 0..SHRINKS {
         let centre = place.position + place.normal * radius;
-        let near = surface.closest(&centre, Patch::WHOLE);
+        if opposite.is_beyond(&centre, radius) {
+            break;
+        }
+        let near = opposite.surface.closest(&centre, Patch::WHOLE);
         if near.distance >= radius - HUB_CUT_ROUNDING_MM {
             break;
         }
@@ -118,13 +151,14 @@ fn radius_limit(surface: &FaceSurface, place: &Place, most: f64) -> f64 {
     radius
 }
 
-/// The place with the least free space among the places at which a ball of this radius does not cut into the hub.
+/// The place with the least free space among the places at which a ball of this radius does not cut into the hub; the places are in the
+/// order of their free space.
 fn narrowest<'a>(part: &Part, spots: &[&'a Spot], radius: f64) -> Option<&'a Spot> {
     let over_hub = |s: &&&Spot| {
         let centre: Point3<f64> = s.place.position + s.place.normal * radius;
         part.hub.distance(&centre) >= radius - HUB_CUT_ROUNDING_MM
     };
-    spots.iter().filter(over_hub).min_by(|a, b| a.radius_limit.total_cmp(&b.radius_limit)).copied()
+    spots.iter().find(over_hub).copied()
 }
 
 /// Largest radius of a ball that fits at every place at which the ball does not cut into the hub, by bisection.

@@ -20,6 +20,8 @@ use base::units::length;
 use diagnostics::codes::geometry as codes;
 use diagnostics::{Diag, Sink};
 use ir::Program;
+use rayon::prelude::*;
+use wheel::part::FaceId;
 
 /// Bulge below which lines count as straight, mm: rounding of fitted data.
 const STRAIGHT_BULGE_MM: f64 = 1e-4;
@@ -87,8 +89,9 @@ fn report(program: &Program, fits: Option<&Progress>, sink: &mut Sink) {
             }),
         );
     }
-    for concave in part.blade_ids().flat_map(|blade| part.sides(blade)).filter_map(|side| concave::measure(part, side))
-    {
+    let sides: Vec<FaceId> = part.blade_ids().flat_map(|blade| part.sides(blade)).collect();
+    let measured: Vec<_> = sides.into_par_iter().map(|side| concave::measure(part, side)).collect();
+    for concave in measured.into_iter().flatten() {
         let of =
             if part.blades.len() == 1 { String::new() } else { format!("{} ", part.blade(concave.side.blade).name) };
         let name = if concave.side.edge_end().is_some() { "" } else { " face" };

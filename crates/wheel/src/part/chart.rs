@@ -15,7 +15,7 @@
 use super::chart_table::{ChartForm, ChartTable};
 use super::charting::tables;
 use super::rolling_ball::FilletArc;
-use super::{BladeId, Extent, Part, Surface, SurfaceKind};
+use super::{BladeId, Extent, Face, Part, Surface, SurfaceKind};
 use nalgebra::{Point3, Vector3};
 use nurbs::angle::great_arc;
 use nurbs::range::{self, CellThickness, Interval, Jet};
@@ -40,6 +40,21 @@ pub struct Place {
     pub normal: Vector3<f64>,
     /// Parameters: (u, v) of a face, (u, share of the arc) of a fillet, (u, share across) of the hub.
     pub parameters: [f64; 2],
+}
+
+impl Place {
+    /// The place of a face at u, at a share of the way between the v of its borders.
+    pub(super) fn on_face(face: &Face, u: f64, [low, high]: [f64; 2], share: f64) -> Self {
+        let v = low + (high - low) * share;
+        let (position, normal) = face.point_and_normal(u, v);
+        Self { position, normal, parameters: [u, v] }
+    }
+
+    /// The place of a fillet at u, at a share of its arc there.
+    pub(super) fn on_fillet(arc: &FilletArc, u: f64, share: f64) -> Self {
+        let direction = arc.direction(share);
+        Self { position: arc.centre + direction * arc.radius, normal: -direction, parameters: [u, share] }
+    }
 }
 
 /// A parameter of a chart.
@@ -222,14 +237,7 @@ impl Chart<'_> {
 impl Shape for Chart<'_> {
     fn place(&self, x: f64, y: f64) -> Place {
         match self.form {
-            ChartForm::Face { face, borders } => {
-                let [low, high] = borders.at(x);
-                let v = low + (high - low) * y;
-                let face = self.part.face(*face);
-                let (position, su, sv) = face.surface.tangents(x, v);
-                let normal = su.cross(&sv).normalize() * face.orientation;
-                Place { position, normal, parameters: [x, v] }
-            }
+            ChartForm::Face { face, borders } => Place::on_face(self.part.face(*face), x, borders.at(x), y),
             ChartForm::Fillet { radius, u, balls } => {
                 let ball = balls.at(x);
                 let [centre, to_face, to_hub] = [0, 3, 6].map(|k| Vector3::new(ball[k], ball[k + 1], ball[k + 2]));
@@ -246,9 +254,7 @@ impl Shape for Chart<'_> {
                 let ends = [to_face.normalize(), to_hub.normalize()];
                 let [level, radius] = [ball[12], ball[13]];
                 let arc = FilletArc { centre: centre.into(), radius, tilt, level, ends };
-                let direction = arc.direction(y);
-                let position = arc.centre + direction * radius;
-                Place { position, normal: -direction, parameters: [u[0] + (u[1] - u[0]) * x, y] }
+                Place::on_fillet(&arc, u[0] + (u[1] - u[0]) * x, y)
             }
             ChartForm::Hub { borders } => {
                 let [from, angle] = borders.at(x);

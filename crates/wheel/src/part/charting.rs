@@ -83,7 +83,7 @@ fn edges_of_blade(part: &Part, blade: BladeId) -> [ChartTable; 2] {
 }
 
 /// v at the lower and the upper border of a face, on the ruling at u.
-fn borders(part: &Part, id: FaceId, u: f64) -> [f64; 2] {
+pub(super) fn borders(part: &Part, id: FaceId, u: f64) -> [f64; 2] {
     let low = part.fillet_top(id, u).unwrap_or_else(|| part.ruling_meets(id, u, &part.hub, 0.0));
     [low, part.ruling_meets(id, u, &part.shroud, 1.0)]
 }
@@ -143,17 +143,13 @@ fn fillet(part: &Part, id: FaceId) -> Option<ChartTable> {
     Some(ChartTable { kind: SurfaceKind::Fillet(id), blade: id.blade, form })
 }
 
-/// Range of u and table of a fillet: of the centre and of directions from it. `None` where no ball touches face and hub in the middle.
-fn fillet_table<const N: usize>(
-    part: &Part,
-    id: FaceId,
-    numbers: impl Fn(FilletArc) -> [f64; N] + Sync,
-) -> Option<([f64; 2], ChartRows<N>)> {
+/// Range of u of a fillet. `None` where no ball touches face and hub in the middle.
+pub(super) fn fillet_range(part: &Part, id: FaceId) -> Option<[f64; 2]> {
     /// Steps along the foot at which the range is looked for.
     const RANGE_STEPS: usize = 400;
     let [from, to] = part.fillet_ends(id, |u| part.fillet_radius(id, u).unwrap_or(0.0));
     let place = |i: usize| from + (to - from) * i as f64 / RANGE_STEPS as f64;
-    let balls: Vec<bool> = (0..=RANGE_STEPS).into_par_iter().map(|i| part.fillet_arc(id, place(i)).is_some()).collect();
+    let balls: Vec<bool> = (0..=RANGE_STEPS).into_par_iter().map(|i| part.has_fillet_arc(id, place(i))).collect();
     let stands = |i: &usize| balls[*i];
     // Far beyond an end there may be no ball; the surface is the connected run of places about the middle.
     let middle = RANGE_STEPS / 2;
@@ -162,7 +158,16 @@ fn fillet_table<const N: usize>(
     }
     let first = (0..middle).rev().take_while(stands).last().unwrap_or(middle);
     let last = (middle..=RANGE_STEPS).take_while(stands).last().unwrap_or(middle);
-    let u = [first, last].map(place);
+    Some([first, last].map(place))
+}
+
+/// Range of u and table of a fillet: of the centre and of directions from it. `None` where no ball touches face and hub in the middle.
+fn fillet_table<const N: usize>(
+    part: &Part,
+    id: FaceId,
+    numbers: impl Fn(FilletArc) -> [f64; N] + Sync,
+) -> Option<([f64; 2], ChartRows<N>)> {
+    let u = fillet_range(part, id)?;
     let most = part.fillet(id)?.most().get();
     let off = |a: &[f64; N], b: &[f64; N]| {
         let square = |k: usize| (a[k] - b[k]) * (a[k] - b[k]);

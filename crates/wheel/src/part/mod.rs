@@ -19,6 +19,7 @@
 //! | `chart` | milled surfaces over the unit square |
 //! | `chart_table` | their tables, made once for a part |
 //! | `charting` | makes these tables |
+//! | `columns` | columns of places across faces and fillets, without tables |
 //! | `chart_rows` | rows of such a table as splines |
 //! | `turned_patch` | turned surfaces between two borders |
 //! | `turned_profile` | the outside of a turned blank |
@@ -42,6 +43,7 @@ pub mod chart;
 mod chart_rows;
 mod chart_table;
 mod charting;
+pub mod columns;
 mod continued;
 mod extent;
 mod fillet;

@@ -6,11 +6,15 @@ use nurbs::Revolution;
 use nurbs::angle::great_arc;
 use nurbs::bracket::{Bracket, SecantBracket, SecantEnd, secant};
 
+/// Step of differences along u: their directions are exact to 1e-6, also where the curvature jumps.
+const DIFFERENCE_STEP: f64 = 1e-6;
+
 /// End of secants along a ruling, mm.
 const RULING: SecantEnd = SecantEnd { steps: 12, exact: 1e-12, level: 1e-15 };
 
 /// The arc in which a ball touches the fillet: a circle about the way of its centre. It is a great circle of the ball where the radius
 /// does not change; else it is moved along the way, to the side at which the ball is smaller.
+#[derive(Clone, Copy)]
 pub(super) struct FilletArc {
     /// Centre of the ball.
     pub(super) centre: Point3<f64>,
@@ -46,8 +50,6 @@ impl Part {
 
     /// The arc of the fillet of a face at u. `None` where the ball touches no face and hub together. Sector 0.
     pub(super) fn fillet_arc(&self, id: FaceId, u: f64) -> Option<FilletArc> {
-        /// Step of differences along u: their directions are exact to 1e-6, also where the curvature jumps.
-        const DIFFERENCE_STEP: f64 = 1e-6;
         let face = self.face(id);
         let ball = |u: f64| {
             let radius = self.fillet_radius(id, u)?;
@@ -70,18 +72,38 @@ impl Part {
         Some(FilletArc { centre, radius, tilt, level: (1.0 - sine * sine).sqrt(), ends })
     }
 
-    /// v at which the point that lies `wall` off the face at (u, v) lies `floor` off the hub, at most `top`. `None` when
-    /// the ruling has no such place. Sector 0.
-    pub fn v_of_centre(&self, id: FaceId, u: f64, [wall, floor]: [f64; 2], top: f64) -> Option<f64> {
+    /// True where [`Self::fillet_arc`] finds an arc, in a fraction of its time.
+    pub(super) fn has_fillet_arc(&self, id: FaceId, u: f64) -> bool {
+        let ball = |u: f64| {
+            self.fillet_radius(id, u).is_some_and(|radius| self.ends_about_centre(id, u, [radius; 2], 1.0).is_some())
+        };
+        let changes = self.fillet(id).is_some_and(|fillet| fillet.constant().is_none()) && id.edge_end().is_none();
+        ball(u) && (!changes || (ball(u - DIFFERENCE_STEP) && ball(u + DIFFERENCE_STEP)))
+    }
+
+    /// v at which the point that lies `wall` off the face at (u, v) lies `floor` off the hub, the two distances, at most `top`. `None`
+    /// when the ruling has no such place. Sector 0.
+    pub fn v_of_centre(&self, id: FaceId, u: f64, distances: [f64; 2], top: f64) -> Option<f64> {
+        let gap = self.gap_of_centre(id, u, distances);
+        self.ends_about_centre(id, u, distances, top).map(|ends| halved(gap, ends))
+    }
+
+    /// How far over `floor` the point that lies `wall` off the face at (u, v) is off the hub, by v.
+    fn gap_of_centre(&self, id: FaceId, u: f64, [wall, floor]: [f64; 2]) -> impl Fn(f64) -> f64 + '_ {
         let face = self.face(id);
-        let gap = |v: f64| {
+        move |v: f64| {
             let (point, normal) = face.point_and_normal(u, v);
             self.hub.distance(&(point + normal * wall)) - floor
-        };
+        }
+    }
+
+    /// Two places on a ruling with the gaps there, between which the place of [`Self::v_of_centre`] lies.
+    fn ends_about_centre(&self, id: FaceId, u: f64, distances: [f64; 2], top: f64) -> Option<[(f64, f64); 2]> {
+        let gap = self.gap_of_centre(id, u, distances);
         // The ball sinks into the hub at the root and is clear of the hub at some height. For a face inclined over the
         // hub the start may have to lie below the root.
         let ends = [-0.5, top].map(|v| (v, gap(v)));
-        (ends[0].1 <= 0.0 && ends[1].1 >= 0.0).then(|| halved(gap, ends))
+        (ends[0].1 <= 0.0 && ends[1].1 >= 0.0).then_some(ends)
     }
 
     /// v at which the ruling of a face meets a surface of revolution, near `guess`. Sector 0.
