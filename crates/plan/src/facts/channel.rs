@@ -119,10 +119,18 @@ impl<'a> Channel<'a> {
         let mut ends = (a[best.1], b[best.2]);
         let mut step = 0.03;
         while step > MIN_SEARCH_STEP {
+            // Corners before, at and behind the place on both curves: each belongs to several of the places that are tried.
+            let mut corners = [[None, Some(ends.0), None], [None, Some(ends.1), None]];
             let mut better = false;
-            for (du, dw) in [(1.0, 0.0), (-1.0, 0.0), (0.0, 1.0), (0.0, -1.0), (1.0, 1.0), (-1.0, -1.0)] {
-                let (x, y) = ((u + du * step).clamp(CURVE[0], CURVE[1]), (w + dw * step).clamp(CURVE[0], CURVE[1]));
-                let (p, q) = (self.corner(0, x, wall, floor)?, self.corner(1, y, wall, floor)?);
+            for moves in [[1, 0], [-1, 0], [0, 1], [0, -1], [1, 1], [-1, -1]] {
+                let [x, y] = [(u, moves[0]), (w, moves[1])]
+                    .map(|(from, by)| (from + f64::from(by) * step).clamp(CURVE[0], CURVE[1]));
+                let mut corner = |side: usize, s: f64| {
+                    let known = &mut corners[side][(moves[side] + 1) as usize];
+                    *known = known.or_else(|| self.corner(side, s, wall, floor));
+                    *known
+                };
+                let (p, q) = (corner(0, x)?, corner(1, y)?);
                 if (p - q).norm() < d {
                     (d, u, w, ends, better) = ((p - q).norm(), x, y, (p, q), true);
                     break;

@@ -27,8 +27,6 @@ pub struct Reach {
     pub free_width: Option<FreeWidth>,
     /// True when the tool fits over the hub allowance along the whole channel.
     pub fits: bool,
-    /// Largest diameter of its kind (same corner radius, same taper) that fits, rounded down to 0.01 mm.
-    pub largest: f64,
     /// True when the tool fits between the tips, so that it can rough upper layers.
     pub fits_top: bool,
 }
@@ -65,18 +63,19 @@ struct Finder<'a> {
     walls: [FaceId; 2],
     channel: Channel<'a>,
     throat: &'a Throat,
+    /// Least height of the vane along the passage, mm.
+    lowest: f64,
     /// Widths that are known, with their distances from walls and hub: a search for the largest tool needs the same width again where
     /// the corner of the tool stays.
     widths: RefCell<Vec<([f64; 2], Option<FreeWidth>)>>,
 }
 
-impl Finder<'_> {
-    /// The first face of its blade among the walls of the passage: its levels are measured along it.
-    fn measured(&self) -> &FaceSurface {
-        let [first, second] = self.walls;
-        &self.part.face(if first.index() == 0 { first } else { second }).surface
-    }
+/// The first face of its blade among the walls of a passage: its levels are measured along it.
+fn measured(part: &Part, [first, second]: [FaceId; 2]) -> &FaceSurface {
+    &part.face(if first.index() == 0 { first } else { second }).surface
+}
 
+impl Finder<'_> {
     fn width(&self, wall: f64, floor: f64) -> Option<FreeWidth> {
         let known = self.widths.borrow().iter().find(|(at, _)| *at == [wall, floor]).map(|(_, width)| *width);
         known.unwrap_or_else(|| {
@@ -94,9 +93,7 @@ impl Finder<'_> {
     /// allowance.
     fn free_width(&self, corner: f64, vane: VaneAllowance, hub: f64) -> Option<FreeWidth> {
         // The share of the height is largest where the vane is lowest, so that no tool is refused that fits.
-        let surface = self.measured();
-        let heights = (0..=HEIGHT_PLACES).map(|i| surface.height(i as f64 / HEIGHT_PLACES as f64));
-        let vane = vane.at((corner + hub) / heights.fold(f64::INFINITY, f64::min));
+        let vane = vane.at((corner + hub) / self.lowest);
         let plain = self.width(corner + vane, corner + hub)?;
         let radii = self.walls.iter().filter_map(|wall| self.part.fillet(*wall));
         let Some(fillet) = radii.map(|fillet| fillet.most().get()).reduce(f64::max) else { return Some(plain) };
@@ -114,7 +111,7 @@ impl Finder<'_> {
     /// that height, and with the allowance there.
     fn fits_above(&self, cutter: &Cutter, vane: VaneAllowance, from: f64) -> bool {
         self.throat.levels.iter().filter(|l| l.v >= from).all(|level| {
-            let face = self.measured();
+            let face = measured(self.part, self.walls);
             let ruling = (face.point(level.u, 1.0) - face.point(level.u, 0.0)).norm();
             // A tool without taper has its full radius at every height; the radius of a taper or barrel grows with the
             // height.
@@ -142,16 +139,32 @@ impl Finder<'_> {
     }
 }
 
+fn finders<'a>(part: &'a Part, throats: &'a [(Passage, Throat)]) -> Vec<Finder<'a>> {
+    let finder = |(passage, throat): &'a (Passage, Throat)| {
+        let channel = Channel::new(part, passage);
+        let surface = measured(part, passage.walls);
+        let heights = (0..=HEIGHT_PLACES).map(|i| surface.height(i as f64 / HEIGHT_PLACES as f64));
+        let lowest = heights.fold(f64::INFINITY, f64::min);
+        Finder { part, walls: passage.walls, channel, throat, lowest, widths: RefCell::default() }
+    };
+    throats.iter().map(finder).collect()
+}
+
+/// Largest diameter of the kind of the tool of an operation (same corner radius, same taper) that fits in all passages, mm, rounded
+/// down to 0.01 mm. It is searched for only where a tool does not fit: for a ball each step measures other corners.
+pub fn largest(program: &Program, throats: &[(Passage, Throat)], reach: &Reach) -> f64 {
+    largest_of(program, &finders(&program.part, throats), reach)
+}
+
+fn largest_of(program: &Program, finders: &[Finder<'_>], reach: &Reach) -> f64 {
+    let cutter = &program.tools[program.operations[reach.operation].tool].solid.cutter;
+    let (vane, hub) = (reach.allowance_vane, reach.allowance_hub);
+    finders.iter().map(|finder| finder.largest(cutter, vane, hub)).fold(f64::INFINITY, f64::min)
+}
+
 /// Measures these operations in all passages, and reports tools that cannot do their work.
 pub fn check(program: &Program, throats: &[(Passage, Throat)], sink: &mut Sink) -> Vec<Reach> {
-    let part = &program.part;
-    let finders: Vec<Finder<'_>> = throats
-        .iter()
-        .map(|(passage, throat)| {
-            let channel = Channel::new(part, passage);
-            Finder { part, walls: passage.walls, channel, throat, widths: RefCell::default() }
-        })
-        .collect();
+    let finders = finders(&program.part, throats);
     let reaches: Vec<Reach> = program
         .operations
         .iter()
@@ -168,7 +181,6 @@ pub fn check(program: &Program, throats: &[(Passage, Throat)], sink: &mut Sink) 
                 allowance_hub: hub,
                 free_width,
                 fits: finders.iter().all(|finder| finder.fits(cutter, vane, hub)),
-                largest: finders.iter().map(|f| f.largest(cutter, vane, hub)).fold(f64::INFINITY, f64::min),
                 fits_top: finders.iter().all(|finder| finder.fits_above(cutter, vane, 1.0)),
             })
         })
@@ -195,7 +207,7 @@ pub fn check(program: &Program, throats: &[(Passage, Throat)], sink: &mut Sink) 
             reported.push(tool);
             let of_tool = |r: &&Reach| !r.fits && program.operations[r.operation].tool == tool;
             let all: Vec<&Reach> = reaches.iter().filter(must_fit).filter(of_tool).collect();
-            sink.push(too_large(program, throat, &all, "finish the channel"));
+            sink.push(too_large(program, &finders, throat, &all, "finish the channel"));
         }
     }
     reaches
@@ -250,19 +262,20 @@ fn roughing(program: &Program, finders: &[Finder<'_>], throat: &Throat, reaches:
         r.fits || (rest > r.allowance_hub && finders.iter().all(|finder| finder.fits(cutter, r.allowance_vane, rest)))
     };
     if !rough.is_empty() && !rough.iter().any(reaches_floor) {
-        sink.push(too_large(program, throat, &rough, "reach the hub"));
+        sink.push(too_large(program, finders, throat, &rough, "reach the hub"));
         return;
     }
     for reach in rough.iter().filter(|r| !r.fits_top) {
-        sink.push(too_large(program, throat, &[reach], "enter the channel"));
+        sink.push(too_large(program, finders, throat, &[reach], "enter the channel"));
     }
 }
 
 /// The error for tools that are too large, with the figures of the tool that is nearest to fitting.
-fn too_large(program: &Program, throat: &Throat, reaches: &[&Reach], purpose: &str) -> Diag {
+fn too_large(program: &Program, finders: &[Finder<'_>], throat: &Throat, reaches: &[&Reach], purpose: &str) -> Diag {
     let diameter = |o: &Operation| 2.0 * end(&program.tools[o.tool].solid.cutter).radius;
-    let excess = |r: &Reach| diameter(&program.operations[r.operation]) - r.largest;
-    let Some(reach) = reaches.iter().min_by(|a, b| excess(a).total_cmp(&excess(b))) else {
+    let measured = reaches.iter().map(|reach| (reach, largest_of(program, finders, reach)));
+    let excess = |(reach, largest): &(&&Reach, f64)| diameter(&program.operations[reach.operation]) - largest;
+    let Some((reach, largest)) = measured.min_by(|a, b| excess(a).total_cmp(&excess(b))) else {
         return Diag::error(codes::TOOL_TOO_LARGE, format!("no tool can {purpose}"));
     };
     let operation = &program.operations[reach.operation];
@@ -298,8 +311,8 @@ fn too_large(program: &Program, throat: &Throat, reaches: &[&Reach], purpose: &s
     diag = diag
         .note(format!("formula 8 of Wei 2021 measures arcs and gives {:.2} mm", throat.formula_8))
         .place(narrow.place(), narrow.point);
-    if reach.largest > 0.0 {
-        diag.help(format!("use a {kind} tool of at most {:.2} mm", reach.largest))
+    if largest > 0.0 {
+        diag.help(format!("use a {kind} tool of at most {largest:.2} mm"))
     } else {
         let fillet = program.part.main().fillet.as_ref().map_or(0.0, |f| 2.0 * f.most().get());
         let kept = 2.0 * reach.allowance_vane.root().get();

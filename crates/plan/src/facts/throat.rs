@@ -15,8 +15,6 @@ pub struct Throat {
     pub narrowest: Narrow,
     /// The narrowest place of each level: from the pressure face at this v to any point of the suction face.
     pub levels: Vec<Narrow>,
-    /// Width along the channel, at hub, middle and tip of the pressure face.
-    pub profile: Vec<Station>,
     /// Twice L_min of Wei's formula 8, mm: width as arcs between the root points.
     pub formula_8: f64,
 }
@@ -46,22 +44,6 @@ impl Narrow {
     }
 }
 
-/// Width at one station of the pressure face, mm.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Station {
-    /// Place along the face.
-    pub u: f64,
-    /// Width at the hub.
-    pub hub: f64,
-    /// Width at half height.
-    pub mid: f64,
-    /// Width at the tip.
-    pub tip: f64,
-}
-
-/// Number of intervals of the profile.
-const PROFILE_INTERVALS: usize = 80;
-
 /// Levels v at which the narrowest place is measured.
 const MEASURED_LEVELS: [f64; 5] = [0.0, 0.25, 0.5, 0.75, 1.0];
 
@@ -83,15 +65,9 @@ pub fn measure(part: &Part, passage: &Passage, data: &[DataCurve]) -> Throat {
         let pair = surface.closest_pair(patch, &facing, Patch::WHOLE);
         Narrow { u: pair.first.u, v: pair.first.v, distance: pair.distance, point: pair.first.point }
     };
-    let width = |u: f64, v: f64| facing.closest(&surface.point(u, v), Patch::WHOLE).distance;
-    let profile = (0..=PROFILE_INTERVALS)
-        .map(|i| i as f64 / PROFILE_INTERVALS as f64)
-        .map(|u| Station { u, hub: width(u, 0.0), mid: width(u, 0.5), tip: width(u, 1.0) })
-        .collect();
     Throat {
         narrowest: narrow(Patch::WHOLE),
         levels: MEASURED_LEVELS.iter().map(|v| narrow(Patch { u: [0.0, 1.0], v: [*v, *v] })).collect(),
-        profile,
         formula_8: formula_8(part, data),
     }
 }
