@@ -153,7 +153,7 @@ pub struct NcMove {
     /// Largest error of the tool direction through smoothing, radians, where a word states it.
     pub turn: Option<f64>,
     /// Path of the tool in a block of polynomials; `None` for a straight one.
-    pub curve: Option<PoseCurve>,
+    pub curve: Option<Box<PoseCurve>>,
     /// The block states tip and direction in a turned frame, or positions of rotary axes with a shift.
     pub frame_turned: bool,
 }

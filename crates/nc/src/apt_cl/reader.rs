@@ -100,7 +100,7 @@ impl<'a> State<'a> {
 
     fn statement(&mut self, statement: &Statement<'_>, first: bool, rapid: bool) -> Result<(), String> {
         let word = statement.word;
-        let values: &[&str] = statement.arguments.as_deref().unwrap_or_default();
+        let values = &*statement.values();
         if !matches!(word, "MOVNRB" | "GOTO" | "RAPID" | "PPRINT") {
             match self.curves.as_mut().map(|curves| (curves.line, curves.breaks())) {
                 Some((line, true)) => {
@@ -114,7 +114,7 @@ impl<'a> State<'a> {
                 None => {}
             }
         }
-        match (word, statement.arguments.is_some()) {
+        match (word, statement.has_stroke()) {
             ("PARTNO", _) => Self::name(first),
             ("PPRINT", _) => Ok(()),
             ("RAPID", false) => {
@@ -325,7 +325,7 @@ impl<'a> State<'a> {
         let mut numbers = [0.0; 6];
         for (value, (text, name)) in numbers.iter_mut().zip(texts.into_iter().zip(["x", "y", "z", "i", "j", "k"])) {
             let read = number(text).map_err(|reason| format!("{word}, {name}: {reason}"))?;
-            *value = within(&format!("{word}, {name}"), read, FARTHEST)?;
+            *value = within("", read, FARTHEST).map_err(|reason| format!("{word}, {name}{reason}"))?;
         }
         let [x, y, z, i, j, k] = numbers;
         let axis = Vector3::new(i, j, k);
@@ -428,7 +428,7 @@ impl<'a> State<'a> {
         self.program.judge_count();
         // What the axes do between the poses is for the post-processor; the proof assumes that they turn evenly.
         let straight = self.program.straight(pose.tip, Direction::Axis(pose.axis), feed);
-        self.program.keep(NcMove { smoothing: Some(self.tolerance()), curve, ..straight });
+        self.program.keep(NcMove { smoothing: Some(self.tolerance()), curve: curve.map(Box::new), ..straight });
     }
 
     /// How far the path may be left between poses, mm.

@@ -3,7 +3,7 @@
 //! A statement is `WORD` or `WORD/argument,argument`. `$$` begins a comment. `$` at the end of a line goes on in the next
 //! one. What stands after column 72 is the name of the card for a processor, so that it would be lost.
 
-use crate::control::{control_character, shown};
+use crate::control::{WordList, control_character, has_byte, shown};
 
 /// Last column of a statement.
 const LAST_COLUMN: usize = 72;
@@ -21,8 +21,21 @@ pub(super) struct Statement<'a> {
     pub(super) line: usize,
     /// Major word.
     pub(super) word: &'a str,
-    /// What stands behind the stroke, without blanks around; `None` without a stroke.
-    pub(super) arguments: Option<Vec<&'a str>>,
+    /// What stands behind the stroke; `None` without a stroke.
+    arguments: Option<&'a str>,
+}
+
+impl<'a> Statement<'a> {
+    /// Whether it has a stroke.
+    pub(super) fn has_stroke(&self) -> bool {
+        self.arguments.is_some()
+    }
+
+    /// What stands between the commas behind the stroke, without blanks around.
+    pub(super) fn values(&self) -> WordList<'a> {
+        let commas = self.arguments.into_iter().flat_map(|text| text.split(','));
+        commas.map(|value| value.trim_matches([' ', '\t'])).collect()
+    }
 }
 
 /// Gives every statement of a text to a function, with its line; or what is wrong with a line.
@@ -33,6 +46,12 @@ pub(super) fn each(text: &str, mut found: impl FnMut(usize, Result<Statement<'_>
         last = i + 1;
         let line = line.strip_suffix('\r').unwrap_or(line);
         let goes_on = match code(line, open.is_some()) {
+            Ok((part, false)) if open.is_none() => {
+                if !part.is_empty() && !found(last, split(last, part)) {
+                    return;
+                }
+                continue;
+            }
             Ok((part, goes_on)) => {
                 let (first, whole) = open.get_or_insert_with(|| (i + 1, String::new()));
                 if part.is_empty() && !whole.is_empty() && !goes_on {
@@ -80,6 +99,10 @@ fn code(line: &str, inside: bool) -> Result<(&str, bool), String> {
     if let Some(reason) = control_character(line) {
         return Err(reason);
     }
+    // A line of one statement that ends with it.
+    if !has_byte(line, |byte| byte == b'$') && line.len() <= LAST_COLUMN {
+        return Ok((line.trim_matches([' ', '\t']), false));
+    }
     let is_text = !inside && TEXTS.iter().any(|word| line.trim_start().starts_with(word));
     let code = if is_text { line } else { line.split("$$").next().unwrap_or_default() };
     let code = code.trim_end_matches([' ', '\t']);
@@ -115,8 +138,7 @@ fn split(line: usize, text: &str) -> Result<Statement<'_>, String> {
     if word.is_empty() || !word.bytes().all(|b| b.is_ascii_uppercase() || b.is_ascii_digit()) {
         return Err(format!("`{}` is no word: words are capitals and digits", shown(word, 20)));
     }
-    let arguments = rest.map(|rest| rest.split(',').map(|a| a.trim_matches([' ', '\t'])).collect());
-    Ok(Statement { line, word, arguments })
+    Ok(Statement { line, word, arguments: rest })
 }
 
 #[cfg(test)]
@@ -127,7 +149,7 @@ mod tests {
         let mut list = Vec::new();
         each(text, |line, found| {
             list.push(match found {
-                Ok(s) => format!("{line}: {} {:?}", s.word, s.arguments.unwrap_or_default()),
+                Ok(s) => format!("{line}: {} {:?}", s.word, &*s.values()),
                 Err(reason) => format!("{line}! {reason}"),
             });
             true

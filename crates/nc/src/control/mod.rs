@@ -5,24 +5,26 @@
 //! says what to write. After a fault the state changes as the block intended, so that one run reports all faults of a
 //! text. A dialect gives its [`Control`] as data and makes a [`NcBlock`] of each line.
 
+mod block_text;
 pub(super) mod flow;
 pub(super) mod modal;
+mod numbers;
 pub(super) mod spline;
 mod state;
 
+pub(super) use block_text::{CodeName, WordList, has_byte, number_end, trim_start, without_blanks, words};
+pub(super) use numbers::{LONGEST_NUMBER, number, shown};
 pub(super) use state::{Line, ProgramState, Setup, control_character, read, read_in_order};
 
 use crate::nc::NcTool;
 use five_axis::Machine;
-use modal::{GROUPS, Modal, ModalGroup};
+use modal::{Modal, ModalGroup, ModalWords};
+use numbers::figure;
 use spline::SplineWords;
 use std::sync::Arc;
 
 /// Most faults of one text that are reported.
 pub const MAX_FAULTS: usize = 50;
-
-/// Longest number, in characters.
-pub(super) const LONGEST_NUMBER: usize = 24;
 
 /// Largest coordinate, mm: larger than any machine.
 pub(super) const FARTHEST: f64 = 1e5;
@@ -45,34 +47,6 @@ const WORD_ROUNDING_MM: f64 = 1e-4;
 
 /// Rounding of positions of rotary axes in words, radians: a step is 1e-5 deg.
 pub(super) const WORD_ROUNDING_RAD: f64 = 1e-7;
-
-/// A plain decimal number.
-pub(super) fn number(text: &str) -> Result<f64, String> {
-    let digits = text.strip_prefix(['-', '+']).unwrap_or(text);
-    let plain = digits.bytes().all(|b| b.is_ascii_digit() || b == b'.')
-        && digits.bytes().any(|b| b.is_ascii_digit())
-        && digits.bytes().filter(|b| *b == b'.').count() <= 1
-        && text.len() <= LONGEST_NUMBER;
-    let value = if plain { text.parse().ok() } else { None };
-    value.filter(|x: &f64| x.is_finite()).ok_or_else(|| match text {
-        "" => "a number is missing".to_owned(),
-        _ => format!("`{}` is not a number", shown(text, LONGEST_NUMBER)),
-    })
-}
-
-/// The first characters of a text as a message shows them. Characters that look like another one, or are invisible, are
-/// shown by their number.
-pub(super) fn shown(text: &str, most: usize) -> String {
-    let plain =
-        |c: char| if c.is_ascii_graphic() || c == ' ' { c.to_string() } else { format!("<U+{:04X}>", u32::from(c)) };
-    text.chars().take(most).map(plain).collect()
-}
-
-/// A figure in a message, without trailing zeros.
-fn figure(value: f64) -> String {
-    let text = format!("{value:.4}");
-    text.trim_end_matches('0').trim_end_matches('.').to_owned()
-}
 
 /// A dialect as data.
 pub(super) struct Control {
@@ -280,7 +254,7 @@ pub(super) struct NcBlock {
     /// Second point of the tool axis, mm.
     pub(super) second: [Option<f64>; 3],
     /// Polynomials.
-    pub(super) spline: Option<SplineWords>,
+    pub(super) spline: Option<Box<SplineWords>>,
     /// The rotary axes; the first is next to the tool.
     pub(super) rotary: [Option<f64>; 2],
     /// F.
@@ -292,7 +266,7 @@ pub(super) struct NcBlock {
     /// The selected tool comes into the spindle.
     pub(super) change: bool,
     /// Words of modal groups.
-    pub(super) modal: [Option<&'static str>; GROUPS],
+    pub(super) modal: ModalWords,
     /// The work offset that the block selects, as the control names it.
     pub(super) offset: Option<Arc<str>>,
     /// Tool centre point control on or off.
@@ -313,6 +287,17 @@ pub(super) struct NcBlock {
     pub(super) frame_turn: Option<f64>,
     /// The position of a rotary axis is not the written one: it counts with the values of a call.
     pub(super) shifted: bool,
+}
+
+/// The rotary axis of a machine with a name.
+pub(super) fn rotary_axis(machine: &Machine, name: &str) -> Option<usize> {
+    // Byte by byte: almost all names are one letter.
+    machine.rotary.iter().position(|axis| axis.name.len() == name.len() && axis.name.bytes().eq(name.bytes()))
+}
+
+/// The rotary axis of a machine with a letter of ASCII.
+pub(super) fn rotary_letter(machine: &Machine, letter: char) -> Option<usize> {
+    machine.rotary.iter().position(|axis| *axis.name.as_bytes() == [letter as u8])
 }
 
 /// Stores a value of which a block may hold only one.
@@ -350,9 +335,9 @@ impl NcBlock {
 
     /// A rotary axis, in degrees as in the word. A word beyond the travel of the axis is refused here, so that nothing
     /// is measured with it.
-    pub(super) fn angle(&mut self, name: &str, degrees: f64, machine: &Machine) -> Result<(), String> {
-        let Some(axis) = machine.rotary_axis(name) else { return Err(format!("the machine has no axis {name}")) };
+    pub(super) fn angle(&mut self, axis: usize, degrees: f64, machine: &Machine) -> Result<(), String> {
         let limits = &machine.rotary[axis];
+        let name = &limits.name;
         let angle = degrees.to_radians() * limits.word_sign;
         once(&mut self.rotary[axis], name, angle)?;
         if limits.modulo.is_some() && !(0.0..360.0).contains(&degrees) {
@@ -405,8 +390,7 @@ impl NcBlock {
         if modal.group == ModalGroup::WorkOffset {
             return Some(self.select_offset(word));
         }
-        let slot = &mut self.modal[modal.group as usize];
-        Some(match slot.replace(word) {
+        Some(match self.modal.set(modal.group, word) {
             Some(before) => Err(format!("`{before}` and `{word}` in one block both set {}", modal.what)),
             None => Ok(()),
         })
@@ -421,8 +405,21 @@ impl NcBlock {
     }
 
     pub(super) fn has_axis_words(&self) -> bool {
-        let words = self.tip.iter().chain(&self.vector).chain(&self.second).chain(&self.rotary);
-        self.spline.is_some() || words.into_iter().any(Option::is_some)
+        self.tip != [None; 3]
+            || self.rotary != [None; 2]
+            || self.vector != [None; 3]
+            || self.second != [None; 3]
+            || self.spline.is_some()
+    }
+
+    /// Whether the block has no words but those of a move: as most blocks.
+    pub(super) fn only_moves(&self) -> bool {
+        let Self { speed, tool, change, offset, transformation, length, smoothing, .. } = self;
+        let Self { clamps, outside, wait, end, frame_turn, modal, .. } = self;
+        let switches = *change || transformation.is_some() || length.is_some() || smoothing.is_some();
+        let selects = speed.is_some() || tool.is_some() || offset.is_some() || frame_turn.is_some();
+        let stops = outside.is_some() || wait.is_some() || end.is_some() || *clamps != [None; 2];
+        !(switches || selects || stops) && modal.is_empty()
     }
 }
 

@@ -132,6 +132,31 @@ impl Modal {
     }
 }
 
+/// The words of a block that set modal groups, each group once.
+#[derive(Default)]
+pub(crate) struct ModalWords {
+    words: [Option<&'static str>; GROUPS],
+    any: bool,
+}
+
+impl ModalWords {
+    /// The word of a group.
+    pub(crate) fn get(&self, group: ModalGroup) -> Option<&'static str> {
+        self.words[group as usize]
+    }
+
+    /// Sets a group, and gives the word that set it before in this block.
+    pub(crate) fn set(&mut self, group: ModalGroup, word: &'static str) -> Option<&'static str> {
+        self.any = true;
+        self.words[group as usize].replace(word)
+    }
+
+    /// Whether the block sets no group.
+    pub(crate) fn is_empty(&self) -> bool {
+        !self.any
+    }
+}
+
 /// Setting of a group by a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Setting<W = &'static str> {

@@ -7,7 +7,7 @@
 use super::control::{CONTROL, HARMLESS, IN_PLANE, LINEAR, Member, OFFSETS, PRESET, is_offset};
 use super::text::{code_name, count, decimal, first_word, program_name, without_comments};
 use crate::control::modal::ModalGroup;
-use crate::control::{self, LengthWord, MAX_FAULTS, MotionWord, NcBlock, Setup, Smoothing, once, shown};
+use crate::control::{self, LengthWord, MAX_FAULTS, MotionWord, NcBlock, Setup, Smoothing, once, rotary_letter, shown};
 use crate::nc::{ENDS_HERE, NcTool, ReadError, ReadResult};
 use five_axis::Machine;
 
@@ -41,8 +41,9 @@ enum Directed {
 /// Reads a program.
 pub(super) fn read(text: &str, machine: &Machine, part_offset: &str, member: &Member) -> ReadResult {
     let mut reader = Reader { machine, member, tape: Tape::Leader, directed: Directed::Angles };
+    let mut buffer = Vec::new();
     let result = control::read(text, Setup { control: &CONTROL, machine, part_offset }, |line, _, faults| {
-        reader.line(line, faults)
+        reader.line(line, &mut buffer, faults)
     });
     if reader.tape == Tape::Closed {
         return result;
@@ -87,8 +88,8 @@ struct Words {
 }
 
 impl Reader<'_> {
-    fn line(&mut self, line: &str, faults: &mut Vec<String>) -> Option<NcBlock> {
-        let code = match without_comments(line) {
+    fn line(&mut self, line: &str, buffer: &mut Vec<u8>, faults: &mut Vec<String>) -> Option<NcBlock> {
+        let code = match without_comments(line, buffer) {
             Ok(code) => code,
             Err(reason) => {
                 faults.push(reason);
@@ -183,8 +184,8 @@ impl Reader<'_> {
             'I' => block.component(&CONTROL, 0, value()?),
             'J' => block.component(&CONTROL, 1, value()?),
             'K' => block.component(&CONTROL, 2, value()?),
-            'A'..='C' if self.machine.rotary_axis(letter.encode_utf8(&mut [0; 4])).is_some() => {
-                block.angle(letter.encode_utf8(&mut [0; 4]), value()?, self.machine)
+            'A'..='C' if let Some(axis) = rotary_letter(self.machine, letter) => {
+                block.angle(axis, value()?, self.machine)
             }
             'F' => block.set_feed(value()?),
             'S' => block.set_speed(f64::from(number_of()?)),
@@ -249,7 +250,7 @@ impl Reader<'_> {
             unused(words, "", "")?;
         }
         self.direction(block)?;
-        let coolant = block.modal[ModalGroup::Coolant as usize].is_some();
+        let coolant = block.modal.get(ModalGroup::Coolant).is_some();
         if words.m > 0 && block.has_axis_words() && !(coolant && words.rapid) {
             return Err(
                 "an M word in a block with axis words: whether the word acts before or after the move depends on the \
@@ -286,7 +287,9 @@ impl Reader<'_> {
             Some(_) if self.member.posture => return Err(format!("P in the block of {word} is 0 or 1")),
             Some(_) => return Err(format!("P in the block of {word}: the control has no such word")),
         };
-        block.modal[ModalGroup::Turning as usize] = posture;
+        if let Some(word) = posture {
+            block.modal.set(ModalGroup::Turning, word);
+        }
         block.transformation = Some(true);
         block.length = match words.h {
             None => return Err(format!("{word} without H: write H and the number of the tool length")),
@@ -357,7 +360,7 @@ impl Reader<'_> {
         (block.tip, block.rotary) = ([None; 3], [None; 2]);
         block.outside = Some("G92.1").filter(|_| word == "G92.1");
         if word == "G92.1" {
-            block.modal[ModalGroup::Shift as usize] = Some(PRESET);
+            block.modal.set(ModalGroup::Shift, PRESET);
         }
         Ok(())
     }
@@ -375,19 +378,19 @@ fn unused(words: &Words, word: &str, takes: &str) -> Result<(), String> {
 
 /// A G word.
 fn preparatory(code: &str, block: &mut NcBlock, words: &mut Words) -> Result<(), String> {
+    if matches!(code, "G0" | "G1") {
+        words.rapid |= code == "G0";
+        let motion = if code == "G0" { MotionWord::Rapid } else { MotionWord::Feed };
+        return match block.motion.replace(motion) {
+            Some(_) => Err("two of G0 and G1, or one twice, in one block".to_owned()),
+            None => Ok(()),
+        };
+    }
     if let Some(done) = block.modal_word(&CONTROL, code) {
         return done;
     }
     let refused = |why: &str| Err(format!("`{code}` is not understood: {why}"));
     match code {
-        "G0" | "G1" => {
-            words.rapid |= code == "G0";
-            let motion = if code == "G0" { MotionWord::Rapid } else { MotionWord::Feed };
-            match block.motion.replace(motion) {
-                Some(_) => Err("two of G0 and G1, or one twice, in one block".to_owned()),
-                None => Ok(()),
-            }
-        }
         "G4" => once(&mut block.wait, "G04", "G4"),
         "G5" => once(&mut words.smoothing, "G05 or G05.1", "G05"),
         "G5.1" => once(&mut words.smoothing, "G05 or G05.1", "G05.1"),

@@ -1,7 +1,8 @@
 //! Lines of the family as words: tape marks, comments, addresses and numbers.
 
 use super::control::Member;
-use crate::control::{number, shown};
+use crate::control::{CodeName, has_byte, number, number_end, shown, without_blanks};
+use std::borrow::Cow;
 
 /// Most digits of a number: the control refuses more (alarm PS0003).
 const MAX_DIGITS: usize = 9;
@@ -12,11 +13,16 @@ const FEED_DECIMALS: usize = 3;
 /// Beginnings of macro statements.
 const STATEMENTS: [&str; 7] = ["IF", "WHILE", "GOTO", "DO", "END", "THEN", "SETVN"];
 
-/// A line without comments and blanks. Blanks and tabs have no meaning, also inside of words.
-pub(super) fn without_comments(line: &str) -> Result<String, String> {
+/// A line without comments and blanks, in a buffer where it has no comment. Blanks and tabs have no meaning, also inside of
+/// words.
+pub(super) fn without_comments<'b>(line: &str, buffer: &'b mut Vec<u8>) -> Result<Cow<'b, str>, String> {
+    let line = line.strip_suffix('\r').unwrap_or(line);
+    if !has_byte(line, |byte| matches!(byte, b'(' | b')')) {
+        return Ok(without_blanks(line, |byte| byte, buffer).into());
+    }
     let mut code = String::with_capacity(line.len());
     let mut inside = false;
-    for c in line.strip_suffix('\r').unwrap_or(line).chars() {
+    for c in line.chars() {
         match (inside, c) {
             (false, '(') => inside = true,
             (true, ')') => inside = false,
@@ -31,13 +37,15 @@ pub(super) fn without_comments(line: &str) -> Result<String, String> {
             (false, c) => code.push(c),
         }
     }
-    if inside { Err("a comment does not end".to_owned()) } else { Ok(code) }
+    if inside { Err("a comment does not end".to_owned()) } else { Ok(code.into()) }
 }
 
 /// First word of a text without blanks: its letter, its number as written, and the rest.
 pub(super) fn first_word(code: &str) -> Result<(char, &str, &str), String> {
     let letter = code.chars().next().unwrap_or(' ');
-    if let Some(statement) = STATEMENTS.iter().find(|s| code.starts_with(**s)) {
+    // The second letter of a statement is none of a word.
+    let letters = code.as_bytes().get(1).is_some_and(u8::is_ascii_uppercase);
+    if let Some(statement) = STATEMENTS.iter().find(|s| letters && code.starts_with(**s)) {
         return Err(format!("`{statement}` is not understood: macro statements are not read"));
     }
     if !letter.is_ascii_uppercase() {
@@ -52,8 +60,7 @@ pub(super) fn first_word(code: &str) -> Result<(char, &str, &str), String> {
         return Err(format!("`{}` is not understood at the beginning of a word{why}", shown(code, 1)));
     }
     let tail = &code[1..];
-    let end = tail.find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '-' | '+'))).unwrap_or(tail.len());
-    let (text, rest) = tail.split_at(end);
+    let (text, rest) = tail.split_at(number_end(tail));
     if text.is_empty() && rest.starts_with(['#', '[', '-']) {
         return Err(format!(
             "`{letter}{}` is not understood: macro variables and expressions are not read",
@@ -80,7 +87,7 @@ pub(super) fn decimal(letter: char, text: &str, member: &Member) -> Result<f64, 
     let value = number(text)?;
     let decimals = if letter == 'F' { FEED_DECIMALS } else { member.decimals };
     let digits = text.bytes().filter(u8::is_ascii_digit).count();
-    let Some(point) = text.find('.') else {
+    let Some(point) = text.bytes().position(|byte| byte == b'.') else {
         // Zero is zero in every unit.
         if value == 0.0 && letter != 'F' {
             return Ok(value);
@@ -94,18 +101,17 @@ pub(super) fn decimal(letter: char, text: &str, member: &Member) -> Result<f64, 
     if digits > MAX_DIGITS {
         return Err(format!("more than {MAX_DIGITS} digits: the control refuses the word"));
     }
-    let behind = text[point + 1..].trim_end_matches('0');
-    if behind.len() > decimals {
+    let behind = text.len() - (point + 1) - text.bytes().rev().take_while(|byte| *byte == b'0').count();
+    if behind > decimals {
         return Err(format!(
-            "{} decimals, and the control takes {decimals}: it drops the others; write {decimals} decimals",
-            behind.len()
+            "{behind} decimals, and the control takes {decimals}: it drops the others; write {decimals} decimals"
         ));
     }
     Ok(value)
 }
 
 /// The name of a G or M word in one spelling: G00 and G0 are one word.
-pub(super) fn code_name(letter: char, text: &str) -> Result<String, String> {
+pub(super) fn code_name(letter: char, text: &str) -> Result<CodeName, String> {
     let (whole, tenth) = text.split_once('.').map_or((text, None), |(whole, tenth)| (whole, Some(tenth)));
     let plain =
         |digits: &str, most: usize| (1..=most).contains(&digits.len()) && digits.bytes().all(|b| b.is_ascii_digit());
@@ -116,9 +122,8 @@ pub(super) fn code_name(letter: char, text: &str) -> Result<String, String> {
     if !good {
         return Err(format!("`{letter}{}` is no word of the control", shown(text, 20)));
     }
-    let whole = whole.trim_start_matches('0');
-    let whole = if whole.is_empty() { "0" } else { whole };
-    Ok(tenth.map_or_else(|| format!("{letter}{whole}"), |t| format!("{letter}{whole}.{t}")))
+    let value = |digits: &str| digits.bytes().fold(0, |value, digit| 10 * value + u32::from(digit - b'0'));
+    Ok(CodeName::new(letter, value(whole), tenth.map(|tenth| value(tenth) as u8)))
 }
 
 /// Checks the number or the name of a program in the first block.

@@ -8,7 +8,7 @@ use super::spline;
 use super::straight::{self, PLACES, RATE_PLACES, count, decimal};
 use crate::control::modal::{Modal, ModalGroup, Needed};
 use crate::control::{
-    self, Act, Control, NcBlock, Setup, Smoothing, SmoothingTolerance, WIDEST_TOLERANCE_MM, WIDEST_TURN_DEG,
+    self, Act, Control, NcBlock, Setup, Smoothing, SmoothingTolerance, WIDEST_TOLERANCE_MM, WIDEST_TURN_DEG, WordList,
     WorkOffsets, once, shown,
 };
 use crate::nc::{ENDS_HERE, NcTool, ReadError, ReadResult};
@@ -190,29 +190,27 @@ impl<'a> ProgramReader<'a> {
         let (code, comment) = line.split_once(';').map_or((line, None), |(code, comment)| (code, Some(comment)));
         let continues = line.ends_with('~');
         let code = if comment.is_none() { code.strip_suffix('~').unwrap_or(code) } else { code };
-        let mut text = self.begun.take().unwrap_or_default();
-        let first = text.is_empty();
-        if text.len() + code.len() > MAX_BLOCK_LENGTH {
+        let begun = self.begun.take();
+        if begun.as_ref().map_or(0, String::len) + code.len() > MAX_BLOCK_LENGTH {
             faults.push(format!("a block of more than {MAX_BLOCK_LENGTH} characters"));
             return None;
         }
-        if continues && first && !matches!(code.split_whitespace().nth(1), Some("CYCL" | "SPL")) {
+        if continues && begun.is_none() && !matches!(code.split_whitespace().nth(1), Some("CYCL" | "SPL")) {
             faults
                 .push("`~` continues only the block of a cycle or of a spline: write the block in one line".to_owned());
             return None;
         }
-        text.push_str(code);
+        let whole = begun.map(|text| text + code);
         if continues {
-            text.push(' ');
-            self.begun = Some(text);
+            self.begun = Some(whole.unwrap_or_else(|| code.to_owned()) + " ");
             return None;
         }
-        self.numbered(&text, comment.is_some(), faults)
+        self.numbered(whole.as_deref().unwrap_or(code), comment.is_some(), faults)
     }
 
     /// A block with its number.
     fn numbered(&mut self, text: &str, comment: bool, faults: &mut Vec<String>) -> Option<NcBlock> {
-        let words: Vec<&str> = text.split([' ', '\t']).filter(|word| !word.is_empty()).collect();
+        let words: WordList<'_> = control::words(text).collect();
         let Some((number, words)) = words.split_first() else {
             if comment {
                 faults.push("a comment without a block number: the control numbers every block".to_owned());

@@ -54,7 +54,7 @@ pub(super) fn block(words: &[&str], m128: bool, machine: &Machine) -> Result<NcB
         within(&axis.name, values, [axis.min, axis.max].map(|x| x.to_degrees() * axis.word_sign))?;
         *values = values.map(|degrees| degrees.to_radians() * axis.word_sign);
     }
-    block.spline = Some(SplineWords::Backward { tip: [x, y, z], rotary });
+    block.spline = Some(Box::new(SplineWords::Backward { tip: [x, y, z], rotary }));
     for word in rest {
         let text = word.strip_prefix('F').ok_or_else(|| format!("`{}` in SPL is not understood", shown(word, 40)))?;
         let value = straight::feed(text)?;

@@ -2,7 +2,7 @@
 //!
 //! The control takes the words of a block in one order: axes, radius compensation, F, M.
 
-use crate::control::{Control, MotionWord, NcBlock, number, once, shown};
+use crate::control::{Control, MotionWord, NcBlock, number, once, rotary_axis, shown};
 use five_axis::Machine;
 
 /// Most M words of one block of the iTNC 530.
@@ -18,14 +18,19 @@ const VECTOR_PLACES: Places = Places { before: 1, behind: 8 };
 /// decimals, and says nothing of what the control does with another length.
 const VECTOR_LENGTH_ERROR: f64 = 1e-4;
 
+/// Most addresses of a block that has each once.
+const MOST_ADDRESSES: usize = 8;
+
 /// Words of a block that are not in [`NcBlock`].
 #[derive(Default)]
-pub(super) struct Words {
+pub(super) struct Words<'a> {
     pub(super) block: NcBlock,
     /// Addresses of axes and vectors, in the order of the block.
-    addresses: Vec<&'static str>,
+    addresses: [&'static str; MOST_ADDRESSES],
+    /// Their number.
+    count: usize,
     /// Place of the last word in the order of the control, and that word.
-    place: (u8, String),
+    place: (u8, &'a str),
     /// FMAX.
     rapid: bool,
     /// Number of M words.
@@ -43,13 +48,14 @@ pub(super) struct Places {
 
 /// A number with as many places as the control takes.
 pub(super) fn decimal(text: &str, Places { before, behind }: Places) -> Result<f64, String> {
-    if text.contains(',') {
-        return Err(format!("`{}`: write a decimal point", shown(text, 40)));
-    }
-    let value = number(text)?;
-    let digits = text.trim_start_matches(['-', '+']);
-    let (whole, part) = digits.split_once('.').unwrap_or((digits, ""));
-    if whole.trim_start_matches('0').len() > before || part.len() > behind {
+    let value = number(text).map_err(|reason| match text.contains(',') {
+        true => format!("`{}`: write a decimal point", shown(text, 40)),
+        false => reason,
+    })?;
+    let bytes = text.as_bytes();
+    let from = bytes.iter().take_while(|byte| matches!(byte, b'-' | b'+' | b'0')).count();
+    let point = bytes.iter().position(|byte| *byte == b'.').unwrap_or(bytes.len());
+    if point - from > before || (bytes.len() - point).saturating_sub(1) > behind {
         return Err(format!(
             "`{}` has more digits than the control takes: at most {before} and {behind}",
             shown(text, 40)
@@ -102,29 +108,29 @@ pub(super) fn miscellaneous(words: &[&str], control: &Control, machine: &Machine
     read.finished(false)
 }
 
-impl Words {
+impl<'a> Words<'a> {
     fn word(
         &mut self,
-        word: &str,
+        word: &'a str,
         rest: &mut std::slice::Iter<'_, &str>,
         control: &Control,
         machine: &Machine,
     ) -> Result<(), String> {
-        let is_number = |c: char| c.is_ascii_digit() || matches!(c, '+' | '-' | '.' | ',');
-        let at = word.find(is_number).unwrap_or(word.len());
+        let in_number = |byte: u8| byte.is_ascii_digit() || matches!(byte, b'+' | b'-' | b'.' | b',');
+        let at = word.bytes().position(in_number).unwrap_or(word.len());
         let (address, value) = word.split_at(at);
         let named = |why: String| format!("`{}`: {why}", shown(word, 40));
         match address {
             "X" | "Y" | "Z" => {
                 self.follow(0, word)?;
                 let axis = usize::from(address.as_bytes()[0] - b'X');
-                self.addresses.push(["X", "Y", "Z"][axis]);
+                self.address(["X", "Y", "Z"][axis]);
                 self.block.coordinate(axis, decimal(value, PLACES).map_err(named)?)
             }
             "TX" | "TY" | "TZ" => {
                 self.follow(0, word)?;
                 let axis = usize::from(address.as_bytes()[1] - b'X');
-                self.addresses.push(["TX", "TY", "TZ"][axis]);
+                self.address(["TX", "TY", "TZ"][axis]);
                 self.block.component(control, axis, decimal(value, VECTOR_PLACES).map_err(named)?)
             }
             "NX" | "NY" | "NZ" => Err(format!(
@@ -144,7 +150,7 @@ impl Words {
                 self.rapid = true;
                 Ok(())
             }
-            _ if word.starts_with('F') => {
+            _ if word.as_bytes().first() == Some(&b'F') => {
                 self.follow(2, word)?;
                 if self.rapid {
                     return Err("F and FMAX in one block".to_owned());
@@ -155,25 +161,33 @@ impl Words {
                 self.follow(3, word)?;
                 self.m_word(value, rest, control, machine)
             }
-            _ if machine.rotary_axis(address).is_some() => {
+            _ if let Some(axis) = rotary_axis(machine, address) => {
                 self.follow(0, word)?;
-                self.addresses.push("angle");
-                self.block.angle(address, decimal(value, PLACES).map_err(named)?, machine)
+                self.address("angle");
+                self.block.angle(axis, decimal(value, PLACES).map_err(named)?, machine)
             }
             _ => Err(not_understood(word, address)),
         }
     }
 
+    /// Keeps an address. One that occurs twice is refused.
+    fn address(&mut self, name: &'static str) {
+        if let Some(place) = self.addresses.get_mut(self.count) {
+            *place = name;
+            self.count += 1;
+        }
+    }
+
     /// Checks the order of words.
-    fn follow(&mut self, place: u8, word: &str) -> Result<(), String> {
+    fn follow(&mut self, place: u8, word: &'a str) -> Result<(), String> {
         if place < self.place.0 {
             return Err(format!(
                 "`{}` stands behind `{}`: the order of the control is axes, R0, F, M",
                 shown(word, 40),
-                self.place.1
+                shown(self.place.1, 40)
             ));
         }
-        self.place = (place, shown(word, 40));
+        self.place = (place, word);
         Ok(())
     }
 
@@ -273,10 +287,11 @@ impl Words {
     /// The control takes LN only with all components, in one order.
     fn check_vector(&self) -> Result<(), String> {
         const DUE: [&str; 6] = ["X", "Y", "Z", "TX", "TY", "TZ"];
-        if let Some(missing) = DUE.iter().find(|word| !self.addresses.contains(word)) {
+        let addresses = &self.addresses[..self.count];
+        if let Some(missing) = DUE.iter().find(|word| !addresses.contains(word)) {
             return Err(format!("LN without {missing}: the control needs X Y Z TX TY TZ in every block of LN"));
         }
-        if self.addresses != DUE {
+        if addresses != DUE {
             return Err("the words of LN must stand in the order X Y Z TX TY TZ, without rotary axes".to_owned());
         }
         let length = self.block.vector.iter().flatten().map(|x| x * x).sum::<f64>().sqrt();

@@ -1,7 +1,8 @@
 //! Lines of LinuxCNC text before their words, for the reader: length, comments, block number. Comments stand in brackets or
 //! behind a semicolon, and some are commands.
 
-use crate::control::{LONGEST_NUMBER, shown};
+use crate::control::{LONGEST_NUMBER, has_byte, shown, without_blanks};
+use std::borrow::Cow;
 
 /// Longest line of the interpreter, without its line feed; a carriage return counts.
 const MAX_LINE_LENGTH: usize = 252;
@@ -25,15 +26,20 @@ const EXECUTED: [&str; 12] = [
 /// What stands in the place of a comment: the control ends a word there.
 pub(super) const COMMENT: char = '(';
 
-/// A line without blanks, in upper case, with [`COMMENT`] in the place of each comment.
+/// A line without blanks, in upper case, with [`COMMENT`] in the place of each comment; in a buffer where it has none.
 ///
 /// # Errors
 /// What the control refuses in a line that it reads without executing it as well.
-pub(super) fn code_of(line: &str) -> Result<String, String> {
+pub(super) fn code_of<'b>(line: &str, buffer: &'b mut Vec<u8>) -> Result<Cow<'b, str>, String> {
     if line.len() > MAX_LINE_LENGTH {
         return Err(format!("longer than {MAX_LINE_LENGTH} characters: the control refuses the line"));
     }
-    let code = without_comments(line)?;
+    let code = if has_byte(line, |byte| matches!(byte, b'(' | b')' | b';')) {
+        without_comments(line)?.into()
+    } else {
+        let line = line.strip_suffix('\r').unwrap_or(line);
+        Cow::from(without_blanks(line, |byte| byte.to_ascii_uppercase(), buffer))
+    };
     behind_number(&code)?;
     Ok(code)
 }

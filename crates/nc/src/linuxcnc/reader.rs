@@ -8,8 +8,8 @@ use super::comments::{COMMENT, behind_number, code_of};
 use super::subprograms;
 use crate::control::modal::{Modal, ModalGroup, Needed};
 use crate::control::{
-    self, Act, Control, LengthWord, Line, MotionWord, NcBlock, Setup, Smoothing, SmoothingTolerance,
-    WIDEST_TOLERANCE_MM, WorkOffsets, number, once, shown,
+    self, Act, CodeName, Control, LengthWord, Line, MotionWord, NcBlock, Setup, Smoothing, SmoothingTolerance,
+    WIDEST_TOLERANCE_MM, WorkOffsets, number, number_end, once, rotary_letter, shown,
 };
 use crate::nc::{NcTool, ReadError, ReadResult};
 use five_axis::Machine;
@@ -132,6 +132,7 @@ enum Tape {
 pub(super) fn read(text: &str, machine: &Machine, offset: &str) -> ReadResult {
     let mut tape = Tape::Start;
     let mut ended = false;
+    let mut buffer = Vec::new();
     let mut selected: Option<(usize, NcTool)> = None;
     let number = offset_number(offset).unwrap_or(1);
     let sections = control::read_in_order(
@@ -139,7 +140,7 @@ pub(super) fn read(text: &str, machine: &Machine, offset: &str) -> ReadResult {
         Setup { control: &LINUXCNC, machine, part_offset: offset },
         &subprograms::flow(text),
         |Line { text: line, arguments, number: at }, faults| {
-            let code = match code_of(line) {
+            let code = match code_of(line, &mut buffer) {
                 Ok(code) => code,
                 Err(reason) => {
                     faults.push(reason);
@@ -222,8 +223,7 @@ fn first_word(code: &str) -> Result<(char, Number<'_>, &str), String> {
     if let Some((inside, rest)) = tail.strip_prefix('[').and_then(|t| t.split_once(']')) {
         return Ok((letter, Number::Computed(inside), rest));
     }
-    let end = tail.find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '-' | '+'))).unwrap_or(tail.len());
-    let (number, rest) = tail.split_at(end);
+    let (number, rest) = tail.split_at(number_end(tail));
     Ok((letter, Number::Plain(number), rest))
 }
 
@@ -239,7 +239,7 @@ struct Parameters {
     length: Option<bool>,
     data: bool,
     /// Words of the groups that [`ModalGroup`] does not have.
-    others: Vec<(OtherGroup, &'static str)>,
+    others: [Option<&'static str>; OTHER_GROUPS],
     m_words: usize,
 }
 
@@ -258,17 +258,21 @@ enum OtherGroup {
     Overrides,
 }
 
+/// Number of these groups.
+const OTHER_GROUPS: usize = OtherGroup::Overrides as usize + 1;
+
 impl Parameters {
     /// Takes a word of a group of which a block has one word at most.
     fn other(&mut self, group: OtherGroup, word: &'static str) -> Result<(), String> {
-        if let Some((_, before)) = self.others.iter().find(|(g, _)| *g == group) {
-            return Err(match *before == word {
-                true => format!("`{word}` occurs twice in one block"),
-                false => format!("`{before}` and `{word}` in one block: the control takes one of them"),
-            });
+        let place = &mut self.others[group as usize];
+        match *place {
+            None => {
+                *place = Some(word);
+                Ok(())
+            }
+            Some(before) if before == word => Err(format!("`{word}` occurs twice in one block")),
+            Some(before) => Err(format!("`{before}` and `{word}` in one block: the control takes one of them")),
         }
-        self.others.push((group, word));
-        Ok(())
     }
 }
 
@@ -343,7 +347,7 @@ fn together(block: &mut NcBlock, parameters: &Parameters, offset: u32) -> Result
         if block.tip != [None; 3] || block.rotary != [None; 2] {
             return Err("G10 with axis words changes the work offset: set offsets at the machine".to_owned());
         }
-        block.modal[ModalGroup::Rotation as usize] = Some(NO_ROTATION);
+        block.modal.set(ModalGroup::Rotation, NO_ROTATION);
     }
     if block.wait == Some("G4") {
         used[0] = true;
@@ -375,7 +379,7 @@ fn together(block: &mut NcBlock, parameters: &Parameters, offset: u32) -> Result
             "G1 without an axis word: the control takes it as a move at feed; write it with its target".to_owned()
         );
     }
-    if block.modal[ModalGroup::SpindleMode as usize] == Some("G96") && block.speed.is_none() {
+    if block.modal.get(ModalGroup::SpindleMode) == Some("G96") && block.speed.is_none() {
         return Err("G96 without S: the control refuses the block".to_owned());
     }
     if parameters.data && matches!(block.motion, Some(MotionWord::Rapid | MotionWord::Feed)) {
@@ -392,13 +396,12 @@ fn turned_word(
     machine: &Machine,
     block: &mut NcBlock,
 ) -> Result<(), String> {
-    let name = letter.to_string();
-    if machine.rotary_axis(&name).is_none() {
+    let Some(axis) = rotary_letter(machine, letter) else {
         return Err(format!("`{letter}[{}]`: expressions are read for rotary axes only", shown(text, 20)));
-    }
+    };
     let [written, value] = subprograms::computed(text, arguments)?;
     block.shifted |= value != written;
-    block.angle(&name, value, machine)
+    block.angle(axis, value, machine)
 }
 
 /// A whole number as the interpreter accepts it: leading zeros and a decimal point are allowed.
@@ -425,9 +428,7 @@ fn word(
         'X' => block.coordinate(0, value()?),
         'Y' => block.coordinate(1, value()?),
         'Z' => block.coordinate(2, value()?),
-        'A'..='C' if machine.rotary_axis(letter.encode_utf8(&mut [0; 4])).is_some() => {
-            block.angle(letter.encode_utf8(&mut [0; 4]), value()?, machine)
-        }
+        'A'..='C' if let Some(axis) = rotary_letter(machine, letter) => block.angle(axis, value()?, machine),
         'F' => block.set_feed(value()?),
         'S' => block.set_speed(value()?),
         'T' => once(&mut block.tool, "T", NcTool::Number(number_of()?)),
@@ -436,10 +437,10 @@ fn word(
         'Q' => once(&mut parameters.q, "Q", value()?),
         'L' => once(&mut parameters.l, "L", number_of()?),
         'R' => once(&mut parameters.r, "R", value()?),
-        'G' => preparatory(&code_name('G', value()?), block, parameters),
+        'G' => preparatory(&code_name('G', value()?)?, block, parameters),
         'M' => {
             parameters.m_words += 1;
-            miscellaneous(&code_name('M', value()?), block, parameters)
+            miscellaneous(&code_name('M', value()?)?, block, parameters)
         }
         'N' => Err(format!("`N{}`: a block number must be at the start of its block", shown(text, 20))),
         'O' => Err("an O word must be at the start of its line".to_owned()),
@@ -448,20 +449,21 @@ fn word(
 }
 
 /// The name of a code in one spelling: G01 and G1.0 are G1.
-fn code_name(letter: char, value: f64) -> String {
+fn code_name(letter: char, value: f64) -> Result<CodeName, String> {
     let tenths = (value * 10.0).round();
     if (tenths - value * 10.0).abs() > CODE_ROUNDING || !(0.0..1e5).contains(&tenths) {
-        return format!("{letter}{value}");
+        return Err(format!("`{letter}{value}` is not understood"));
     }
     let tenths = tenths as u32;
-    if tenths.is_multiple_of(10) {
-        format!("{letter}{}", tenths / 10)
-    } else {
-        format!("{letter}{}.{}", tenths / 10, tenths % 10)
-    }
+    Ok(CodeName::new(letter, tenths / 10, Some((tenths % 10) as u8).filter(|tenth| *tenth > 0)))
 }
 
 fn preparatory(code: &str, block: &mut NcBlock, parameters: &mut Parameters) -> Result<(), String> {
+    match code {
+        "G0" => return motion(block, MotionWord::Rapid),
+        "G1" => return motion(block, MotionWord::Feed),
+        _ => {}
+    }
     if let Some(done) = block.modal_word(&LINUXCNC, code) {
         return done;
     }
@@ -470,8 +472,6 @@ fn preparatory(code: &str, block: &mut NcBlock, parameters: &mut Parameters) -> 
         None => Ok(()),
     };
     match code {
-        "G0" => motion(block, MotionWord::Rapid),
-        "G1" => motion(block, MotionWord::Feed),
         "G80" => motion(block, MotionWord::Cancelled),
         "G53" => {
             block.machine_frame = true;

@@ -5,7 +5,7 @@
 
 use super::comments::{COMMENT, behind_number, code_of};
 use crate::control::flow::{Flow, Step};
-use crate::control::{number, shown};
+use crate::control::{has_byte, number, shown};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -32,13 +32,15 @@ pub(super) fn flow(text: &str) -> Flow {
     let mut flow = Flow::default();
     let mut known: BTreeMap<String, Range<usize>> = BTreeMap::new();
     let mut open: Option<OpenSubprogram> = None;
+    let mut buffer = Vec::new();
     for (at, line) in text.split('\n').enumerate() {
         let start = line.trim_start_matches([' ', '\t']).as_bytes().first().copied().unwrap_or(b' ');
-        let may_begin = matches!(start, b'o' | b'O' | b'n' | b'N');
+        let may_begin =
+            matches!(start, b'o' | b'O' | b'n' | b'N') && has_byte(line, |byte| matches!(byte, b'o' | b'O'));
         if !may_begin && open.is_none() {
             continue;
         }
-        let code = match (code_of(line), &mut open) {
+        let code = match (code_of(line, &mut buffer), &mut open) {
             (Ok(code), _) => code,
             // Nothing executes the lines of a subprogram that nobody calls, and the control reads them all the same.
             (Err(reason), Some(begun)) => {

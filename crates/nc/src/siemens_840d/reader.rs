@@ -9,8 +9,8 @@ use super::words::{WordValue, count, is_count, split, upper};
 use crate::control::modal::{Modal, ModalGroup, Needed};
 use crate::control::spline::SplineWords;
 use crate::control::{
-    self, Act, Control, LengthWord, Line, MotionWord, NcBlock, Setup, Smoothing, SmoothingTolerance,
-    WIDEST_TOLERANCE_MM, WIDEST_TURN_DEG, WorkOffsets, in_range, number, once, shown,
+    self, Act, CodeName, Control, LengthWord, Line, MotionWord, NcBlock, Setup, Smoothing, SmoothingTolerance,
+    WIDEST_TOLERANCE_MM, WIDEST_TURN_DEG, WorkOffsets, in_range, number, once, rotary_axis, shown, trim_start,
 };
 use crate::nc::{NcTool, ReadResult};
 use five_axis::Machine;
@@ -206,8 +206,8 @@ impl BlockReader<'_> {
         let mut rest = line;
         let mut first = true;
         loop {
-            rest = rest.trim_start_matches([' ', '\t']);
-            if rest.is_empty() || rest.starts_with(';') {
+            rest = trim_start(rest);
+            if matches!(rest.as_bytes().first(), None | Some(b';')) {
                 return Ok(());
             }
             let (name, value, next) = split(rest)?;
@@ -225,10 +225,10 @@ impl BlockReader<'_> {
         match value {
             WordValue::Number(text) => self.valued(name, text),
             WordValue::Computed { number, sum, parameter } => self.computed(name, number, *sum, parameter),
-            WordValue::Shorter(text) => match self.machine.rotary_axis(name) {
+            WordValue::Shorter(text) => match rotary_axis(self.machine, name) {
                 Some(k) if self.machine.rotary[k].modulo.is_some() => {
                     let degrees = number(text.trim_matches([' ', '\t']))?;
-                    self.block.angle(name, degrees, self.machine)
+                    self.block.angle(k, degrees, self.machine)
                 }
                 _ => Err(format!(
                     "`{0}=DC(...)`: {0} is no axis modulo 360 deg in the machine file; write its position",
@@ -333,24 +333,24 @@ impl BlockReader<'_> {
 
     /// A word of a rotary axis whose position depends on an R parameter.
     fn computed(&mut self, name: &str, text: &str, sum: bool, parameter: &str) -> Result<(), String> {
-        if self.machine.rotary_axis(name).is_none() {
+        let Some(axis) = rotary_axis(self.machine, name) else {
             return Err(format!("`{}` with an expression: expressions are read for rotary axes only", shown(name, 20)));
-        }
+        };
         let given = count(parameter).ok().and_then(|n| self.parameters.get(&n));
         let given = given.ok_or_else(|| {
             format!("R{} has no value: no block before gives it one in this program", shown(parameter, 9))
         })?;
         let value = number(text)?;
         let position = if sum { value + given } else { value * given };
-        plain(name, self.machine)?;
+        plain(axis, self.machine)?;
         self.block.shifted |= position != value;
-        self.block.angle(name, position, self.machine)
+        self.block.angle(axis, position, self.machine)
     }
 
     fn valued(&mut self, name: &str, text: &str) -> Result<(), String> {
         let named = |reason: String| format!("`{name}{}`: {reason}", shown(text, 40));
         let value = || number(text).map_err(named);
-        if let Some(n) = name.strip_prefix('R').and_then(|n| count(n).ok()) {
+        if let Some(n) = name.strip_prefix("R").and_then(|n| count(n).ok()) {
             self.assigned += 1;
             self.parameters.insert(n, value()?);
             return Ok(());
@@ -378,18 +378,18 @@ impl BlockReader<'_> {
             "A3" => block.component(&SINUMERIK, 0, value()?),
             "B3" => block.component(&SINUMERIK, 1, value()?),
             "C3" => block.component(&SINUMERIK, 2, value()?),
-            name if self.machine.rotary_axis(name).is_some() => {
+            name if let Some(axis) = rotary_axis(self.machine, name) => {
                 let value = value()?;
-                plain(name, self.machine)?;
-                block.angle(name, value, self.machine)
+                plain(axis, self.machine)?;
+                block.angle(axis, value, self.machine)
             }
             "F" => block.set_feed(value()?),
             "S" => block.set_speed(value()?),
             "T" => once(&mut block.tool, "T", NcTool::Number(count(text).map_err(named)?)),
             "D" => once(&mut self.edge, "D", count(text).map_err(named)?),
             "G" | "M" => {
-                let code = format!("{name}{}", count(text).map_err(named)?);
-                self.code(&code)
+                let number = count(text).map_err(named)?;
+                self.code(&CodeName::new(if name == "G" { 'G' } else { 'M' }, number, None))
             }
             "N" => Err("a block number must be at the start of its block".to_owned()),
             "A" | "B" | "C" => {
@@ -402,9 +402,6 @@ impl BlockReader<'_> {
     /// A G or M word.
     fn code(&mut self, code: &str) -> Result<(), String> {
         let block = &mut self.block;
-        if let Some(done) = block.modal_word(&SINUMERIK, code) {
-            return done;
-        }
         let motion = |block: &mut NcBlock, motion| match block.motion.replace(motion) {
             Some(_) => Err("two of G0 and G1, or one twice, in one block".to_owned()),
             None => Ok(()),
@@ -412,6 +409,17 @@ impl BlockReader<'_> {
         match code {
             "G0" => motion(block, MotionWord::Rapid),
             "G1" => motion(block, MotionWord::Feed),
+            _ => self.setting_code(code),
+        }
+    }
+
+    /// A G or M word that is no motion.
+    fn setting_code(&mut self, code: &str) -> Result<(), String> {
+        let block = &mut self.block;
+        if let Some(done) = block.modal_word(&SINUMERIK, code) {
+            return done;
+        }
+        match code {
             "M6" if block.change => Err("`M6` occurs twice in one block".to_owned()),
             "M6" => {
                 block.change = true;
@@ -450,7 +458,7 @@ impl BlockReader<'_> {
         let [Some(x), Some(y), Some(z), Some(i), Some(j), Some(k)] = std::mem::take(&mut self.polynomials) else {
             return Err("an incomplete polynomial: write PO[X] PO[Y] PO[Z] PO[XH] PO[YH] PO[ZH] together".to_owned());
         };
-        self.block.spline = Some(SplineWords::Forward { tip: [x, y, z], second: [i, j, k] });
+        self.block.spline = Some(Box::new(SplineWords::Forward { tip: [x, y, z], second: [i, j, k] }));
         Ok(())
     }
 
@@ -486,7 +494,7 @@ impl BlockReader<'_> {
                     "{frame} with other words shifts or turns the work frame; write {frame} alone to reset it"
                 ));
             }
-            block.modal[ModalGroup::Shift as usize] = Some("TRANS");
+            block.modal.set(ModalGroup::Shift, "TRANS");
         }
         match self.alone {
             Some(word) if self.words > 1 => Err(format!("{word} must be alone in its block")),
@@ -499,8 +507,10 @@ impl BlockReader<'_> {
 const MAX_POLYNOMIAL_NUMBERS: usize = 5;
 
 /// Reports a plain word of an axis modulo 360 deg.
-fn plain(name: &str, machine: &Machine) -> Result<(), String> {
-    if machine.rotary_axis(name).is_some_and(|k| machine.rotary[k].modulo.is_some()) {
+fn plain(axis: usize, machine: &Machine) -> Result<(), String> {
+    let axis = &machine.rotary[axis];
+    if axis.modulo.is_some() {
+        let name = &axis.name;
         return Err(format!(
             "`{name}=` of an axis modulo 360 deg: machine data decide which way it goes; write `{name}=DC(...)`"
         ));

@@ -4,7 +4,7 @@
 //! manual, "Program part repetition"). Labels must stand before, each alone in its block.
 
 use crate::control::flow::{Flow, MAX_TIMES, Step};
-use crate::control::shown;
+use crate::control::{has_byte, shown};
 use std::collections::BTreeMap;
 
 /// Shortest and longest label.
@@ -15,6 +15,10 @@ pub(super) fn flow(text: &str) -> Flow {
     let mut flow = Flow::default();
     let mut labels: BTreeMap<String, usize> = BTreeMap::new();
     for (at, line) in text.split('\n').enumerate() {
+        // Blocks of moves have neither the colon of a label nor the first letter of REPEAT.
+        if !has_byte(line, |byte| matches!(byte, b':' | b'R' | b'r')) {
+            continue;
+        }
         let code = line.split(';').next().unwrap_or_default().trim();
         let code = without_number(code);
         if let Some((name, behind)) = code.split_once(':').filter(|(name, _)| is_label(name)) {

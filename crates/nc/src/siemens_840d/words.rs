@@ -1,6 +1,6 @@
 //! Words of 840D blocks: name, value, and the text behind them.
 
-use crate::control::shown;
+use crate::control::{number_end, shown, trim_start};
 use std::borrow::Cow;
 
 /// Value of a word.
@@ -40,13 +40,15 @@ pub(super) fn split(text: &str) -> Result<(Cow<'_, str>, WordValue<'_>, &str), S
         };
         return Err(format!("`{}` is not understood at the beginning of a word{why}", shown(text, 1)));
     }
-    if let Some(found) = polynomial(text) {
+    if matches!(letter, 'P' | 'p')
+        && let Some(found) = polynomial(text)
+    {
         return found;
     }
-    let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
-    let second = text[1..].chars().next().unwrap_or(' ');
-    if second.is_ascii_alphabetic() || second == '_' {
-        let end = text.find(|c| !is_name(c)).unwrap_or(text.len());
+    let is_name = |byte: u8| byte.is_ascii_alphanumeric() || byte == b'_';
+    let second = text.as_bytes().get(1).copied().unwrap_or(b' ');
+    if second.is_ascii_alphabetic() || second == b'_' {
+        let end = text.bytes().position(|byte| !is_name(byte)).unwrap_or(text.len());
         let (name, rest) = text.split_at(end);
         let name = upper(name);
         if let Some(inside) = rest.strip_prefix('(') {
@@ -62,13 +64,13 @@ pub(super) fn split(text: &str) -> Result<(Cow<'_, str>, WordValue<'_>, &str), S
         }
         return Ok((name, WordValue::None, rest));
     }
-    let digits = text[1..].find(|c: char| !c.is_ascii_digit()).map_or(text.len(), |n| n + 1);
+    let digits = 1 + text.bytes().skip(1).take_while(u8::is_ascii_digit).count();
     if let Some(behind) = after_equals(&text[digits..]).filter(|_| digits > 1) {
         let (value, rest) = value(behind)?;
         return Ok((upper(&text[..digits]), value, rest));
     }
     // The control takes the digit after these letters as part of the name.
-    if matches!(letter.to_ascii_uppercase(), 'A'..='C') && second == '3' {
+    if matches!(letter.to_ascii_uppercase(), 'A'..='C') && second == b'3' {
         let word = text.split([' ', '\t']).next().unwrap_or_default();
         return Err(format!("`{}`: `=` is missing behind the address", shown(word, 20)));
     }
@@ -92,11 +94,18 @@ fn polynomial(text: &str) -> Option<FirstWord<'_>> {
 
 /// Text after an equals sign.
 fn after_equals(text: &str) -> Option<&str> {
-    text.trim_start_matches([' ', '\t']).strip_prefix('=').map(|t| t.trim_start_matches([' ', '\t']))
+    trim_start(text).strip_prefix("=").map(trim_start)
 }
 
 /// The value at the start of a text, and the rest.
 fn value(text: &str) -> Result<(WordValue<'_>, &str), String> {
+    let end = number_end(text);
+    if end > 0 {
+        // The sign behind the number of a computed one counts as a part of it.
+        let expression = matches!(text.as_bytes().get(end), Some(b'*' | b'R' | b'r'));
+        let found = if expression { computed(text) } else { None };
+        return Ok(found.unwrap_or_else(|| (WordValue::Number(&text[..end]), &text[end..])));
+    }
     if let Some(inside) = text.strip_prefix('"') {
         let end = inside.find('"').ok_or("a quoted text is not closed")?;
         return Ok((WordValue::Quoted(&inside[..end]), &inside[end + 1..]));
@@ -106,14 +115,9 @@ fn value(text: &str) -> Result<(WordValue<'_>, &str), String> {
         let (position, rest) = arguments(inside)?;
         return Ok((WordValue::Shorter(position), rest));
     }
-    if let Some(found) = computed(text) {
-        return Ok(found);
-    }
-    let end = text.find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '-' | '+'))).unwrap_or(text.len());
-    let (number, rest) = text.split_at(end);
-    let wrong = if end == 0 { text.split([' ', '\t', ';']).next().unwrap_or_default() } else { "" };
+    let wrong = text.split([' ', '\t', ';']).next().unwrap_or_default();
     if wrong.is_empty() {
-        return Ok((WordValue::Number(number), rest));
+        return Ok((WordValue::Number(""), text));
     }
     Err(format!("`{}` is not a number: parameters and expressions are not read", shown(wrong, 20)))
 }

@@ -9,7 +9,7 @@ mod switching;
 
 pub(crate) use program::ProgramState;
 
-use super::{Act, Control, LengthWord, MAX_FAULTS, MotionWord, NcBlock, Smoothing, WORD_ROUNDING_MM, figure};
+use super::{Act, Control, LengthWord, MAX_FAULTS, MotionWord, NcBlock, Smoothing, WORD_ROUNDING_MM, figure, has_byte};
 use crate::control::flow::{Flow, MAX_EXECUTED, Step};
 use crate::control::modal::{ModalGroup, Setting};
 use crate::nc::{Direction, NcTool, ReadResult};
@@ -66,7 +66,8 @@ struct ControlState<'a> {
     placed: usize,
     tip: [Option<f64>; 3],
     direction: Direction,
-    /// Positions of the rotary axes with the transformation on, radians.
+    /// Positions of the rotary axes with the transformation on, radians, on a machine with an axis modulo 360 deg: only words
+    /// of such an axis count from where it stands.
     rotary: Angles,
     /// Second point of the tool axis, where a block has stated it, part frame, mm.
     second: Option<Vector3<f64>>,
@@ -147,6 +148,11 @@ impl<'a> ControlState<'a> {
     fn run(&mut self, block: &NcBlock) {
         if self.program.ended {
             return self.fault_once("ended", "text after the end of the program");
+        }
+        if block.only_moves() {
+            // Of all that acts in an order, the feed does so before the move.
+            self.program.feed = block.feed.or(self.program.feed);
+            return self.moved(block);
         }
         if let Some(word) = block.outside {
             self.judge_outside(word);
@@ -240,7 +246,7 @@ impl<'a> ControlState<'a> {
         }
         if self.control.wait_switches_off {
             for group in [ModalGroup::Spindle, ModalGroup::Coolant] {
-                self.program.modal[group as usize] = Setting::Unknown;
+                self.program.forget(group);
             }
         }
     }
@@ -248,11 +254,11 @@ impl<'a> ControlState<'a> {
     fn set(&mut self, group: ModalGroup, block: &NcBlock) {
         if group == ModalGroup::WorkOffset {
             if let Some(offset) = &block.offset {
-                self.offset = Setting::Said(offset.clone(), self.program.line);
+                self.set_offset(Setting::Said(offset.clone(), self.program.line));
             }
             return;
         }
-        let Some(word) = block.modal[group as usize] else { return };
+        let Some(word) = block.modal.get(group) else { return };
         if !self.acts_behind(word) {
             self.set_to(group, word);
         }
@@ -268,7 +274,7 @@ impl<'a> ControlState<'a> {
             self.fault(format!("`{word}` with the transformation on: write {off} before this block"));
             return;
         }
-        let before = self.program.modal[group as usize];
+        let before = self.program.setting(group);
         // A control forgets the feed when the feed mode changes.
         if group == ModalGroup::FeedMode
             && before != Setting::Unknown
@@ -276,7 +282,13 @@ impl<'a> ControlState<'a> {
         {
             self.program.feed = None;
         }
-        self.program.modal[group as usize] = Setting::Said(word, self.program.line);
+        self.program.say(group, word);
+    }
+
+    /// The work offset from here on.
+    fn set_offset(&mut self, offset: Setting<Arc<str>>) {
+        self.offset = offset;
+        self.program.judged = 0;
     }
 
     fn change(&mut self) {
@@ -298,7 +310,7 @@ impl<'a> ControlState<'a> {
             self.set_length(&LengthWord::OfSpindle);
         }
         // A tool change stops the spindle.
-        self.program.modal[ModalGroup::Spindle as usize] = Setting::Unknown;
+        self.program.forget(ModalGroup::Spindle);
     }
 
     fn set_length(&mut self, word: &LengthWord) {
@@ -389,7 +401,7 @@ impl<'a> ControlState<'a> {
             for (group, due, what) in
                 [(ModalGroup::Spindle, "M5", "the spindle"), (ModalGroup::Coolant, "M9", "the coolant")]
             {
-                if let Setting::Said(word, line) = self.program.modal[group as usize]
+                if let Setting::Said(word, line) = self.program.setting(group)
                     && word != due
                 {
                     self.fault(format!(
@@ -512,6 +524,10 @@ impl ControlState<'_> {
 }
 
 pub(crate) fn control_character(line: &str) -> Option<String> {
+    // U+0080 to U+009F begin with the byte C2.
+    if !has_byte(line, |byte| byte < b' ' || byte == 0x7f || byte == 0xc2) {
+        return None;
+    }
     let found = line.chars().find(|c| c.is_control() && *c != '\t')?;
     Some(format!("the control character U+{:04X}", u32::from(found)))
 }

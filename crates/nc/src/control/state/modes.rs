@@ -6,6 +6,11 @@ use crate::control::modal::{ModalGroup, Needed, Setting};
 impl ControlState<'_> {
     /// Checks the modal groups that a move needs. All groups that no block has set are reported as one fault.
     pub(super) fn judge_modes(&mut self, transformed: bool, work_frame: bool, feed: bool) {
+        let case = 1 << (u8::from(transformed) | u8::from(work_frame) << 1 | u8::from(feed) << 2);
+        if !self.program.understood || self.program.judged & case != 0 {
+            return;
+        }
+        self.program.judged |= case;
         let mut unsaid: Vec<String> = Vec::new();
         for modal in self.control.modal {
             let needed = match modal.needed {
@@ -14,14 +19,14 @@ impl ControlState<'_> {
                 Needed::Transformed => transformed,
                 Needed::AtFeed => feed,
             };
-            if !needed || !self.program.understood {
+            if !needed {
                 continue;
             }
             if modal.group == ModalGroup::WorkOffset {
                 unsaid.extend(self.judge_offset(modal.what));
                 continue;
             }
-            let setting = self.program.modal[modal.group as usize];
+            let setting = self.program.setting(modal.group);
             let due = modal.right[0];
             match setting {
                 Setting::Reported => continue,
@@ -32,7 +37,7 @@ impl ControlState<'_> {
                 )),
                 Setting::Unknown => unsaid.push(format!("{}: write {due}", modal.what)),
             }
-            self.program.modal[modal.group as usize] = Setting::Reported;
+            self.program.reported(modal.group);
         }
         if !unsaid.is_empty() {
             self.independent_fault(format!("no block before this move ensures {}", unsaid.join("; ")));
@@ -85,8 +90,8 @@ impl ControlState<'_> {
         self.doubtful = false;
         if on {
             // Some controls have it in the block that switches.
-            if self.program.modal[ModalGroup::Turning as usize] == Setting::Unknown {
-                self.program.modal[ModalGroup::Turning as usize] = Setting::Reported;
+            if self.program.setting(ModalGroup::Turning) == Setting::Unknown {
+                self.program.reported(ModalGroup::Turning);
             }
             return self.begin();
         }

@@ -266,6 +266,9 @@ impl ControlState<'_> {
     /// The tool has turned.
     pub(super) fn turn_to(&mut self, direction: Direction) {
         self.direction = direction;
+        if self.machine.rotary.iter().all(|axis| axis.modulo.is_none()) {
+            return;
+        }
         self.rotary = match direction {
             Direction::Rotary(angles) => angles,
             // Of the positions for a vector the control takes the near one.
@@ -298,7 +301,7 @@ impl ControlState<'_> {
 
     /// Rule of the moves of the tip.
     pub(super) fn interpolation(&self) -> Interpolation {
-        match self.program.modal[ModalGroup::Turning as usize] {
+        match self.program.setting(ModalGroup::Turning) {
             Setting::Said(word, _) if self.control.great_circle.contains(&word) => Interpolation::GreatCircle,
             _ => Interpolation::RotaryLinear,
         }
@@ -363,7 +366,7 @@ impl ControlState<'_> {
         tip: &Point3<f64>,
         direction: &Direction,
     ) -> BlockFeed {
-        let inverse = matches!(self.program.modal[ModalGroup::FeedMode as usize], Setting::Said("G93", _));
+        let inverse = matches!(self.program.setting(ModalGroup::FeedMode), Setting::Said("G93", _));
         let Some(word) = (if inverse { block.feed } else { self.program.feed }) else {
             if inverse {
                 self.fault("a move at feed in inverse time (G93) needs F in its own block");

@@ -18,7 +18,9 @@ pub(crate) struct ProgramState {
     /// Line of the call that is executed.
     pub(crate) call: Option<usize>,
     /// Modal groups.
-    pub(crate) modal: [Setting; GROUPS],
+    modal: [Setting; GROUPS],
+    /// Kinds of moves, a bit each, whose settings are judged and have not changed since: most moves need nothing more.
+    pub(crate) judged: u8,
     /// Feed, mm/min.
     pub(crate) feed: Option<f64>,
     /// Spindle speed, rpm.
@@ -39,7 +41,7 @@ pub(crate) struct ProgramState {
     /// All words of the block were understood.
     pub(crate) understood: bool,
     /// Faults that are reported only once, since they would occur in every block.
-    reported: Vec<&'static str>,
+    reported_once: Vec<&'static str>,
 }
 
 impl ProgramState {
@@ -48,6 +50,7 @@ impl ProgramState {
             line: 0,
             call: None,
             modal: [Setting::Unknown; GROUPS],
+            judged: 0,
             feed: None,
             speed: None,
             tool: None,
@@ -58,7 +61,7 @@ impl ProgramState {
             faults: Vec::new(),
             quiet: false,
             understood: true,
-            reported: Vec::new(),
+            reported_once: Vec::new(),
         }
     }
 
@@ -69,12 +72,22 @@ impl ProgramState {
 
     /// Sets a modal group by a word of this line.
     pub(crate) fn say(&mut self, group: ModalGroup, word: &'static str) {
-        self.modal[group as usize] = Setting::Said(word, self.line);
+        self.set(group, Setting::Said(word, self.line));
+    }
+
+    /// A modal group counts as correct from here on: its fault is reported.
+    pub(crate) fn reported(&mut self, group: ModalGroup) {
+        self.set(group, Setting::Reported);
+    }
+
+    fn set(&mut self, group: ModalGroup, setting: Setting) {
+        self.modal[group as usize] = setting;
+        self.judged = 0;
     }
 
     /// From here on nobody knows how a modal group is set.
     pub(crate) fn forget(&mut self, group: ModalGroup) {
-        self.modal[group as usize] = Setting::Unknown;
+        self.set(group, Setting::Unknown);
     }
 
     /// Begins a line, from 1: it has no fault yet.
@@ -104,10 +117,10 @@ impl ProgramState {
 
     /// Reports once a fault that would occur in every block from here on.
     pub(crate) fn fault_once(&mut self, about: &'static str, reason: impl Into<String>) {
-        if self.reported.contains(&about) || !self.understood {
+        if self.reported_once.contains(&about) || !self.understood {
             return;
         }
-        self.reported.push(about);
+        self.reported_once.push(about);
         self.independent_fault(reason);
     }
 

@@ -16,7 +16,7 @@ impl ControlState<'_> {
     /// Sets what a block stops behind its move, on a control that does so.
     pub(super) fn set_stops(&mut self, block: &NcBlock) {
         for group in [ModalGroup::Spindle, ModalGroup::Coolant] {
-            if let Some(word) = block.modal[group as usize].filter(|word| self.acts_behind(word)) {
+            if let Some(word) = block.modal.get(group).filter(|word| self.acts_behind(word)) {
                 self.set_to(group, word);
             }
         }
@@ -25,11 +25,11 @@ impl ControlState<'_> {
     /// Whether a word stops the turning spindle or turns it round before the retract; reports it.
     pub(super) fn stops_in_part(&mut self, word: &str) -> bool {
         let modal = self.control.modal.iter().find(|modal| modal.group == ModalGroup::Spindle);
-        let Setting::Said(now, _) = self.program.modal[ModalGroup::Spindle as usize] else { return false };
+        let Setting::Said(now, _) = self.program.setting(ModalGroup::Spindle) else { return false };
         let stops = self.open && now != word && modal.is_some_and(|modal| modal.right.contains(&now));
         if stops {
             self.report_stopped(word);
-            self.program.modal[ModalGroup::Spindle as usize] = Setting::Reported;
+            self.program.reported(ModalGroup::Spindle);
         }
         stops
     }

@@ -20,7 +20,7 @@ const PLACE_ROUNDING_MM: f64 = 1e-7;
 impl ControlState<'_> {
     /// Whether the tool turns by the second point of its axis.
     pub(super) fn turns_by_second_point(&self) -> bool {
-        matches!(self.program.modal[ModalGroup::Turning as usize], Setting::Said("ORICURVE", _))
+        matches!(self.program.setting(ModalGroup::Turning), Setting::Said("ORICURVE", _))
     }
 
     /// Executes a block with XH YH ZH and without polynomials: it states the second point where the tool stands.
@@ -90,7 +90,7 @@ impl ControlState<'_> {
         let Some(feed) = self.program.feed else {
             return self.fault("a move at feed without a feed: write F in this block");
         };
-        if matches!(self.program.modal[ModalGroup::FeedMode as usize], Setting::Said("G93", _)) {
+        if matches!(self.program.setting(ModalGroup::FeedMode), Setting::Said("G93", _)) {
             self.fault("a polynomial in inverse time (G93) is not read: write G94");
         }
         self.judge_spindle();
@@ -120,6 +120,6 @@ impl ControlState<'_> {
         self.axes = [AxisPosition::Left; 5];
         let straight = self.program.straight(tip, self.direction, Some(feed));
         let interpolation = self.interpolation();
-        self.program.keep(NcMove { interpolation, smoothing, curve: Some(curve), ..straight });
+        self.program.keep(NcMove { interpolation, smoothing, curve: Some(Box::new(curve)), ..straight });
     }
 }

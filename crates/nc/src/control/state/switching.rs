@@ -19,9 +19,9 @@ impl ControlState<'_> {
         self.check_turn();
         if self.control.switching_drops_frames {
             // The control cancels the programmable frame and the work offset.
-            self.offset = Setting::Unknown;
+            self.set_offset(Setting::Unknown);
             if let Some(shift) = self.control.modal.iter().find(|m| m.group == ModalGroup::Shift) {
-                self.program.modal[ModalGroup::Shift as usize] = Setting::Said(shift.right[0], self.program.line);
+                self.program.say(ModalGroup::Shift, shift.right[0]);
             }
         }
         if !on {
