@@ -9,7 +9,7 @@ use impellerc::diagnostics::Sink;
 use impellerc::driver::{self, Options, Outcome, Stages};
 use impellerc::five_axis::control::{LengthTo, ModuloWay};
 use impellerc::five_axis::{Chain, Joints, Machine, RotaryPose};
-use impellerc::ir::{OperationKind, Program, Tool};
+use impellerc::ir::{Operation, Program, Tool};
 use impellerc::nc;
 use impellerc::nc::compare::ComparedMotion;
 use impellerc::nc::motion_of::motion_of;
@@ -20,7 +20,6 @@ use impellerc::verify::proof::sweep::Sweep;
 use impellerc::verify::stock::Settings;
 use impellerc::verify::surface::{self, Limits};
 use impellerc::verify::{SPACING, examine};
-use impellerc::wheel::method::AxisMethod;
 use nalgebra::{Point3, Rotation3, Vector3};
 use std::path::Path;
 
@@ -678,12 +677,11 @@ fn machine_files_that_cannot_direct_the_tool_are_refused() {
 /// `corridor` takes other axes where the travel of Y is shorter than those that it would take without this limit.
 #[test]
 fn corridors_stay_within_the_travel() {
-    let mut program = support::channel_only(1.0);
-    let mut operation = program.operations.iter().next().unwrap().1.clone();
-    let OperationKind::Channel { method, .. } = &mut operation.kind else { panic!() };
-    *method = AxisMethod::Corridor;
+    let changes = [("scallop 12 um", "scallop 1 mm"), ("constant-scallop", "equal-division")];
+    let mut program = jobs::program_with("jobs/wei2021/paper-strategies.imp", &changes);
+    let channel = program.operations.iter().last().unwrap().1.clone();
     program.operations = PrimaryMap::new();
-    program.operations.push(operation);
+    program.operations.push(Operation { sectors: vec![0], ..channel });
     let ends = |program: &Program| -> Result<[f64; 2], Sink> {
         let mut sink = Sink::default();
         let Ok(plan) = pipeline::run(program, &mut sink) else { return Err(sink) };
@@ -701,5 +699,5 @@ fn corridors_stay_within_the_travel() {
     let sink = ends(&program).err().unwrap();
     let first = &sink.diags()[0];
     assert!(first.code.id() == "IMP0601" && first.message.starts_with("`channel` needs Y = "), "{first:?}");
-    assert!(first.notes.iter().any(|note| note.contains("keeps t2 clear of the part")), "{first:?}");
+    assert!(first.notes.iter().any(|note| note.contains("keeps t3 clear of the part")), "{first:?}");
 }

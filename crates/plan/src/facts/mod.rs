@@ -17,11 +17,12 @@ pub mod twist;
 
 use base::progress::Progress;
 use base::units::length;
+use concave::Concave;
 use diagnostics::codes::geometry as codes;
 use diagnostics::{Diag, Sink};
 use ir::Program;
 use rayon::prelude::*;
-use wheel::part::FaceId;
+use wheel::part::{FaceId, Part};
 
 /// Bulge below which lines count as straight, mm: rounding of fitted data.
 const STRAIGHT_BULGE_MM: f64 = 1e-4;
@@ -92,18 +93,7 @@ fn report(program: &Program, fits: Option<&Progress>, sink: &mut Sink) {
     let sides: Vec<FaceId> = part.blade_ids().flat_map(|blade| part.sides(blade)).collect();
     let measured: Vec<_> = sides.into_par_iter().map(|side| concave::measure(part, side)).collect();
     for concave in measured.into_iter().flatten() {
-        let of =
-            if part.blades.len() == 1 { String::new() } else { format!("{} ", part.blade(concave.side.blade).name) };
-        let name = if concave.side.edge_end().is_some() { "" } else { " face" };
-        let name = format!("{of}{}{name}", concave.side.name());
-        let [u, v] = concave.at;
-        sink.push(
-            Diag::remark(
-                codes::CONCAVE,
-                format!("the smallest concave radius of the {name} is {}", length(concave.radius)),
-            )
-            .place(format!("{name} at u = {u:.3}, v = {v:.3}"), concave.point),
-        );
+        sink.push(smallest_radius(part, &concave));
     }
     if let Some(progress) = fits {
         flank::report(program, progress, sink);
@@ -117,4 +107,14 @@ fn report(program: &Program, fits: Option<&Progress>, sink: &mut Sink) {
     if sink.errors() == before || !reach::fillets_fill(program, &throats) {
         free_space::check(program, sink);
     }
+}
+
+/// The smallest concave radius of a face.
+fn smallest_radius(part: &Part, concave: &Concave) -> Diag {
+    let of = if part.blades.len() == 1 { String::new() } else { format!("{} ", part.blade(concave.side.blade).name) };
+    let name = if concave.side.edge_end().is_some() { "" } else { " face" };
+    let name = format!("{of}{}{name}", concave.side.name());
+    let [u, v] = concave.at;
+    let message = format!("the smallest concave radius of the {name} is {}", length(concave.radius));
+    Diag::remark(codes::CONCAVE, message).place(format!("{name} at u = {u:.3}, v = {v:.3}"), concave.point)
 }
