@@ -21,7 +21,7 @@ const SAME_AXIS: f64 = 1e-9;
 
 /// Sectors of the operations of a plan up to one of them.
 pub(super) struct LikeSectors<'a> {
-    program: &'a Program,
+    pub(super) program: &'a Program,
     machined: &'a [&'a [u32]],
 }
 

@@ -72,7 +72,7 @@ pub fn run(
                     add_cuts(program, planned, &mut cleared);
                 }
                 RoughingStrategy::Rough { .. } => {
-                    stock_order::reduce(program, operation, &direct, &like, planned, &mut field, &mut cleared, &work);
+                    stock_order::reduce(operation, &direct, &like, planned, &mut field, &mut cleared, &work);
                 }
                 RoughingStrategy::Groove { .. } | RoughingStrategy::Expand { .. } => {}
             }
@@ -92,7 +92,7 @@ pub fn run(
         let cuts = i < last;
         let what = if cuts { "rest stock" } else { "links" };
         let work = progress.begin(format!("{}, {what}", operation.name), planned.passes.len());
-        stock_links::add(program, operation, &direct, &like, planned, cuts, &mut field, &work);
+        stock_links::add(operation, &direct, &like, planned, cuts, &mut field, &work);
         if cuts {
             add_cuts(program, planned, &mut cleared);
         }

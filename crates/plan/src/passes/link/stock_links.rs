@@ -14,12 +14,11 @@ use super::like_sectors::{LikeSectors, are_turned, turned};
 use super::stock_steps::steps;
 use super::through_air::ThroughAir;
 use base::progress::Work;
-use ir::{ClOperation, ClPass, Operation, Program};
+use ir::{ClOperation, ClPass, Operation};
 use tool_stock::stock::{self, Field, StepKind};
 
 /// Adds the links of an operation, and removes its cuts from the stock where `cuts` is true.
 pub(super) fn add(
-    program: &Program,
     operation: &Operation,
     direct: &DirectLinks<'_>,
     like: &LikeSectors<'_>,
@@ -28,6 +27,7 @@ pub(super) fn add(
     field: &mut Field,
     work: &Work,
 ) {
+    let program = like.program;
     let solid = &program.tools[operation.tool].solid;
     let cutter = solid.cutter_alone(0.0);
     let air = ThroughAir::new(program, direct, solid, field);

@@ -75,7 +75,6 @@ pub(super) struct Reduced {
 
 /// Reduces the passes of an operation, and removes their cuts from the stock.
 pub(super) fn reduce(
-    program: &Program,
     operation: &Operation,
     direct: &DirectLinks<'_>,
     like: &LikeSectors<'_>,
@@ -84,6 +83,7 @@ pub(super) fn reduce(
     cleared: &mut Cleared,
     work: &Work,
 ) {
+    let program = like.program;
     let tool = &program.tools[operation.tool];
     let solid = &tool.solid;
     let mut reduction = Reduction {
