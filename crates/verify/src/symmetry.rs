@@ -64,13 +64,18 @@ impl<'a> Symmetry<'a> {
         (sector + self.vanes - self.first) % self.vanes
     }
 
+    /// Pieces that the first sector and another one do not share: of the first one and of the other. `None` where there are too
+    /// many.
+    fn unshared_with(&self, sector: u32) -> Option<[&[Sweep<'a>]; 2]> {
+        let pitches = self.pitches(sector);
+        let unshared = |pitches: u32| self.unshared.get(pitches as usize)?.as_deref();
+        Some([unshared(pitches)?, unshared((self.vanes - pitches) % self.vanes)?])
+    }
+
     /// Whether in `grids` of two surfaces, the same one in the first sector and in another, no unshared move comes within a
     /// distance.
     pub(super) fn follows(&self, [first, other]: [&PlacedSurface<'_>; 2], grids: &[&Grid], distance: f64) -> bool {
-        let pitches = self.pitches(other.id.sector);
-        let back = (self.vanes - pitches) % self.vanes;
-        let unshared = |pitches: u32| self.unshared.get(pitches as usize).and_then(Option::as_deref);
-        let (Some(ahead), Some(behind)) = (unshared(pitches), unshared(back)) else { return false };
+        let Some([ahead, behind]) = self.unshared_with(other.id.sector) else { return false };
         let reach = distance + self.error();
         let is_clear = |surface, sweeps: &[Sweep<'_>]| {
             sweeps.is_empty() || grids.iter().all(|grid| PatchTask { surface, grid, sweeps }.keeps_clear(reach))
@@ -78,13 +83,9 @@ impl<'a> Symmetry<'a> {
         is_clear(first, ahead) && is_clear(other, behind)
     }
 
-    /// Pieces of the sweep of an operation that two sectors do not share: of the first sector and of the other one. `None` where
-    /// there are too many.
+    /// [`Self::unshared_with`] of the operation of a sweep.
     pub(super) fn unshared_in(&self, sweep: &Sweep<'_>, sector: u32) -> Option<[Option<&Sweep<'a>>; 2]> {
-        let pitches = self.pitches(sector);
-        let unshared = |pitches: u32| self.unshared.get(pitches as usize)?.as_deref();
-        let (ahead, behind) = (unshared(pitches)?, unshared((self.vanes - pitches) % self.vanes)?);
-        Some([ahead, behind].map(|sweeps| sweeps.iter().find(|s| s.operation() == sweep.operation())))
+        Some(self.unshared_with(sector)?.map(|sweeps| sweeps.iter().find(|s| s.operation() == sweep.operation())))
     }
 
     /// The move in a sector that is the partner of a move of the first sector.
