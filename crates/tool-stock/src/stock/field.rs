@@ -2,6 +2,7 @@
 //! them.
 
 use super::mesh::Mesh;
+use super::moving::Moving;
 use super::slice::{Slices, both};
 use super::tile::{SIDE, Tile};
 use nalgebra::Point3;
@@ -80,6 +81,19 @@ pub(super) struct Family {
     pub(super) across: [usize; 2],
     /// Tiles; the index along the first of both axes runs first.
     pub(super) tiles: Vec<Tile>,
+}
+
+impl Family {
+    /// The tiles that the box of a moving body meets, with the lower corner of the rays and their distance.
+    pub(super) fn near(&self, low: [f64; 3], cell: f64, moving: &Moving) -> impl Iterator<Item = usize> + use<> {
+        let span = |k: usize| {
+            let tile = |x: f64| (x - low[k]) / cell / SIDE as f64;
+            // Casts saturate at zero.
+            tile(moving.low[k]) as usize..=(tile(moving.high[k]) as usize).min(self.across[k] - 1)
+        };
+        let (columns, row) = (span(0), self.across[0]);
+        span(1).flat_map(move |j| columns.clone().map(move |i| j * row + i))
+    }
 }
 
 /// The axes in the order of the frame of a family of rays: both axes across in cyclic order, then its own axis.

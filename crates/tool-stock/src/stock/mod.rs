@@ -16,6 +16,7 @@
 //! | `run` | successive steps as one motion |
 //! | `tile` | 64 x 64 rays with a coarse map of the material |
 //! | [`simulate()`] | a stream of steps through all tiles |
+//! | [`depths`] | how deep a tool would lie in the material |
 //! | [`mesh`] | closed triangle meshes |
 //! | `surface_nets` | mesh of the stock |
 //! | [`stl`] | STL files: writer and reader |
@@ -24,6 +25,7 @@
 //! errors of many cuts do not add up. Between the rays nothing is known: features smaller than a cell may exist there.
 //! Lengths are in mm.
 
+mod depth;
 pub mod field;
 mod intervals;
 mod lanes;
@@ -42,10 +44,11 @@ mod surface_nets;
 mod sweep;
 mod tile;
 
+pub use depth::{Depth, depths, is_free};
 pub use field::{Field, FieldError, Uncut};
 pub use lune::Lune;
 pub use mesh::Mesh;
-pub use simulate::{BlockCut, Collision, Outcome, simulate};
+pub use simulate::{BlockCut, Collision, Outcome, cut, simulate};
 pub use slices::{SLICES, Sides, Slices};
 
 use nalgebra::{Point3, Vector3};

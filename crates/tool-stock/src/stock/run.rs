@@ -6,6 +6,7 @@ use super::moving::{Moving, square_to};
 use super::reach::StepLanes;
 use super::shape::SolidShape;
 use super::sweep::StepSweep;
+use super::tile::RayRun;
 use super::{Field, Step, StepKind, Touched};
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -39,6 +40,18 @@ pub(super) struct Prepared {
     pub(super) lanes: Option<StepLanes>,
 }
 
+impl Prepared {
+    /// What the cutter does in some of the steps; `None` where it removes nothing.
+    pub(super) fn removing(&self, steps: Range<usize>) -> Option<RayRun<'_>> {
+        let whole = match &self.steps[steps.clone()] {
+            [] => return None,
+            [one] => one,
+            _ => self.whole.as_ref()?,
+        };
+        Some(RayRun { whole, steps: &self.steps, range: steps, lanes: self.lanes.as_ref()? })
+    }
+}
+
 /// Frame of a family of rays, in which its rays run along Z.
 pub(super) struct Frame {
     /// Axes of the field in the order of the frame.
@@ -70,37 +83,56 @@ pub(super) fn prepare(
     body: &[(Touched, SolidShape)],
     frame: &Frame,
 ) -> Vec<Prepared> {
-    let outside = |m: &Moving| (0..3).any(|k| m.high[k] < frame.low[k] || m.low[k] > frame.high[k]);
-    runs.par_iter()
-        .map(|range| {
-            let kind = steps[range.start].kind;
-            let own = &steps[range.clone()];
-            let sweeps: Vec<StepSweep> = own.iter().map(|s| sweep(s, |v| frame.turned(v))).collect();
-            let moving = |shape: &SolidShape| {
-                let (whole, drift) = if sweeps.len() == 1 { (sweeps[0], 0.0) } else { joined(&sweeps, shape.reach()) };
-                Some(Moving::new(whole, *shape, drift)).filter(|m| !outside(m))
-            };
-            let rapid = kind == StepKind::Rapid;
-            let forbidden = body
-                .iter()
-                .copied()
-                .chain(rapid.then_some((Touched::Cutter, *cutter)))
-                .filter_map(|(what, shape)| moving(&shape).map(|m| (what, m)))
-                .collect();
-            let whole = if rapid { None } else { moving(cutter) };
-            let each = if whole.is_some() { sweeps.as_slice() } else { &[] };
-            let steps: Vec<Moving> =
-                each.iter().zip(own).map(|(sweep, step)| of_step(sweep, step, cutter, frame)).collect();
-            Prepared {
-                ordinals: ordinals[range.clone()].to_vec(),
-                forbidden,
-                whole,
-                lanes: StepLanes::new(&steps),
-                steps,
-                sweeps,
-            }
-        })
-        .collect()
+    let of_run = |range: &Range<usize>| {
+        let own = &steps[range.clone()];
+        let swept = Swept::new(own, frame);
+        let rapid = own[0].kind == StepKind::Rapid;
+        let forbidden = body
+            .iter()
+            .copied()
+            .chain(rapid.then_some((Touched::Cutter, *cutter)))
+            .filter_map(|(what, shape)| swept.whole(&shape, frame).map(|m| (what, m)))
+            .collect();
+        let whole = if rapid { None } else { swept.whole(cutter, frame) };
+        let each = if whole.is_some() { swept.sweeps.as_slice() } else { &[] };
+        let steps: Vec<Moving> =
+            each.iter().zip(own).map(|(sweep, step)| of_step(sweep, step, cutter, frame)).collect();
+        Prepared {
+            ordinals: ordinals[range.clone()].to_vec(),
+            forbidden,
+            whole,
+            lanes: StepLanes::new(&steps),
+            steps,
+            sweeps: swept.sweeps,
+        }
+    };
+    match runs {
+        // The threads would cost more than the run.
+        [one] => vec![of_run(one)],
+        _ => runs.par_iter().map(of_run).collect(),
+    }
+}
+
+/// The motion of the steps of a run in the frame of a family of rays.
+pub(super) struct Swept {
+    pub(super) sweeps: Vec<StepSweep>,
+}
+
+impl Swept {
+    pub(super) fn new(steps: &[Step], frame: &Frame) -> Self {
+        Self { sweeps: steps.iter().map(|s| sweep(s, |v| frame.turned(v))).collect() }
+    }
+
+    /// A part of the tool over the whole run; `None` where it stays outside of the rays.
+    pub(super) fn whole(&self, shape: &SolidShape, frame: &Frame) -> Option<Moving> {
+        let (whole, drift) = match &self.sweeps[..] {
+            [one] => (*one, 0.0),
+            several => joined(several, shape.reach()),
+        };
+        let moving = Moving::new(whole, *shape, drift);
+        let outside = (0..3).any(|k| moving.high[k] < frame.low[k] || moving.low[k] > frame.high[k]);
+        (!outside).then_some(moving)
+    }
 }
 
 /// The cutter over a step. Angles about its axis count from a direction that is the same in all frames.

@@ -11,7 +11,7 @@ use super::run::{self, Frame, MAX_RUN_STEPS, Prepared};
 use super::shape::SolidShape;
 use super::slices::{Sides, Slices};
 use super::sweep::StepSweep;
-use super::tile::{Overlap, RayRun, Removal, SIDE, Tile};
+use super::tile::{Overlap, Removal, Tile};
 use super::{END_ERROR, Field, Step, Touched};
 use crate::collide::ToolSolid;
 use nalgebra::Point3;
@@ -81,13 +81,7 @@ struct Said {
 /// so that depths do not depend on the division of a path into steps.
 pub fn simulate(field: &mut Field, solid: &ToolSolid, steps: impl IntoIterator<Item = Step>) -> Outcome {
     let cutter = SolidShape::cutter(solid);
-    let body: Vec<(Touched, SolidShape)> = solid
-        .shank
-        .iter()
-        .map(|s| (Touched::Shank, s))
-        .chain(solid.holder.iter().map(|s| (Touched::Holder, s)))
-        .filter_map(|(what, s)| SolidShape::section(s).map(|shape| (what, shape)))
-        .collect();
+    let body = body(solid);
     let mut outcome = Outcome::default();
     let mut steps = steps.into_iter();
     loop {
@@ -96,6 +90,47 @@ pub fn simulate(field: &mut Field, solid: &ToolSolid, steps: impl IntoIterator<I
             return outcome;
         }
         run_batch(field, &cutter, &body, &batch, &mut outcome);
+    }
+}
+
+/// The parts of a tool that must not touch.
+pub(super) fn body(solid: &ToolSolid) -> Vec<(Touched, SolidShape)> {
+    solid
+        .shank
+        .iter()
+        .map(|s| (Touched::Shank, s))
+        .chain(solid.holder.iter().map(|s| (Touched::Holder, s)))
+        .filter_map(|(what, s)| SolidShape::section(s).map(|shape| (what, shape)))
+        .collect()
+}
+
+/// Removes what the cutter of a tool sweeps, as [`simulate()`] does, without saying what each block removes.
+pub fn cut(field: &mut Field, solid: &ToolSolid, steps: impl IntoIterator<Item = Step>) {
+    let cutter = SolidShape::cutter(solid);
+    let mut steps = steps.into_iter();
+    loop {
+        let batch: Vec<Step> = steps.by_ref().take(BATCH).collect();
+        if batch.is_empty() {
+            return;
+        }
+        let runs = run::split(&batch, cutter.reach());
+        let ordinals = vec![0; batch.len()];
+        let frames = [0, 1, 2].map(|axis| Frame::of(field, axis));
+        let prepared = frames.each_ref().map(|frame| run::prepare(&batch, &ordinals, &runs, &cutter, &[], frame));
+        let each = |(tile, axis, list): &mut TileWork<'_>| {
+            let mut work = Intervals::default();
+            for run in list.iter().map(|n| &prepared[*axis][*n as usize]) {
+                if let Some(run) = run.removing(0..run.steps.len()) {
+                    tile.remove(&run, &mut work, None);
+                }
+            }
+        };
+        let mut work = tile_work(field, &frames, &prepared);
+        match &runs[..] {
+            // The threads would cost more than the run.
+            [_] => work.iter_mut().for_each(each),
+            _ => work.par_iter_mut().for_each(each),
+        }
     }
 }
 
@@ -149,17 +184,9 @@ fn tile_work<'a>(field: &'a mut Field, frames: &[Frame; 3], prepared: &[Vec<Prep
         let mut lists: Vec<Vec<u32>> = vec![Vec::new(); family.tiles.len()];
         for (n, p) in prepared[axis].iter().enumerate() {
             for m in p.forbidden.iter().map(|(_, m)| m).chain(&p.whole) {
-                let span = |k: usize, count: usize| {
-                    let tile = |x: f64| (x - low[k]) / cell / SIDE as f64;
-                    // Casts saturate at zero.
-                    tile(m.low[k]) as usize..=(tile(m.high[k]) as usize).min(count - 1)
-                };
-                for j in span(1, family.across[1]) {
-                    for i in span(0, family.across[0]) {
-                        let t = j * family.across[0] + i;
-                        if lists[t].last() != Some(&index32(n)) && family.tiles[t].meets(&m.low, &m.high) {
-                            lists[t].push(index32(n));
-                        }
+                for t in family.near(low, cell, m) {
+                    if lists[t].last() != Some(&index32(n)) && family.tiles[t].meets(&m.low, &m.high) {
+                        lists[t].push(index32(n));
                     }
                 }
             }
@@ -258,7 +285,7 @@ fn run_tile(tile: &mut Tile, list: &[u32], prepared: &[Prepared], slices: &Slice
         for (k, (sweep, ordinal)) in run.sweeps.iter().zip(&run.ordinals).enumerate() {
             for (what, shape) in &near {
                 let least = said.deepest(*ordinal, *what).map_or(CONTACT, |o| o.depth);
-                if let Some(overlap) = touch(tile, sweep, shape, least) {
+                if let Some(overlap) = touch(tile, sweep, shape, least, f64::INFINITY) {
                     said.overlap(*ordinal, *what, overlap);
                 }
             }
@@ -270,23 +297,32 @@ fn run_tile(tile: &mut Tile, list: &[u32], prepared: &[Prepared], slices: &Slice
     said
 }
 
-/// The deepest place of stock inside a part that must not touch, over a step; `None` when it is no deeper than `least`. The
-/// step is divided until the depth is exact to [`FORBIDDEN_ERROR`].
-fn touch(tile: &mut Tile, sweep: &StepSweep, shape: &SolidShape, least: f64) -> Option<Overlap> {
+/// The deepest place of stock inside a part that must not touch, over a step; `None` when it is no deeper than `least`. A
+/// place deeper than `enough` ends the search. The step is divided until the depth is exact to [`FORBIDDEN_ERROR`].
+pub(super) fn touch(
+    tile: &Tile,
+    sweep: &StepSweep,
+    shape: &SolidShape,
+    least: f64,
+    enough: f64,
+) -> Option<Overlap> {
     let moving = Moving::new(*sweep, *shape, 0.0);
     let error = moving.error();
     if error <= FORBIDDEN_ERROR {
-        return tile.overlap(&moving, least);
+        return tile.overlap(&moving, least, enough);
     }
     if !tile.touches(&moving, least - error) {
         return None;
     }
-    let first = touch(tile, &sweep.part(0.0, 0.5), shape, least);
-    touch(tile, &sweep.part(0.5, 1.0), shape, first.map_or(least, |o| o.depth)).or(first)
+    let first = touch(tile, &sweep.part(0.0, 0.5), shape, least, enough);
+    if first.is_some_and(|o| o.depth > enough) {
+        return first;
+    }
+    touch(tile, &sweep.part(0.5, 1.0), shape, first.map_or(least, |o| o.depth), enough).or(first)
 }
 
 /// True when [`touch`] would find a place.
-fn touches(tile: &mut Tile, sweep: &StepSweep, shape: &SolidShape) -> bool {
+fn touches(tile: &Tile, sweep: &StepSweep, shape: &SolidShape) -> bool {
     let moving = Moving::new(*sweep, *shape, 0.0);
     let error = moving.error();
     let exact = error <= FORBIDDEN_ERROR;
@@ -318,17 +354,9 @@ impl Said {
         slices: &Slices,
         work: &mut Intervals,
     ) {
-        let Some(lanes) = &run.lanes else { return };
-        let whole = match &run.steps[steps.clone()] {
-            [] => return,
-            [one] => one,
-            _ => match &run.whole {
-                Some(whole) => whole,
-                None => return,
-            },
-        };
+        let Some(removing) = run.removing(steps) else { return };
         let mut removals = [Removal::NONE; MAX_RUN_STEPS];
-        tile.remove(&RayRun { whole, steps: &run.steps, range: steps, lanes, slices }, work, &mut removals);
+        tile.remove(&removing, work, Some((slices, &mut removals)));
         for (ordinal, removal) in run.ordinals.iter().zip(&removals) {
             if removal.length > 0.0 {
                 match self.removals.last_mut() {

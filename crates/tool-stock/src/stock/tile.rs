@@ -8,6 +8,7 @@ use super::ray::Ray;
 use super::reach::StepLanes;
 use super::slices::{Sides, Slices};
 use super::sweep::RayLine;
+use std::ops::ControlFlow;
 
 /// Rays along an edge of a tile.
 pub(super) const SIDE: usize = 64;
@@ -252,8 +253,8 @@ impl Tile {
         }
     }
 
-    /// Visits the groups of rays that a moving body may meet.
-    fn visit(&mut self, moving: &Moving, mut visitor: impl FnMut(&mut [Ray], &RayGroup) -> Visited) {
+    /// Visits the groups of rays that a moving body may meet, with their numbers.
+    fn visit(&self, moving: &Moving, mut visitor: impl FnMut(usize, &RayGroup) -> ControlFlow<()>) {
         // Rays of the tile inside the box of the sweep.
         let span = |k: usize| {
             let first = ((moving.low[k] - self.origin[k]) / self.cell).ceil().max(0.0) as usize;
@@ -275,7 +276,6 @@ impl Tile {
                 if !any(&self.coarse[coarse * self.words..][..self.words], [self.bit(a), self.bit(b)]) {
                     continue;
                 }
-                let mut changed = false;
                 for fj in (cj * GROUP).max(iv.0 / GROUP)..=(cj * GROUP + GROUP - 1).min(iv.1 / GROUP) {
                     for fi in (ci * GROUP).max(iu.0 / GROUP)..=(ci * GROUP + GROUP - 1).min(iu.1 / GROUP) {
                         let number = fj * FINE_GROUPS + fi;
@@ -287,96 +287,118 @@ impl Tile {
                             continue;
                         }
                         let group = RayGroup { first, cell, middle, lateral: lateral_fine, window };
-                        match visitor(&mut self.rays[number * MEMBERS..(number + 1) * MEMBERS], &group) {
-                            Visited::Unchanged => {}
-                            Visited::Changed => {
-                                self.map_fine(number);
-                                changed = true;
-                            }
-                            Visited::Enough => return,
+                        if visitor(number, &group).is_break() {
+                            return;
                         }
                     }
-                }
-                if changed {
-                    self.map_coarse(coarse);
                 }
             }
         }
     }
 
-    /// Removes what a cutter sweeps in the steps of a run, and adds to the removal of each step.
-    pub(super) fn remove(&mut self, run: &RayRun, work: &mut Intervals, removals: &mut [Removal]) {
-        self.visit(run.whole, |rays, group| {
+    /// Rays of a fine group.
+    fn members(&self, group: usize) -> &[Ray] {
+        &self.rays[group * MEMBERS..(group + 1) * MEMBERS]
+    }
+
+    /// Removes what a cutter sweeps in the steps of a run, and adds to the removal of each step, for the slices of the cutter.
+    pub(super) fn remove(
+        &mut self,
+        run: &RayRun,
+        work: &mut Intervals,
+        mut removals: Option<(&Slices, &mut [Removal])>,
+    ) {
+        let mut groups = std::mem::take(&mut work.groups);
+        groups.clear();
+        self.visit(run.whole, |number, group| {
+            groups.push((number, *group));
+            ControlFlow::Continue(())
+        });
+        // The coarse group of which a fine one has changed.
+        let mut changed = None;
+        for (number, group) in &groups {
             work.clear();
-            group.intervals(rays, |ray, line, part| work.push(line, ray, part));
+            group.intervals(self.members(*number), |ray, line, part| work.push(line, ray, part));
             let reached = work.reached(run.lanes, &group.middle, group.lateral, group.window);
             let near = run.range.clone().filter(|k| reached[*k]);
             if near.clone().nth(1).is_some() {
                 work.sift(run.whole);
             }
             if work.is_empty() {
-                return Visited::Unchanged;
+                continue;
             }
             for k in near {
-                let (step, removal) = (&run.steps[k], &mut removals[k]);
+                let step = &run.steps[k];
                 let first = work.chips.len();
                 work.cut(step);
-                for chip in &work.chips[first..] {
-                    removal.take(step, run.slices, chip);
+                if let Some((slices, removals)) = &mut removals {
+                    for chip in &work.chips[first..] {
+                        removals[k].take(step, slices, chip);
+                    }
                 }
             }
             let chips = &mut work.chips;
+            if chips.is_empty() {
+                continue;
+            }
             chips.sort_unstable_by(|a, b| a.ray.cmp(&b.ray).then(a.from.total_cmp(&b.from)));
             for chips in chips.chunk_by(|a, b| a.ray == b.ray) {
-                rays[usize::from(chips[0].ray)].subtract(chips.iter().map(|c| [c.from, c.to]));
+                let ray = &mut self.rays[number * MEMBERS + usize::from(chips[0].ray)];
+                ray.subtract(chips.iter().map(|c| [c.from, c.to]));
             }
-            if chips.is_empty() { Visited::Unchanged } else { Visited::Changed }
-        });
+            self.map_fine(*number);
+            let coarse = number / FINE_GROUPS / GROUP * COARSE_GROUPS + number % FINE_GROUPS / GROUP;
+            if let Some(before) = changed.replace(coarse).filter(|before| *before != coarse) {
+                self.map_coarse(before);
+            }
+        }
+        if let Some(coarse) = changed {
+            self.map_coarse(coarse);
+        }
+        work.groups = groups;
     }
 
-    /// The deepest place of material inside a moving body, when deeper than `least`.
-    pub(super) fn overlap(&mut self, moving: &Moving, least: f64) -> Option<Overlap> {
+    /// The deepest place of material inside a moving body, when deeper than `least`; a place deeper than `enough` ends the
+    /// search.
+    pub(super) fn overlap(&self, moving: &Moving, least: f64, enough: f64) -> Option<Overlap> {
         let mut worst: Option<Overlap> = None;
         let mut guess = 1.0;
-        self.visit(moving, |rays, group| {
+        self.visit(moving, |number, group| {
             if moving.clear(&group.middle, group.window, group.lateral, &mut guess) {
-                return Visited::Unchanged;
+                return ControlFlow::Continue(());
             }
-            group.intervals(rays, |_, line, part| {
+            let found = |worst: &Option<Overlap>| worst.is_some_and(|w| w.depth > enough);
+            group.intervals(self.members(number), |_, line, part| {
                 let least = worst.map_or(least, |w| w.depth);
+                if found(&worst) {
+                    return;
+                }
                 if let Some((x, depth)) = moving.deepest(line, part, least, &mut guess) {
                     let p = line.point(x);
                     let height = (p - moving.tip).dot(&moving.axis);
                     worst = Some(Overlap { depth, point: [p.x, p.y, p.z], height });
                 }
             });
-            Visited::Unchanged
+            if found(&worst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
         worst
     }
 
     /// True when [`Self::overlap`] would find a place: the search ends at the first one.
-    pub(super) fn touches(&mut self, moving: &Moving, least: f64) -> bool {
+    pub(super) fn touches(&self, moving: &Moving, least: f64) -> bool {
         let mut found = false;
         let mut guess = 1.0;
-        self.visit(moving, |rays, group| {
+        self.visit(moving, |number, group| {
             if moving.clear(&group.middle, group.window, group.lateral, &mut guess) {
-                return Visited::Unchanged;
+                return ControlFlow::Continue(());
             }
-            group.intervals(rays, |_, line, part| {
+            group.intervals(self.members(number), |_, line, part| {
                 found = found || moving.deepest(line, part, least, &mut guess).is_some();
             });
-            if found { Visited::Enough } else { Visited::Unchanged }
+            if found { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
         found
     }
-}
-
-/// What a visitor did to a group of rays, or that it needs no more of them.
-enum Visited {
-    Unchanged,
-    Changed,
-    Enough,
 }
 
 /// A run of steps of a cutter.
@@ -388,12 +410,11 @@ pub(super) struct RayRun<'a> {
     pub(super) range: std::ops::Range<usize>,
     /// The steps as columns.
     pub(super) lanes: &'a StepLanes,
-    /// Slices of the cutter.
-    pub(super) slices: &'a Slices,
 }
 
 /// A fine group of rays, with the interval in which a body may meet it.
-struct RayGroup {
+#[derive(Clone, Copy)]
+pub(super) struct RayGroup {
     /// Line of the first ray, and distance between rays.
     first: RayLine,
     cell: f64,

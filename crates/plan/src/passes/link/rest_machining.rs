@@ -26,7 +26,7 @@ use diagnostics::{Aborted, Diag, Sink, codes::planning};
 use ir::{ClOperation, ClPass, ClPlan, Operation, Program, RoughingStrategy};
 use std::ops::Range;
 use tool_stock::collide::ToolSolid;
-use tool_stock::stock::{self, Collision, Field, FieldError, Step, StepKind, Touched};
+use tool_stock::stock::{self, Field, FieldError, Step, StepKind};
 
 /// Largest cell, mm, where a thick rest would allow larger ones: the cell of the usual verification.
 const MAX_CELL_MM: f64 = 1.0;
@@ -86,7 +86,7 @@ pub fn run(
         // A ball that fits nowhere on the floor has no passes.
         if let Some(thickness) = operation.rest.filter(|_| !planned.passes.is_empty()) {
             let work = progress.begin(format!("{}, find rest", operation.name), planned.passes.len());
-            failed |= reduce(program, operation, thickness.get(), planned, &mut field, &work, sink).is_err();
+            failed |= reduce(program, operation, thickness.get(), planned, &field, &work, sink).is_err();
             unless_cancelled(progress)?;
         }
         let cuts = i < last;
@@ -167,21 +167,25 @@ fn field(program: &Program, sink: &mut Sink) -> Result<Field, Aborted> {
     })
 }
 
-/// Sends a tool through the stock; returns its collisions. `work` counts passes.
-fn send(
-    field: &mut Field,
+/// For each step of passes whether stock lies deeper than the thickness inside of a tool. `work` counts passes.
+fn find_rest(
+    field: &Field,
     solid: &ToolSolid,
     steps: impl Iterator<Item = (usize, Step)>,
+    thickness: f64,
     work: &Work,
-) -> Vec<Collision> {
-    let mut met = Vec::new();
+) -> Vec<bool> {
+    let mut deep = Vec::new();
     work.in_pieces(
         steps,
         PIECE,
         |(pass, _)| *pass,
-        |piece| met.extend(stock::simulate(field, solid, piece.into_iter().map(|(_, step)| step)).collisions),
+        |piece| {
+            let steps: Vec<Step> = piece.into_iter().map(|(_, step)| step).collect();
+            deep.extend(stock::depths(field, solid, &steps, thickness).iter().map(|d| d.cutter > thickness));
+        },
     );
-    met
+    deep
 }
 
 /// Reduces an operation to the parts that cut.
@@ -190,33 +194,26 @@ fn reduce(
     operation: &Operation,
     thickness: f64,
     planned: &mut ClOperation,
-    field: &mut Field,
+    field: &Field,
     work: &Work,
     sink: &mut Sink,
 ) -> Result<(), Aborted> {
     let solid = &program.tools[operation.tool].solid;
     let grown_by = error_between_rays(field, solid);
     let grown = solid.cutter_alone(grown_by);
-    // For a rapid, the engine reports what the cutter meets and removes nothing.
-    let queries = steps(&program.machine, &planned.passes, StepKind::Rapid, grown_by);
-    let met = send(field, &grown, queries, work);
+    let steps = steps(&program.machine, &planned.passes, StepKind::Rapid, grown_by);
+    let deep = find_rest(field, &grown, steps, thickness, work);
     if work.is_cancelled() {
         return Err(Aborted);
     }
-    let deep = met.iter().filter(|c| c.what == Touched::Cutter && c.depth > thickness);
-    let mut deep = deep.map(|c| c.block as usize).peekable();
     let limits =
         PassLimits { operation, whole: !leaves_along_axis(solid), surface: ClearanceSurface::new(program, solid) };
     let (mut kept, mut before, mut length) = (Vec::new(), 0, [0.0; 2]);
     for pass in &planned.passes {
         let stations = stations(&program.machine, pass);
         let steps = stations.len().saturating_sub(1);
-        let mut cuts = vec![false; steps];
-        while let Some(n) = deep.next_if(|n| *n < before + steps) {
-            cuts[n - before] = true;
-        }
+        let runs = limits.runs(&stations, &deep[before..before + steps]);
         before += steps;
-        let runs = limits.runs(&stations, &cuts);
         length[0] += runs.iter().map(|r| path_length(&stations[r.start..=r.end])).sum::<f64>();
         length[1] += path_length(&stations);
         let several = runs.len() > 1;

@@ -11,11 +11,11 @@
 
 use super::direct_link::DirectLinks;
 use super::like_sectors::{LikeSectors, are_turned, turned};
-use super::stock_steps::steps;
+use super::stock_steps::{cut, stations};
 use super::through_air::ThroughAir;
 use base::progress::Work;
 use ir::{ClOperation, ClPass, Operation};
-use tool_stock::stock::{self, Field, StepKind};
+use tool_stock::stock::Field;
 
 /// Adds the links of an operation, and removes its cuts from the stock where `cuts` is true.
 pub(super) fn add(
@@ -59,8 +59,7 @@ pub(super) fn add(
             linked += usize::from(pass.link.is_some());
             before = Some(last);
             if cuts {
-                let steps = steps(&program.machine, std::slice::from_ref(pass), StepKind::Cut, 0.0);
-                stock::simulate(field, &cutter, steps.map(|(_, step)| step));
+                cut(&program.machine, &stations(&program.machine, pass), &cutter, field);
             }
         }
         if steady.is_none() && like.follows(sector) {

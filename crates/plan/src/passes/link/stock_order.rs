@@ -20,7 +20,7 @@ use super::clearance_sphere::ClearanceSphere;
 use super::cleared::Cleared;
 use super::direct_link::DirectLinks;
 use super::like_sectors::{LikeSectors, turned};
-use super::stock_steps::{PathPoint, path_length, stations, steps_of};
+use super::stock_steps::{self, PathPoint, path_length, stations};
 use super::through_air::ThroughAir;
 use crate::passes::context::maximal_ranges;
 use base::progress::Work;
@@ -28,7 +28,7 @@ use ir::{ClOperation, ClPass, ClPoint, Operation, Program};
 use nalgebra::Vector3;
 use std::ops::Range;
 use tool_stock::collide::ToolSolid;
-use tool_stock::stock::{self, Field, StepKind};
+use tool_stock::stock::Field;
 use wheel::operation::Allowances;
 
 /// Least length at cutting feed before a cut and behind it, mm; the steps of the stock make it longer.
@@ -172,10 +172,14 @@ impl Reduction<'_> {
         passes
     }
 
+    /// Depth of the tool on each step between stations, mm; infinite where it has to cut.
+    fn depths(&self, line: &[PathPoint], field: &Field) -> Vec<f64> {
+        self.air.depths(line, self.least(), field)
+    }
+
     /// Largest depth of a pass in the stock, mm.
-    fn deepest(&self, pass: &ClPass, field: &mut Field) -> f64 {
-        let depths = self.air.depths(&stations(&self.program.machine, pass), field).unwrap_or_default();
-        depths.into_iter().fold(0.0, f64::max)
+    fn deepest(&self, pass: &ClPass, field: &Field) -> f64 {
+        self.depths(&stations(&self.program.machine, pass), field).into_iter().fold(0.0, f64::max)
     }
 
     /// The loops of a slot that have to cut, each run of them as one pass. A loop takes less than the thickness, so that
@@ -205,7 +209,7 @@ impl Reduction<'_> {
         for pass in loops.iter().enumerate().take_while(|(k, _)| *k == 0 || !work.is_cancelled()).map(|(_, pass)| pass)
         {
             let of_loop = stations(&self.program.machine, pass);
-            let found = self.air.depths(&of_loop, field).unwrap_or_default();
+            let found = self.depths(&of_loop, field);
             // On its return a loop slides along the cuts of the loops before.
             let found = found.into_iter().map(|depth| if depth > self.air.slivers { depth } else { 0.0 });
             // Each loop begins where the one before it ends.
@@ -233,7 +237,7 @@ impl Reduction<'_> {
     /// their cuts from the stock.
     fn reduced(&mut self, pass: &ClPass, mut before: Option<ClPoint>, field: &mut Field) -> Vec<Reduced> {
         let line = stations(&self.program.machine, pass);
-        let Some(mut depths) = self.air.depths(&line, field) else { return Vec::new() };
+        let mut depths = self.depths(&line, field);
         let sector = pass.sector;
         let mut parts: Vec<Reduced> = Vec::new();
         let mut done = 0;
@@ -243,7 +247,7 @@ impl Reduction<'_> {
             let first = start.ramp.first().unwrap_or(&line[start.station]).point;
             let link = before.and_then(|end| self.air.link(&end, &first, field));
             let mut part = start.ramp;
-            let mut found = self.air.depths(&part, field).unwrap_or_default();
+            let mut found = self.depths(&part, field);
             self.cut(sector, &part, field);
             part.pop();
             let end = self.cut_to_end(sector, &line, start.station, interval.end, &mut depths, field);
@@ -251,10 +255,10 @@ impl Reduction<'_> {
             self.cut(sector, &line[end..=finish.station], field);
             part.extend_from_slice(&line[start.station..=finish.station]);
             found.extend_from_slice(&depths[start.station..finish.station]);
-            if let Some(out) = self.air.depths(&finish.ramp, field) {
+            if let [_, ramp @ ..] = &finish.ramp[..] {
+                found.extend(self.depths(&finish.ramp, field));
                 self.cut(sector, &finish.ramp, field);
-                part.extend_from_slice(&finish.ramp[1..]);
-                found.extend(out);
+                part.extend_from_slice(ramp);
             }
             let mut reduced = assembled(pass, &part, &found);
             reduced.pass.link = link;
@@ -288,26 +292,24 @@ impl Reduction<'_> {
             self.cut(sector, &line[at..=at + next], field);
             at += next;
         }
-        if let Some(behind) = self.air.depths(&line[at..], field) {
-            depths.truncate(at);
-            depths.extend(behind);
-        }
+        depths.truncate(at);
+        depths.extend(self.depths(&line[at..], field));
         at
     }
 
     /// End of the first step that cuts.
-    fn next_cut(&self, line: &[PathPoint], field: &mut Field) -> Option<usize> {
-        let cuts = |line: &[PathPoint], field: &mut Field| {
-            self.air.depths(line, field)?.iter().position(|d| *d > self.air.slivers)
+    fn next_cut(&self, line: &[PathPoint], field: &Field) -> Option<usize> {
+        let cuts = |line: &[PathPoint]| {
+            self.air.depths(line, self.air.slivers, field).iter().position(|d| *d > self.air.slivers)
         };
         // Mostly the first step cuts, and a look at one step costs little.
-        cuts(line.get(..2)?, field).or_else(|| cuts(line, field)).map(|step| step + 1)
+        cuts(line.get(..2)?).or_else(|| cuts(line)).map(|step| step + 1)
     }
 
     /// Removes the cut along stations from the stock.
     fn cut(&mut self, sector: u32, line: &[PathPoint], field: &mut Field) {
         self.cleared.add(sector, line);
-        stock::simulate(field, &self.cutter, steps_of(&self.program.machine, line, StepKind::Cut, 0.0));
+        stock_steps::cut(&self.program.machine, line, &self.cutter, field);
     }
 
     /// Depth in the stock from which the tool has to cut, mm.

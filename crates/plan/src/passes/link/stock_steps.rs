@@ -3,13 +3,16 @@
 use five_axis::{Angles, Machine, between};
 use ir::{ClPass, ClPoint};
 use tool_stock::collide::ToolSolid;
-use tool_stock::stock::{Field, Step, StepKind};
+use tool_stock::stock::{self, Field, Step, StepKind};
 
 /// Longest tip motion in a step, mm; passes are cut to this accuracy.
 const STEP_LENGTH_MM: f64 = 0.25;
 
 /// Largest turn of a step, radians; limits the motion at the top of a cutter.
 const STEP_TURN: f64 = 0.5 * std::f64::consts::PI / 180.0;
+
+/// Longest tip motion of a step that cuts, mm.
+const CUT_LENGTH_MM: f64 = 2.0;
 
 /// Radius of the rounding with which a cutter dips into a surface; for a flat cutter the radius of its side.
 pub(super) fn rounding(solid: &ToolSolid) -> f64 {
@@ -86,6 +89,24 @@ pub(super) fn steps_of<'a>(
         let tips = [w[0].point.tip - axes[0] * lowered, w[1].point.tip - axes[2] * lowered];
         Step { block: number(n), kind, tips, axes }
     })
+}
+
+/// Removes the cut of a cutter along stations from the stock. Between two planned stations the motion is one, so that its
+/// steps may be as long as the stock takes them.
+pub(super) fn cut(machine: &Machine, line: &[PathPoint], cutter: &ToolSolid, field: &mut Field) {
+    let mut ends: Vec<PathPoint> = Vec::new();
+    let mut from = 0;
+    while from < line.len() {
+        ends.push(line[from]);
+        let reaches = |to: &usize| {
+            let passes = line[from + 1..*to].iter().all(|s| !s.planned);
+            passes
+                && (line[*to].point.tip - line[from].point.tip).norm() <= CUT_LENGTH_MM
+                && machine.turn(line[from].rotary, line[*to].rotary) <= stock::MAX_STEP_TURN
+        };
+        from = (from + 2..line.len()).take_while(reaches).last().unwrap_or(from + 1);
+    }
+    stock::cut(field, cutter, steps_of(machine, &ends, StepKind::Cut, 0.0));
 }
 
 /// Length of the path of the tip, mm.

@@ -10,14 +10,14 @@
 
 use super::direct_link::DirectLinks;
 use super::stock_order::{Reduced, assembled};
-use super::stock_steps::{PathPoint, stations, steps_of};
+use super::stock_steps::{PathPoint, cut, stations, steps_of};
 use super::through_air::ThroughAir;
 use base::progress::Work;
 use ir::{ClOperation, ClPass, ClPoint, Operation, Program};
 use nalgebra::{Unit, UnitQuaternion, Vector3};
 use std::f64::consts::TAU;
 use tool_stock::collide::{Cutter, ToolSolid};
-use tool_stock::stock::{self, Field, StepKind};
+use tool_stock::stock::{self, Field, Step, StepKind};
 use wheel::operation::Allowances;
 
 /// Distance by which a stroke moves off the material that it has cut, as a share of the radius, and its largest value, mm.
@@ -125,8 +125,8 @@ impl StrokeReduction<'_> {
         count.planned += 1;
         let whole = stations(&self.program.machine, pass);
         let line = self.over_middle(&whole, field);
-        let depths = self.air.depths(&line, field)?;
         let least = self.thickness.max(self.air.slivers);
+        let depths = self.air.depths(&line, least, field);
         let first = depths.iter().position(|d| *d > least)?;
         let last = depths.iter().rposition(|d| *d > self.air.slivers)? + 1;
         let missing = length(whole.last()?, line.last()?);
@@ -144,7 +144,7 @@ impl StrokeReduction<'_> {
             end.planned = true;
         }
         let mut found = depths[start..last].to_vec();
-        stock::simulate(field, &self.cutter, steps_of(&self.program.machine, &path, StepKind::Cut, 0.0));
+        cut(&self.program.machine, &path, &self.cutter, field);
         let (out, aside) = self.out(&line[start].point, &line[last].point, field);
         count.straight += usize::from(!aside);
         for part in out {
@@ -159,14 +159,14 @@ impl StrokeReduction<'_> {
     }
 
     /// The stations of a stroke down to where the middle of the end would meet material.
-    fn over_middle(&self, line: &[PathPoint], field: &mut Field) -> Vec<PathPoint> {
+    fn over_middle(&self, line: &[PathPoint], field: &Field) -> Vec<PathPoint> {
         let Some(middle) = &self.middle else { return line.to_vec() };
         let machine = &self.program.machine;
-        let meets = |line: &[PathPoint], field: &mut Field| {
-            let met = stock::simulate(field, middle, steps_of(machine, line, StepKind::Rapid, 0.0)).collisions;
-            met.iter().filter(|c| c.depth > UNDER_MIDDLE).map(|c| c.block as usize).min()
+        let meets = |line: &[PathPoint]| {
+            let steps: Vec<Step> = steps_of(machine, line, StepKind::Rapid, 0.0).collect();
+            stock::depths(field, middle, &steps, UNDER_MIDDLE).iter().position(|d| d.cutter > UNDER_MIDDLE)
         };
-        let Some(step) = meets(line, field) else { return line.to_vec() };
+        let Some(step) = meets(line) else { return line.to_vec() };
         let [from, to] = [line[step].point, line[step + 1].point];
         let points = (0..=LAST_STEP_PARTS).map(|k| {
             let tip = from.tip + (to.tip - from.tip) * (k as f64 / LAST_STEP_PARTS as f64);
@@ -174,7 +174,7 @@ impl StrokeReduction<'_> {
         });
         let pass = ClPass { label: String::new(), sector: 0, points: points.collect(), air: Vec::new(), link: None };
         let fine = stations(machine, &pass);
-        let end = meets(&fine, field).unwrap_or(LAST_STEP_PARTS);
+        let end = meets(&fine).unwrap_or(LAST_STEP_PARTS);
         let mut short = line[..=step].to_vec();
         if end > 0 {
             short.push(fine[end]);
@@ -184,7 +184,7 @@ impl StrokeReduction<'_> {
 
     /// The path from the end of a stroke to the height of its start: off the material and up, or straight up. True for the
     /// first.
-    fn out(&self, start: &ClPoint, end: &ClPoint, field: &mut Field) -> (Vec<Vec<PathPoint>>, bool) {
+    fn out(&self, start: &ClPoint, end: &ClPoint, field: &Field) -> (Vec<Vec<PathPoint>>, bool) {
         let paths = |places: &[ClPoint]| -> Vec<Vec<PathPoint>> {
             places.windows(2).map(|w| self.air.straight_path([w[0], w[1]])).collect()
         };
@@ -196,7 +196,7 @@ impl StrokeReduction<'_> {
 
     /// A place beside the end of a stroke, away from the material that it has cut, and the place above it, where the tool
     /// reaches both through air and clear of the part.
-    fn aside(&self, start: &ClPoint, end: &ClPoint, field: &mut Field) -> Option<[ClPoint; 2]> {
+    fn aside(&self, start: &ClPoint, end: &ClPoint, field: &Field) -> Option<[ClPoint; 2]> {
         let axis = Unit::new_normalize(end.axis);
         let across = end.axis.cross(&Vector3::ith(end.axis.iamin(), 1.0)).normalize();
         let rise = (start.tip - end.tip).norm();
@@ -205,19 +205,19 @@ impl StrokeReduction<'_> {
             [aside, ClPoint { tip: aside.tip + end.axis * rise, ..aside }]
         };
         let kept = self.operation.kind.roughing().unwrap_or(Allowances::NONE);
-        let free = |direction: Vector3<f64>, field: &mut Field| {
-            let [aside, up] = places(direction);
+        let free = |direction: &Vector3<f64>| {
+            let [aside, up] = places(*direction);
             self.air.is_free(&[*end, aside], self.air.slivers, field)
                 && self.air.is_free(&[aside, up], self.air.slivers, field)
                 && self.direct.straight(&aside, &up, kept)
         };
         let sum: Vector3<f64> = (0..DIRECTIONS)
             .map(|k| UnitQuaternion::from_axis_angle(&axis, TAU * k as f64 / DIRECTIONS as f64) * across)
-            .filter(|direction| free(*direction, field))
+            .filter(free)
             .sum();
         // In a place with material on all sides but opposite ones, the mean direction says nothing.
         let mean = sum.try_normalize(0.1)?;
-        free(mean, field).then(|| places(mean))
+        free(&mean).then(|| places(mean))
     }
 }
 

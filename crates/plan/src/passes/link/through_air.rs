@@ -10,7 +10,7 @@ use crate::passes::axis::run::rotary;
 use five_axis::{Machine, between};
 use ir::{ClPass, ClPoint, Program};
 use tool_stock::collide::ToolSolid;
-use tool_stock::stock::{self, Field, StepKind, Touched};
+use tool_stock::stock::{self, Depth, Field, Step, StepKind};
 use wheel::operation::Allowances;
 
 /// Depth beyond the error between the rays up to which a cutter that slides along its own cut is in air, mm: the planned
@@ -76,7 +76,7 @@ impl<'a> ThroughAir<'a> {
 
     /// Places between the end of a pass and the start of the next, with straight paths through air between them, clear of
     /// the part; none where the tool needs no lift.
-    pub(super) fn link(&self, end: &ClPoint, start: &ClPoint, field: &mut Field) -> Option<Vec<ClPoint>> {
+    pub(super) fn link(&self, end: &ClPoint, start: &ClPoint, field: &Field) -> Option<Vec<ClPoint>> {
         if (start.tip - end.tip).norm() > LONGEST_LINK {
             return None;
         }
@@ -95,7 +95,7 @@ impl<'a> ThroughAir<'a> {
         end: &ClPoint,
         start: &ClPoint,
         feed: f64,
-        field: &mut Field,
+        field: &Field,
     ) -> Option<Vec<ClPoint>> {
         if (start.tip - end.tip).norm() > LONGEST_LINK {
             return None;
@@ -124,7 +124,7 @@ impl<'a> ThroughAir<'a> {
 
     /// The places of a link on a cubic Bezier curve whose inner control points lie above its ends. It is a third higher
     /// than the tool has to be in the middle.
-    fn curve(&self, end: &ClPoint, start: &ClPoint, lift: f64, field: &mut Field) -> Option<Vec<ClPoint>> {
+    fn curve(&self, end: &ClPoint, start: &ClPoint, lift: f64, field: &Field) -> Option<Vec<ClPoint>> {
         let angles = rotary(&self.machine.chain, [end.axis, start.axis].into_iter());
         let control = [end, start].map(|p| p.tip + p.axis * (lift * 4.0 / 3.0));
         let at = |t: f64| {
@@ -148,7 +148,7 @@ impl<'a> ThroughAir<'a> {
 
     /// The places of a link straight up, across and straight down. A place over one of both ends is enough where the tool
     /// can rise or come down on its path.
-    fn lifted(&self, end: &ClPoint, start: &ClPoint, lift: f64, field: &mut Field) -> Option<Vec<ClPoint>> {
+    fn lifted(&self, end: &ClPoint, start: &ClPoint, lift: f64, field: &Field) -> Option<Vec<ClPoint>> {
         let [up, down] = [end, start].map(|p| ClPoint { tip: p.tip + p.axis * lift, axis: p.axis, contact: None });
         // The path up along the axis lies in the space that the tool has just cut.
         if !self.clear(&[up, down], field) || !self.is_free(&[down, *start], self.slivers, field) {
@@ -164,15 +164,18 @@ impl<'a> ThroughAir<'a> {
     }
 
     /// True when the tool goes straight from one place to another through air, clear of the part.
-    fn clear(&self, places: &[ClPoint; 2], field: &mut Field) -> bool {
-        let line = || self.straight_path(*places);
-        self.direct.straight(&places[0], &places[1], THROUGH_AIR)
-            && self.depths_of(&self.linking, &line(), field).is_none_or(|depths| depths.iter().all(|d| *d <= 0.0))
+    fn clear(&self, places: &[ClPoint; 2], field: &Field) -> bool {
+        self.direct.straight(&places[0], &places[1], THROUGH_AIR) && self.passes(&self.linking, places, 0.0, field)
     }
 
     /// True when the tool meets no stock deeper than `most` on a straight path.
-    pub(super) fn is_free(&self, places: &[ClPoint; 2], most: f64, field: &mut Field) -> bool {
-        self.depths(&self.straight_path(*places), field).is_none_or(|depths| depths.iter().all(|d| *d <= most))
+    pub(super) fn is_free(&self, places: &[ClPoint; 2], most: f64, field: &Field) -> bool {
+        self.passes(&self.cutting, places, most, field)
+    }
+
+    fn passes(&self, tool: &EnlargedTool, places: &[ClPoint; 2], most: f64, field: &Field) -> bool {
+        let steps = tool.steps(self.machine, &self.straight_path(*places));
+        stock::is_free(field, &tool.solid, &steps, most)
     }
 
     /// Stations of a straight path.
@@ -181,20 +184,22 @@ impl<'a> ThroughAir<'a> {
         stations(self.machine, &pass)
     }
 
-    /// Depth of the tool in the stock on each step between stations, mm; `None` without steps.
-    pub(super) fn depths(&self, line: &[PathPoint], field: &mut Field) -> Option<Vec<f64>> {
-        self.depths_of(&self.cutting, line, field)
+    /// Depth of the tool in the stock on each step between stations, mm; infinite where it is more than `enough`.
+    pub(super) fn depths(&self, line: &[PathPoint], enough: f64, field: &Field) -> Vec<f64> {
+        let steps = self.cutting.steps(self.machine, line);
+        stock::depths(field, &self.cutting.solid, &steps, enough).iter().map(|d| self.of_tool(d)).collect()
     }
 
-    fn depths_of(&self, tool: &EnlargedTool, line: &[PathPoint], field: &mut Field) -> Option<Vec<f64>> {
-        let mut depths = vec![0.0_f64; line.len().checked_sub(1).filter(|n| *n > 0)?];
-        let steps = steps_of(self.machine, line, StepKind::Rapid, tool.by);
-        for met in stock::simulate(field, &tool.solid, steps).collisions {
-            // A shank or a holder that touches stock is never in air.
-            let depth = if met.what == Touched::Cutter { met.depth } else { met.depth.max(2.0 * self.slivers) };
-            let at = &mut depths[met.block as usize];
-            *at = at.max(depth);
-        }
-        Some(depths)
+    /// A shank or a holder that touches stock is never in air.
+    fn of_tool(&self, depth: &Depth) -> f64 {
+        let body = if depth.body > 0.0 { depth.body.max(2.0 * self.slivers) } else { 0.0 };
+        depth.cutter.max(body)
+    }
+}
+
+impl EnlargedTool {
+    /// The steps between stations.
+    fn steps(&self, machine: &Machine, line: &[PathPoint]) -> Vec<Step> {
+        steps_of(machine, line, StepKind::Rapid, self.by).collect()
     }
 }
