@@ -200,9 +200,14 @@ fn on_piece(way: &[WayPlace], end: usize, place: &WayPlace) -> Found {
     Found { end, share, square }
 }
 
-/// The nearest place of some pieces; of equal ones the first.
-fn nearest(way: &[WayPlace], ends: impl Iterator<Item = usize>, place: &WayPlace) -> Option<Found> {
-    ends.map(|end| on_piece(way, end, place)).reduce(|a, b| if b.square < a.square { b } else { a })
+/// The nearest place of some pieces, of equal ones the first; and the pieces that are as near within the digits of NC texts, in
+/// their order. A way that goes back on itself comes to a place twice, and goes on from the first time.
+fn nearest(way: &[WayPlace], ends: impl Iterator<Item = usize>, place: &WayPlace) -> Option<(Found, Vec<Found>)> {
+    let mut all: Vec<Found> = ends.map(|end| on_piece(way, end, place)).collect();
+    let best = all.iter().copied().reduce(|a, b| if b.square < a.square { b } else { a })?;
+    let as_near = best.square.sqrt() + EQUAL_WITHIN[0];
+    all.retain(|found| found.square.sqrt() <= as_near);
+    Some((best, all))
 }
 
 /// Largest distance of tips, angle of axes and difference of speeds at the places of the first way.
@@ -232,12 +237,13 @@ fn largest([first, second]: [&[WayPlace]; 2]) -> [Difference; 3] {
                 run += (second[*end].tip - second[end - 1].tip).norm();
                 within
             });
-            let Some(mut at) = nearest(second, ahead.map(|a| a.1), place) else { continue };
+            let Some(mut near) = nearest(second, ahead.map(|a| a.1), place) else { continue };
             let changes = k > 0 && first[k].kind != first[k - 1].kind;
-            if at.square > LOST_DISTANCE_MM * LOST_DISTANCE_MM && changes {
-                at = nearest(second, last..second.len(), place).unwrap_or(at);
+            if near.0.square > LOST_DISTANCE_MM * LOST_DISTANCE_MM && changes {
+                near = nearest(second, last..second.len(), place).unwrap_or(near);
             }
-            last = at.end;
+            let (at, near) = near;
+            last = near.first().map_or(at.end, |first| first.end);
             let (from, to) = (&second[at.end - 1], &second[at.end]);
             let tip = from.tip + (to.tip - from.tip) * at.share;
             let axis = from.axis + (to.axis - from.axis) * at.share;
@@ -247,11 +253,38 @@ fn largest([first, second]: [&[WayPlace]; 2]) -> [Difference; 3] {
             found[1] = found[1].or(differs(axis.angle(&place.axis).to_degrees()));
             let piece = k.checked_sub(1).map_or(0.0, |before| (first[k].tip - first[before].tip).norm());
             let at_feed = place.kind != MoveKind::Rapid && to.kind != MoveKind::Rapid;
-            if moves && at_feed && piece > MIN_TIP_MOTION_MM && (0.01..=0.99).contains(&at.share) {
-                let fastest = place.speed.max(to.speed);
-                found[2] = found[2].or(differs((place.speed - to.speed).abs() / fastest.max(f64::MIN_POSITIVE)));
+            let inside = |at: &&Found| (0.01..=0.99).contains(&at.share);
+            if moves && at_feed && piece > MIN_TIP_MOTION_MM && inside(&&at) {
+                let speeds = near.iter().filter(inside).map(|at| second[at.end].speed);
+                let share = |speed: f64| (place.speed - speed).abs() / place.speed.max(speed).max(f64::MIN_POSITIVE);
+                found[2] = found[2].or(differs(speeds.map(share).fold(f64::INFINITY, f64::min)));
             }
         }
     }
     found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A tool that leaves on the way on which it came, faster, is at each place twice. Rounding makes the second time nearer now
+    /// and then.
+    #[test]
+    fn a_way_that_goes_back_on_itself_is_the_same_as_itself() {
+        let place = |k: u32, depth: f64, speed: f64| WayPlace {
+            tip: Point3::new(0.1 * f64::from(k / 20), 0.3, -0.7 * depth / 3.0),
+            axis: Vector3::z(),
+            index: k,
+            kind: MoveKind::Cut,
+            speed,
+        };
+        let stroke = |n: u32| {
+            let down = (0..10).map(move |k| place(20 * n + k, 0.1 * f64::from(k), 1.0));
+            down.chain((0..10).map(move |k| place(20 * n + 10 + k, 0.9 - 0.1 * f64::from(k), 5.0)))
+        };
+        let way: Vec<WayPlace> = (0..5).flat_map(stroke).collect();
+        let [tip, axis, speed] = largest([&way, &way]);
+        assert!(tip.value < 1e-9 && axis.value < 1e-5 && speed.value < 1e-9, "{tip:?} {axis:?} {speed:?}");
+    }
 }

@@ -28,6 +28,48 @@ impl Bracket {
         self
     }
 
+    /// As [`Self::halved`], for a condition that changes once within the bracket, from a guess of the place at which it does: the
+    /// nearer the guess, the fewer questions. A condition that changes more than once may give another of its changes.
+    #[must_use]
+    pub fn halved_near(self, times: usize, guess: f64, mut condition: impl FnMut(f64) -> bool) -> Self {
+        let count = 1_usize << times;
+        // The bracket that bisection ends with where the condition changes in a part, counted from where it holds.
+        let part = |number: usize| {
+            (0..times).rev().fold(self, |bracket, bit| match number >> bit & 1 {
+                0 => Self { fails: bracket.middle(), ..bracket },
+                _ => Self { holds: bracket.middle(), ..bracket },
+            })
+        };
+        let mut holds_at = |number: usize| condition(part(number).holds);
+        let (mut holds, mut fails) = (0, count);
+        // A cast saturates at zero; a guess that is no number is the first part.
+        let share = (guess - self.holds) / (self.fails - self.holds);
+        let near = ((share * count as f64) as usize).min(count - 1);
+        let mut step = 1;
+        if near == 0 || holds_at(near) {
+            holds = near;
+            while holds + step < fails {
+                if holds_at(holds + step) {
+                    holds += step
+                } else {
+                    fails = holds + step
+                }
+                step *= 2;
+            }
+        } else {
+            fails = near;
+            while holds + step < fails {
+                if holds_at(fails - step) {
+                    holds = fails - step
+                } else {
+                    fails -= step
+                }
+                step *= 2;
+            }
+        }
+        part(last_whole(holds, fails, holds_at))
+    }
+
     /// The bracket after bisections down to a width, or to neighbouring numbers where these are farther apart.
     #[must_use]
     pub fn narrowed(mut self, width: f64, mut condition: impl FnMut(f64) -> bool) -> Self {
@@ -197,6 +239,26 @@ mod tests {
             assert!(rising.holds >= border && rising.fails < border && rising.holds - rising.fails < 1e-11);
             assert_eq!((rising.holds, rising.fails), (falling.fails, falling.holds));
             assert_eq!(rising.middle().to_bits(), falling.middle().to_bits());
+        }
+    }
+
+    /// The same bracket as by bisection, to the last bit, with few questions for a good guess.
+    #[test]
+    fn a_guess_changes_only_the_number_of_questions() {
+        for border in [0.0, 1e-4, 0.3, 0.7, 1.0 - 1e-4, 1.0] {
+            for bracket in [Bracket { holds: -0.3, fails: 1.7 }, Bracket { holds: 1.7, fails: -0.3 }] {
+                let condition = |x: f64| (x < border) == (bracket.holds < border);
+                let halved = bracket.halved(10, condition);
+                for guess in [-9.0, -0.3, 0.1, border - 0.01, border, border + 0.004, 1.7, 9.0, f64::NAN] {
+                    let mut count = 0;
+                    let near = bracket.halved_near(10, guess, |x| {
+                        count += 1;
+                        condition(x)
+                    });
+                    assert_eq!(near, halved, "{border} {guess}");
+                    assert!(count <= if guess == border { 3 } else { 20 }, "{border} {guess}: {count}");
+                }
+            }
         }
     }
 

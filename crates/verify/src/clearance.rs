@@ -6,7 +6,7 @@ use base::units::Mm;
 use five_axis::Pose;
 use nalgebra::{Point3, Vector3};
 use serde::{Deserialize, Serialize};
-use tool_stock::collide::{Cloud, ToolSolid};
+use tool_stock::collide::{Cloud, DistanceTable, ToolSolid};
 
 /// Displacement of the farthest tool point over a piece below which the piece is not halved any further, mm. The
 /// reported distance is exact to this.
@@ -57,17 +57,41 @@ pub struct Clearance {
     pub tag: u32,
 }
 
-/// Least distance below `cutoff` between samples and a part of a tool over pieces of motion. `distance` is the signed
-/// distance to this part of the tool; every surface point has a sample within `half_spacing`.
+/// A part of a tool among samples.
+pub struct ToolPart<'a> {
+    solid: &'a ToolSolid,
+    /// Signed distance to this part.
+    distance: fn(&ToolSolid, f64, f64) -> f64,
+    table: DistanceTable<1>,
+}
+
+impl<'a> ToolPart<'a> {
+    /// The part of a tool to which this is the signed distance, from the distance to its axis and the height over its tip.
+    pub fn new(solid: &'a ToolSolid, distance: fn(&ToolSolid, f64, f64) -> f64) -> Self {
+        Self { solid, distance, table: DistanceTable::new(solid, |rho, s| [distance(solid, rho, s)]) }
+    }
+
+    fn at(&self, rho: f64, s: f64) -> f64 {
+        (self.distance)(self.solid, rho, s)
+    }
+
+    /// The nearest sample below a cutoff, with its distance.
+    fn nearest(&self, cloud: &Cloud, tip: &Point3<f64>, axis: &Vector3<f64>, cutoff: f64) -> Option<(f64, usize)> {
+        let side = |rho: f64, s: f64, limit: f64| self.table.side(rho, s, &[0.0], limit, || self.at(rho, s));
+        cloud.nearest_by(tip, axis, |rho, s| self.at(rho, s), side, cutoff)
+    }
+}
+
+/// Least distance below `cutoff` between samples and a part of a tool over pieces of motion. Every surface point has a sample
+/// within `half_spacing`.
 pub fn least(
     pieces: &[Piece],
-    solid: &ToolSolid,
-    distance: impl Fn(&ToolSolid, f64, f64) -> f64 + Copy,
+    part: &ToolPart<'_>,
     cloud: &Cloud,
     half_spacing: f64,
     cutoff: f64,
 ) -> Option<Clearance> {
-    let arm = solid.arm();
+    let arm = part.solid.arm();
     let mut best: Option<Clearance> = None;
     let mut bound = cutoff;
     // Lower bound over pieces that were not halved down to the resolution.
@@ -85,7 +109,7 @@ pub fn least(
             let found = if known.as_ref().is_some_and(|known| known.at(tip, axis, arm) >= cutoff) {
                 None
             } else {
-                let found = cloud.nearest(tip, axis, |rho, s| distance(solid, rho, s), cutoff + SEARCH_MARGIN);
+                let found = part.nearest(cloud, tip, axis, cutoff + SEARCH_MARGIN);
                 let least = found.map_or(cutoff + SEARCH_MARGIN, |f| f.0);
                 known = Some(KnownPose { tip: *tip, axis: *axis, least });
                 found.filter(|f| f.0 < cutoff)

@@ -53,6 +53,7 @@ pub use certificate::Certificate;
 use base::progress::{Progress, Work};
 use base::units::{Mm, Sec, length};
 use certificate::OperationReport;
+use clearance::ToolPart;
 use diagnostics::{Aborted, Diag, Sink, codes::verification};
 use ir::{ContractKind, Motion, MoveKind, Program};
 use nalgebra::Point3;
@@ -296,7 +297,8 @@ impl measure::NarrowMeasure for Narrower<'_> {
         let distance = if body == Guarded::Shank { shank_distance } else { holder_distance };
         let solid = &self.program.tools[declared.tool].solid;
         let work = self.progress.begin(format!("{}, clearance", declared.name), pieces.len());
-        let mut found = least_over(&pieces, solid, distance, &cloud, HALF_SPACING, self.search(), &work);
+        let part = ToolPart::new(solid, distance);
+        let mut found = least_over(&pieces, &part, &cloud, HALF_SPACING, self.search(), &work);
         splines::nearer(&mut found, self.splines.get(operation)?.map_or(0.0, |s| s.tool.get()));
         found
     }
@@ -324,8 +326,7 @@ fn holder_distance(s: &ToolSolid, rho: f64, h: f64) -> f64 {
 /// Least distance over pieces, in parallel over groups of pieces; of equal distances the earlier group wins.
 fn least_over(
     pieces: &[piece::Piece],
-    solid: &ToolSolid,
-    distance: fn(&ToolSolid, f64, f64) -> f64,
+    part: &ToolPart<'_>,
     cloud: &Cloud,
     half_spacing: f64,
     search: f64,
@@ -335,7 +336,7 @@ fn least_over(
         if work.is_cancelled() {
             return None;
         }
-        let found = clearance::least(run, solid, distance, cloud, half_spacing, search);
+        let found = clearance::least(run, part, cloud, half_spacing, search);
         work.advance(run.len());
         found
     };
@@ -388,12 +389,15 @@ fn operation_report(
     let work = progress.begin(format!("{}, clearance", declared.name), 2 * pieces.len() + rapids.len());
     let chords = splines.map_or(0.0, |s| s.tool.get());
     let body = |distance: fn(&ToolSolid, f64, f64) -> f64| {
-        let mut found = least_over(&pieces, &tool.solid, distance, design, HALF_SPACING, search, &work);
+        let part = ToolPart::new(&tool.solid, distance);
+        let mut found = least_over(&pieces, &part, design, HALF_SPACING, search, &work);
         splines::nearer(&mut found, chords + turned);
         found
     };
-    let mut rapid = least_over(&rapids, &tool.solid, ToolSolid::distance, blank, half_stock, search, &work);
+    let whole = ToolPart::new(&tool.solid, ToolSolid::distance);
+    let mut rapid = least_over(&rapids, &whole, blank, half_stock, search, &work);
     splines::nearer(&mut rapid, turned);
+    let (shank, holder) = rayon::join(|| body(shank_distance), || body(holder_distance));
     OperationReport {
         name: declared.name.clone(),
         tool: tool.name.clone(),
@@ -402,8 +406,8 @@ fn operation_report(
         length: length.map(Mm),
         time: time.map(Sec),
         splines,
-        shank: body(shank_distance),
-        holder: body(holder_distance),
+        shank,
+        holder,
         rapid,
     }
 }

@@ -1,7 +1,7 @@
 //! Distance of cutter, shank and holder to the rotating obstacles (table and fixtures) over continuous time: in cuts,
 //! links and rapids.
 
-use super::clearance::Clearance;
+use super::clearance::{Clearance, ToolPart};
 use super::place::describe;
 use super::proof::piece;
 use super::{holder_distance, least_over, shank_distance};
@@ -53,7 +53,8 @@ pub fn check(program: &Program, motion: &Motion, progress: &Progress) -> Vec<Obs
             let work = progress
                 .begin(format!("{}, distance to the {}", declared.name, solid.kind.name()), parts.len() * pieces.len());
             for (part, distance) in parts {
-                let found = least_over(&pieces, tool, distance, &cloud, half_spacing, SEARCH_DISTANCE, &work);
+                let tool_part = ToolPart::new(tool, distance);
+                let found = least_over(&pieces, &tool_part, &cloud, half_spacing, SEARCH_DISTANCE, &work);
                 let Some(found) = found else { continue };
                 if nearest.clearance.as_ref().is_none_or(|c| found.distance < c.distance) {
                     (nearest.part, nearest.clearance) = (part.into(), Some(found));

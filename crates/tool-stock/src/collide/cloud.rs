@@ -69,7 +69,24 @@ impl Cloud {
         distance: impl Fn(f64, f64) -> f64,
         cutoff: f64,
     ) -> Option<(f64, usize)> {
-        self.least(
+        self.nearest_by(tip, axis, &distance, |rho, s, _| distance(rho, s), cutoff)
+    }
+
+    /// As [`Self::nearest`]. `side` takes a limit too, and need not be exact: it is no greater than the distance, and lies on the
+    /// same side of the limit.
+    pub fn nearest_by(
+        &self,
+        tip: &Point3<f64>,
+        axis: &Vector3<f64>,
+        distance: impl Fn(f64, f64) -> f64,
+        side: impl Fn(f64, f64, f64) -> f64,
+        cutoff: f64,
+    ) -> Option<(f64, usize)> {
+        self.least_by(
+            |p, limit| {
+                let (rho, s) = tool_coordinates(p, tip, axis);
+                side(rho, s, limit)
+            },
             |p| {
                 let (rho, s) = tool_coordinates(p, tip, axis);
                 distance(rho, s)
@@ -80,54 +97,52 @@ impl Cloud {
 
     /// Least value below `cutoff` of a function of the position; it must change no faster than the position.
     pub fn least(&self, value: impl Fn(&Point3<f64>) -> f64, cutoff: f64) -> Option<(f64, usize)> {
-        self.least_of(&value, |_, p| value(p), cutoff)
+        self.least_by(|p, _| value(p), &value, cutoff)
     }
 
-    /// The same for a value that also depends on the index of the sample. `low` is nowhere above it, and changes no
-    /// faster than the position.
-    pub fn least_of(
+    /// As [`Self::least`], with the side of a limit on which the value lies, as in [`Self::nearest_by`].
+    fn least_by(
         &self,
-        low: impl Fn(&Point3<f64>) -> f64,
-        value: impl Fn(usize, &Point3<f64>) -> f64,
+        side: impl Fn(&Point3<f64>, f64) -> f64,
+        value: impl Fn(&Point3<f64>) -> f64,
         cutoff: f64,
     ) -> Option<(f64, usize)> {
         let mut best: Option<(f64, usize)> = None;
         let mut limit = cutoff;
-        self.descend(low, |bound, leaf| {
-            let Some(leaf) = leaf else { return if bound < limit { Search::Into } else { Search::Past } };
-            if bound < limit {
-                for (i, p) in self.leaf(leaf) {
-                    let d = value(i, &p.position);
-                    if d < limit {
-                        (limit, best) = (d, Some((d, i)));
-                    }
+        self.descend(cutoff, &side, |limit_of_search, leaf| {
+            for (i, p) in self.leaf(leaf) {
+                if side(&p.position, limit) >= limit {
+                    continue;
+                }
+                let d = value(&p.position);
+                if d < limit {
+                    (limit, best) = (d, Some((d, i)));
                 }
             }
-            Search::Past
+            *limit_of_search = limit;
+            true
         });
         best
     }
 
-    /// True when [`Self::least`] would find a sample: the search ends at the first one.
-    pub fn any_below(&self, value: impl Fn(&Point3<f64>) -> f64, cutoff: f64) -> bool {
-        self.any_below_of(&value, |_, p| value(p), cutoff)
+    /// True when [`Self::least`] would find a sample of a function: the search ends at the first one. `side` takes a limit, as
+    /// in [`Self::nearest_by`].
+    pub fn any_below(&self, side: impl Fn(&Point3<f64>, f64) -> f64, cutoff: f64) -> bool {
+        self.any_below_of(&side, |_, p, limit| side(p, limit), cutoff)
     }
 
-    /// True when [`Self::least_of`] would find a sample: the search ends at the first one.
+    /// The same for a value that also depends on the index of the sample. `low` is nowhere above it, and changes no
+    /// faster than the position. Both take a limit, as in [`Self::nearest_by`].
     pub fn any_below_of(
         &self,
-        low: impl Fn(&Point3<f64>) -> f64,
-        value: impl Fn(usize, &Point3<f64>) -> f64,
+        low: impl Fn(&Point3<f64>, f64) -> f64,
+        value: impl Fn(usize, &Point3<f64>, f64) -> f64,
         cutoff: f64,
     ) -> bool {
         let mut found = false;
-        self.descend(low, |bound, leaf| {
-            if bound >= cutoff {
-                return Search::Past;
-            }
-            let Some(leaf) = leaf else { return Search::Into };
-            found = self.leaf(leaf).any(|(i, p)| value(i, &p.position) < cutoff);
-            if found { Search::End } else { Search::Past }
+        self.descend(cutoff, low, |_, leaf| {
+            found = self.leaf(leaf).any(|(i, p)| value(i, &p.position, cutoff) < cutoff);
+            !found
         });
         found
     }
@@ -138,43 +153,36 @@ impl Cloud {
         (first..end).zip(&self.points[first..end])
     }
 
-    /// Visits nodes, each with the lower bound of a value over its samples, the lower one of two halves first; leaves with
-    /// their first sample. The value changes no faster than the position.
-    fn descend(&self, low: impl Fn(&Point3<f64>) -> f64, mut visit: impl FnMut(f64, Option<usize>) -> Search) {
-        let bound = |node: &Node| low(&node.centre) - node.radius;
+    /// Visits the leaves with samples below a limit, by their first sample, of two halves the lower one first, until a visitor
+    /// says false; it may lower the limit. The function changes no faster than the position.
+    fn descend(
+        &self,
+        mut limit: f64,
+        low: impl Fn(&Point3<f64>, f64) -> f64,
+        mut visit: impl FnMut(&mut f64, usize) -> bool,
+    ) {
+        let bound = |node: &Node, limit: f64| low(&node.centre, limit + node.radius) - node.radius;
         let mut open = [(0.0, 0_u32); MAX_LEVELS];
         let mut count = 0;
         let Some(root) = self.nodes.first() else { return };
-        let mut next = Some((bound(root), 0_u32));
+        let mut next = Some((bound(root, limit), 0_u32));
         while let Some((below, at)) = next {
             let node = &self.nodes[at as usize];
-            let leaf = node.is_leaf.then_some(node.to as usize);
-            next = match visit(below, leaf) {
-                Search::End => return,
-                Search::Into if leaf.is_none() => {
-                    let [one, two] = [at + 1, node.to].map(|k| (bound(&self.nodes[k as usize]), k));
-                    let (first, then) = if two.0 < one.0 { (two, one) } else { (one, two) };
-                    open[count] = then;
-                    count += 1;
-                    Some(first)
-                }
-                Search::Into | Search::Past => {
-                    count = count.wrapping_sub(1);
-                    open.get(count).copied()
-                }
-            };
+            if below < limit && !node.is_leaf {
+                let [one, two] = [at + 1, node.to].map(|k| (bound(&self.nodes[k as usize], limit), k));
+                let (first, then) = if two.0 < one.0 { (two, one) } else { (one, two) };
+                open[count] = then;
+                count += 1;
+                next = Some(first);
+                continue;
+            }
+            if below < limit && !visit(&mut limit, node.to as usize) {
+                return;
+            }
+            count = count.wrapping_sub(1);
+            next = open.get(count).copied();
         }
     }
-}
-
-/// How a search goes on behind a node.
-enum Search {
-    /// With the halves of the node.
-    Into,
-    /// Past the node.
-    Past,
-    /// Not at all.
-    End,
 }
 
 /// Adds the nodes over a run of samples that begins with sample `first`.
@@ -264,7 +272,7 @@ mod tests {
                 ball(rho, s)
             };
             for cutoff in [brute - 1.0, brute, brute + 1e-9, brute + 1.0, f64::INFINITY] {
-                assert_eq!(cloud.any_below(value, cutoff), brute < cutoff);
+                assert_eq!(cloud.any_below(|p, _| value(p), cutoff), brute < cutoff);
             }
         }
         let far = Point3::new(0.0, 0.0, 500.0);

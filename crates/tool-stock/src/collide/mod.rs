@@ -3,6 +3,7 @@
 pub mod cloud;
 mod contact;
 pub mod cutter;
+mod distance_table;
 pub mod meridian;
 mod revolved;
 #[cfg(test)]
@@ -15,6 +16,7 @@ pub mod tool;
 pub use cloud::{Cloud, CloudPoint};
 pub use contact::CutterCurvature;
 pub use cutter::{Cutter, Kind};
+pub use distance_table::DistanceTable;
 pub use meridian::{Arc, Meridian, Slope};
 pub use revolved::revolved;
 pub use support::Body;

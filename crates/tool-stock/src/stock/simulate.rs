@@ -299,13 +299,7 @@ fn run_tile(tile: &mut Tile, list: &[u32], prepared: &[Prepared], slices: &Slice
 
 /// The deepest place of stock inside a part that must not touch, over a step; `None` when it is no deeper than `least`. A
 /// place deeper than `enough` ends the search. The step is divided until the depth is exact to [`FORBIDDEN_ERROR`].
-pub(super) fn touch(
-    tile: &Tile,
-    sweep: &StepSweep,
-    shape: &SolidShape,
-    least: f64,
-    enough: f64,
-) -> Option<Overlap> {
+pub(super) fn touch(tile: &Tile, sweep: &StepSweep, shape: &SolidShape, least: f64, enough: f64) -> Option<Overlap> {
     let moving = Moving::new(*sweep, *shape, 0.0);
     let error = moving.error();
     if error <= FORBIDDEN_ERROR {

@@ -20,7 +20,8 @@ use nalgebra::{Point3, Vector2, Vector3};
 use nurbs::EllipticCone;
 use nurbs::elliptic_cone::frame_about;
 use std::f64::consts::{FRAC_PI_2, TAU};
-use tool_stock::collide::{Section, ToolSolid};
+use std::sync::Arc;
+use tool_stock::collide::{DistanceTable, Section, ToolSolid};
 use wheel::contract::Guarded;
 use wheel::operation::Allowances;
 use wheel::part::Clamping;
@@ -107,10 +108,11 @@ impl StandingBall {
 }
 
 /// The tool of an operation among the obstacles.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(crate) struct ClearAxes<'a> {
     obstacles: &'a Obstacles,
     solid: &'a ToolSolid,
+    table: Arc<DistanceTable<3>>,
     clamping: &'a Clamping,
     /// Required distances of the side of the cutter, of shank and of holder, mm.
     required: [f64; 3],
@@ -130,6 +132,7 @@ impl<'a> ClearAxes<'a> {
         Self {
             obstacles,
             solid,
+            table: Arc::new(DistanceTable::new(solid, |rho, s| distances(solid, rho, s))),
             clamping: &program.stock.clamping,
             required: [SIDE_DISTANCE_MM * share_of_size(solid), bound(Guarded::Shank), bound(Guarded::Holder)],
             max_tilt: program.machine.max_tilt(),
@@ -145,7 +148,13 @@ impl<'a> ClearAxes<'a> {
     /// The same with shorter and shorter required distances beside the cutter.
     pub(crate) fn with_less_side_distance(&self) -> [Self; 2] {
         let [side, shank, holder] = self.required;
-        SIDE_DISTANCE_SHARES.map(|share| Self { required: [share * side, shank, holder], ..*self })
+        SIDE_DISTANCE_SHARES.map(|share| Self { required: [share * side, shank, holder], ..self.clone() })
+    }
+
+    /// The axes with these distances, and with shorter ones.
+    pub(crate) fn with_side_distances(&self) -> [Self; 3] {
+        let [less, least] = self.with_less_side_distance();
+        [self.clone(), less, least]
     }
 
     /// Required distance beside the cutter, mm.
@@ -160,15 +169,16 @@ impl<'a> ClearAxes<'a> {
 
     /// Distance of a point less the required distance; negative for a violation.
     fn slack(&self, rho: f64, s: f64) -> f64 {
-        let from = 2.0 * self.radius();
-        let [side, shank, holder] = self.required;
-        let least = |sections: &[Section]| Section::least_distance(sections, rho, s);
-        let cutter = if s >= from {
-            self.solid.cutter_distance(rho, s)
-        } else {
-            libm::hypot(self.solid.cutter_distance(rho, from).max(0.0), from - s)
-        };
-        (cutter - side).min(least(&self.solid.shank) - shank).min(least(&self.solid.holder) - holder)
+        distances(self.solid, rho, s)
+            .into_iter()
+            .zip(self.required)
+            .map(|(d, least)| d - least)
+            .fold(f64::INFINITY, f64::min)
+    }
+
+    /// The slack, or anything on the same side of a limit.
+    fn slack_side(&self, rho: f64, s: f64, limit: f64) -> f64 {
+        self.table.side(rho, s, &self.required, limit, || self.slack(rho, s))
     }
 
     /// True when every axis within the angle `cap` of this axis is within the travel of the rotary axes, touches with the lower half of
@@ -184,7 +194,7 @@ impl<'a> ClearAxes<'a> {
             && self.obstacles.keeps(
                 &tip,
                 axis,
-                |rho, s, _| self.slack(rho, s),
+                |rho, s, _, limit| self.slack_side(rho, s, limit),
                 Allowances::NONE,
                 MotionBound { about: centre, turn: cap, shift: margin },
             )
@@ -223,7 +233,7 @@ impl<'a> ClearAxes<'a> {
 
     /// True when the tool is clear over a whole piece of motion.
     pub(crate) fn proved(&self, ends: &Ends) -> bool {
-        self.obstacles.keeps_over(ends, |rho, s, _| self.slack(rho, s), Allowances::NONE)
+        self.obstacles.keeps_over(ends, |rho, s, _, limit| self.slack_side(rho, s, limit), Allowances::NONE)
     }
 
     /// Clear axes about a direction, the nearest first.
@@ -363,7 +373,7 @@ impl<'a> ClearAxes<'a> {
 
     /// The error where axes about a direction are clear of the part, but each of them takes X, Y or Z out of its travel.
     fn no_travel(&self, operation: &str, tool: &str, centre: &Point3<f64>, about: &Vector3<f64>) -> Option<Diag> {
-        let anywhere = Self { sectors: &[], ..*self };
+        let anywhere = Self { sectors: &[], ..self.clone() };
         let ball = StandingBall { centre: *centre, normal: None };
         let machine = &self.program.machine;
         let worst = |axis: Vector3<f64>| {
@@ -396,6 +406,18 @@ impl<'a> ClearAxes<'a> {
             )),
         )
     }
+}
+
+/// Signed distances to the cutter above its ball, which touches the part, to shank and holder.
+fn distances(solid: &ToolSolid, rho: f64, s: f64) -> [f64; 3] {
+    let from = 2.0 * solid.cutter.tip_radius();
+    let cutter = if s >= from {
+        solid.cutter_distance(rho, s).max(from - s)
+    } else {
+        libm::hypot(solid.cutter_distance(rho, from).max(0.0), from - s)
+    };
+    let least = |sections: &[Section]| Section::least_distance(sections, rho, s);
+    [cutter, least(&solid.shank), least(&solid.holder)]
 }
 
 /// An axis tilted against Z by an angle, radians, more than another one, at most at a right angle to Z.

@@ -9,7 +9,7 @@ use super::clear_axes::{ClearAxes, StandingBall};
 use super::orient_tool::{Middle, Middles};
 use super::sequence::CANDIDATE_MARGIN_MM;
 use crate::passes::context::SIDE_CLEARANCE;
-use crate::passes::context::{AxisTilt, Keep, PassContext};
+use crate::passes::context::{AxisTilt, Keep, PassContext, TableTool};
 use base::units::Mm;
 use diagnostics::{Aborted, Diag, codes::planning};
 use ir::{ClPoint, Operation};
@@ -56,10 +56,11 @@ fn widest<'a>(cx: &PassContext<'a>, operation: &Operation, passage: Passage, all
         return all.pop();
     }
     let places = all[0].places(operation);
+    let bull_nose = TableTool::new(&program.tools[operation.tool].solid);
     let clear = |middle: &Middle<'_>, share: f64| -> Vec<bool> {
         let at = |u: &f64| {
             let tool = middle.tool_at(program, operation, *u, share, AxisTilt::Along);
-            tool.is_some_and(|p| is_clear(cx, operation, &p, allowance))
+            tool.is_some_and(|p| is_clear(cx, &bull_nose, &p, allowance))
         };
         places.par_iter().map(|u| !cx.progress.is_cancelled() && at(u)).collect()
     };
@@ -79,11 +80,11 @@ fn widest<'a>(cx: &PassContext<'a>, operation: &Operation, passage: Passage, all
 
 /// True where a bull nose keeps the allowance from vanes and fillets, its end is out of the hub, and shank and holder keep
 /// their clearance.
-fn is_clear(cx: &PassContext<'_>, operation: &Operation, at: &ClPoint, allowance: Mm) -> bool {
-    let solid = &cx.program.tools[operation.tool].solid;
+fn is_clear(cx: &PassContext<'_>, tool: &TableTool<'_>, at: &ClPoint, allowance: Mm) -> bool {
+    let solid = tool.solid;
     let clearance = cx.program.clearance.get();
     let keep = Keep { vane: VaneAllowance::even(allowance), hub: 0.0, clearance };
-    cx.obstacles.walls_clear(solid, &at.tip, &at.axis, &keep)
+    cx.obstacles.walls_clear(tool, &at.tip, &at.axis, &keep)
         && cx.obstacles.cutter_inside(solid, &at.tip, &at.axis).is_none()
         && cx.obstacles.body_violation(solid, &at.tip, &at.axis, clearance, None).is_none()
 }
@@ -103,13 +104,14 @@ fn with_free_space<'a>(
         places.par_iter().map(|u| work.do_step(|| middle.has_free_space(obstacles, *u)).unwrap_or(false)).collect();
     let clear = ClearAxes::new(program, obstacles, operation);
     let solid = &program.tools[operation.tool].solid;
+    let bull_nose = TableTool::new(solid);
     let radius = solid.cutter.tip_radius();
     let turns = matches!(operation.kind.axis_method(), Some(AxisMethod::Corridor | AxisMethod::Xu));
     let fits = |u: f64, tilt: AxisTilt| {
         LINE_SHARES.iter().all(|share| {
             let Some(p) = middle.tool_at(program, operation, u, *share, tilt) else { return false };
             if operation.kind.axis_method() == Some(AxisMethod::Lead) {
-                return is_clear(cx, operation, &p, allowance);
+                return is_clear(cx, &bull_nose, &p, allowance);
             }
             if turns {
                 return clear.has_candidate(&StandingBall::at(&p, radius), &p.axis, clear.scaled(CANDIDATE_MARGIN_MM));

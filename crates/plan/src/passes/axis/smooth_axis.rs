@@ -80,7 +80,7 @@ pub(crate) fn run(cx: &mut PassContext<'_>, cc: &CcPlan, cl: &mut ClPlan) -> Res
         }
         let clear = ClearAxes::new(program, cx.obstacles, operation);
         let work = cx.progress.begin(format!("{}, smooth axes", operation.name), oriented.passes.len());
-        let tried = [&[clear][..], &clear.with_less_side_distance()].concat();
+        let tried = clear.with_side_distances();
         let smoothed = |pass| work.do_step(|| smooth_with_any(&tried, &program.machine.chain, pass, &work));
         let smoothed = oriented.passes.par_iter().map(smoothed).collect::<Option<Vec<_>>>().ok_or(Aborted)?;
         drop(work);
@@ -299,7 +299,7 @@ fn on_curve(
 /// True where the axes of a pass become smooth, with the whole distance beside the cutter or with less.
 pub(super) fn has_smooth_axes(clear: &ClearAxes<'_>, chain: &Chain, pass: &ClPass) -> bool {
     let work = Progress::default().begin("", 1);
-    smooth_with_any(&[&[*clear][..], &clear.with_less_side_distance()].concat(), chain, pass, &work).is_ok()
+    smooth_with_any(&clear.with_side_distances(), chain, pass, &work).is_ok()
 }
 
 /// The error of an operation with passes that did not become smooth: the first of them, and tools with which all of them would.

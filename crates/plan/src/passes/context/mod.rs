@@ -12,7 +12,7 @@ mod tilt;
 pub(crate) use channel_chart::{ChannelChart, Crossing, MIN_OUTWARD};
 pub(crate) use maximal_ranges::maximal_ranges;
 pub(crate) use milling_direction::{from_outlet, leads_at_ends};
-pub(crate) use obstacles::{Ends, Keep};
+pub(crate) use obstacles::{Ends, Keep, TableTool};
 pub use obstacles::{MotionBound, Obstacles};
 pub(crate) use remedy::remedy;
 pub(crate) use tilt::AxisTilt;

@@ -5,9 +5,10 @@ use ir::{OperationKind, Program};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_1_SQRT_2;
+use std::sync::Arc;
 use tool_stock::collide::revolved;
 use tool_stock::collide::tool::tool_coordinates;
-use tool_stock::collide::{Cloud, CloudPoint, ToolSolid};
+use tool_stock::collide::{Cloud, CloudPoint, DistanceTable, ToolSolid};
 use wheel::operation::{Allowances, VaneAllowance};
 use wheel::part::{Part, Sample, SurfaceKind, sample};
 
@@ -59,6 +60,31 @@ const ROTATING_SPACING_MM: f64 = 1.0;
 
 /// Most samples of a rotating obstacle.
 const MAX_ROTATING_SAMPLES: f64 = 1e5;
+
+/// A tool with a table of its distances.
+#[derive(Clone)]
+pub struct TableTool<'a> {
+    pub(crate) solid: &'a ToolSolid,
+    /// Distances of the cutter, and of shank and holder.
+    table: Arc<DistanceTable<2>>,
+}
+
+impl<'a> TableTool<'a> {
+    /// The table of a tool.
+    pub fn new(solid: &'a ToolSolid) -> Self {
+        let distances = |rho: f64, s: f64| [solid.cutter_distance(rho, s), solid.body_distance(rho, s)];
+        Self { solid, table: Arc::new(DistanceTable::new(solid, distances)) }
+    }
+
+    /// Distance of a point less the distance that is required of the cutter, and of shank and holder, or anything on the same
+    /// side of a limit.
+    fn slack(&self, rho: f64, s: f64, required: &[f64; 2], limit: f64) -> f64 {
+        let [cutter, body] = *required;
+        self.table.side(rho, s, required, limit, || {
+            (self.solid.cutter_distance(rho, s) - cutter).min(self.solid.body_distance(rho, s) - body)
+        })
+    }
+}
 
 /// Bound of a motion: no tool point moves by more than `shift` plus `turn` times its distance from `about`.
 #[derive(Clone, Copy, Debug)]
@@ -150,35 +176,40 @@ impl Obstacles {
     }
 
     /// True when the tool keeps its distances over a motion. `slack` takes the distance of a point from the tool axis,
-    /// its height over the tip and the allowance at the point, and returns its distance less the required distance. It
-    /// must change no faster than the point moves, and not grow with the allowance. Table and fixtures have no allowance.
+    /// its height over the tip, the allowance at the point and a limit, and returns its distance less the required distance,
+    /// or anything on the same side of the limit. It must change no faster than the point moves, and not grow with the
+    /// allowance. Table and fixtures have no allowance.
     pub fn keeps(
         &self,
         tip: &Point3<f64>,
         axis: &Vector3<f64>,
-        slack: impl Fn(f64, f64, f64) -> f64,
+        slack: impl Fn(f64, f64, f64, f64) -> f64,
         kept: Allowances,
         motion: MotionBound<'_>,
     ) -> bool {
         let MotionBound { about, turn, shift } = motion;
         // The distance to `about` changes as fast as the point moves, so that the sum changes at most 1 + turn times as
         // fast.
-        let value = |p: &Point3<f64>, kept: f64, margin: f64| {
+        let value = |p: &Point3<f64>, kept: f64, margin: f64, limit: f64| {
             let (rho, s) = tool_coordinates(p, tip, axis);
-            (slack(rho, s, kept) - turn * (p - about).norm() - shift - margin) / (1.0 + turn)
+            let moved = turn * (p - about).norm() + shift + margin;
+            (slack(rho, s, kept, limit * (1.0 + turn) + moved) - moved) / (1.0 + turn)
         };
-        let of_part = |p: &Point3<f64>, kept: f64| value(p, kept, self.edge_margin());
-        let of_walls = |i: usize, p: &Point3<f64>| of_part(p, self.allowance(kept.vane, i));
-        !self.walls.any_below_of(|p| of_part(p, kept.vane.root().get()), of_walls, 0.0)
-            && !self.hub.any_below(|p| of_part(p, kept.hub.get()), 0.0)
-            && !self.rotating.iter().any(|(cloud, margin)| cloud.any_below(|p| value(p, 0.0, *margin), 0.0))
+        let of_part = |p: &Point3<f64>, kept: f64, limit: f64| value(p, kept, self.edge_margin(), limit);
+        let of_walls = |i: usize, p: &Point3<f64>, limit: f64| of_part(p, self.allowance(kept.vane, i), limit);
+        !self.walls.any_below_of(|p, limit| of_part(p, kept.vane.root().get(), limit), of_walls, 0.0)
+            && !self.hub.any_below(|p, limit| of_part(p, kept.hub.get(), limit), 0.0)
+            && !self
+                .rotating
+                .iter()
+                .any(|(cloud, margin)| cloud.any_below(|p, limit| value(p, 0.0, *margin, limit), 0.0))
     }
 
     /// True when the tool keeps its distances, as in [`Self::keeps`], over a whole piece of motion in which the tip
     /// runs straight and both angles evenly. At the middle of a piece, each tool point is at most this far from all of
     /// its positions on the piece: half of the tip motion, plus half of the turn times its distance from the tip.
     /// Pieces are halved until the distance at the middle is larger than that.
-    pub fn keeps_over(&self, ends: &Ends, slack: impl Fn(f64, f64, f64) -> f64, kept: Allowances) -> bool {
+    pub fn keeps_over(&self, ends: &Ends, slack: impl Fn(f64, f64, f64, f64) -> f64, kept: Allowances) -> bool {
         let mut open = vec![(*ends, 0)];
         while let Some(([p, q], depth)) = open.pop() {
             let middle = RotaryPose {
@@ -200,24 +231,24 @@ impl Obstacles {
     }
 
     /// True when the tool keeps its distances to the hub.
-    pub fn hub_clear(&self, solid: &ToolSolid, tip: &Point3<f64>, axis: &Vector3<f64>, keep: &Keep) -> bool {
-        let (hub, body) = (keep.hub + self.margin(solid), keep.clearance + self.edge_margin());
-        let slack = |p: &Point3<f64>| {
+    pub fn hub_clear(&self, tool: &TableTool<'_>, tip: &Point3<f64>, axis: &Vector3<f64>, keep: &Keep) -> bool {
+        let required = [keep.hub + self.margin(tool.solid), keep.clearance + self.edge_margin()];
+        let slack = |p: &Point3<f64>, limit: f64| {
             let (rho, s) = tool_coordinates(p, tip, axis);
-            (solid.cutter_distance(rho, s) - hub).min(solid.body_distance(rho, s) - body)
+            tool.slack(rho, s, &required, limit)
         };
         !self.hub.any_below(slack, 0.0)
     }
 
     /// True when the tool keeps its distances to vanes and fillets.
-    pub fn walls_clear(&self, solid: &ToolSolid, tip: &Point3<f64>, axis: &Vector3<f64>, keep: &Keep) -> bool {
-        let (vane, body) = (keep.vane.plus(self.margin(solid)), keep.clearance + self.edge_margin());
-        let slack = |p: &Point3<f64>, vane: f64| {
+    pub fn walls_clear(&self, tool: &TableTool<'_>, tip: &Point3<f64>, axis: &Vector3<f64>, keep: &Keep) -> bool {
+        let (vane, body) = (keep.vane.plus(self.margin(tool.solid)), keep.clearance + self.edge_margin());
+        let slack = |p: &Point3<f64>, vane: f64, limit: f64| {
             let (rho, s) = tool_coordinates(p, tip, axis);
-            (solid.cutter_distance(rho, s) - vane).min(solid.body_distance(rho, s) - body)
+            tool.slack(rho, s, &[vane, body], limit)
         };
-        let at_sample = |i: usize, p: &Point3<f64>| slack(p, self.allowance(vane, i));
-        !self.walls.any_below_of(|p| slack(p, vane.root().get()), at_sample, 0.0)
+        let at_sample = |i: usize, p: &Point3<f64>, limit: f64| slack(p, self.allowance(vane, i), limit);
+        !self.walls.any_below_of(|p, limit| slack(p, vane.root().get(), limit), at_sample, 0.0)
     }
 
     /// Allowance at a sample of the walls, mm.

@@ -16,7 +16,7 @@ use crate::passes::axis::run::rotary;
 use crate::passes::context::{Ends, Obstacles};
 use five_axis::{Machine, RotaryPose};
 use ir::{ClPoint, Operation, Program};
-use tool_stock::collide::{Section, ToolSolid};
+use tool_stock::collide::{DistanceTable, Section, ToolSolid};
 use wheel::contract::{ContractKind, Guarded};
 use wheel::operation::Allowances;
 
@@ -51,11 +51,18 @@ fn can_be_block(length: f64, turn: f64) -> bool {
     length > MIN_LINK_LENGTH_MM && turn <= MAX_TURN_PER_MM * length
 }
 
+/// Signed distances to cutter, shank and holder.
+fn distances(solid: &ToolSolid, rho: f64, s: f64) -> [f64; 3] {
+    let of = |sections: &[Section]| Section::least_distance(sections, rho, s);
+    [solid.cutter_distance(rho, s), of(&solid.shank), of(&solid.holder)]
+}
+
 /// Direct links between passes of an operation.
 pub(crate) struct DirectLinks<'a> {
     machine: &'a Machine,
     obstacles: &'a Obstacles,
     solid: &'a ToolSolid,
+    table: DistanceTable<3>,
     blank: Blank<'a>,
     /// Required distances of cutter, shank and holder to the part, mm.
     required: [f64; 3],
@@ -73,6 +80,7 @@ impl<'a> DirectLinks<'a> {
             machine: &program.machine,
             obstacles,
             solid,
+            table: DistanceTable::new(solid, |rho, s| distances(solid, rho, s)),
             blank: Blank::new(&program.stock, solid),
             required: [CUTTER * obstacles.scale(), clearance(Guarded::Shank), clearance(Guarded::Holder)],
             free: rest.map(|c| c.bound.value() + OVER_REST).reduce(f64::min),
@@ -128,16 +136,17 @@ impl<'a> DirectLinks<'a> {
 
     /// True when the tool keeps its distances, each at least the allowance, over a motion.
     fn keeps(&self, ends: &Ends, kept: Allowances) -> bool {
-        self.obstacles.keeps_over(ends, |rho, s, least| self.slack(rho, s, least), kept)
+        self.obstacles.keeps_over(ends, |rho, s, least, limit| self.slack(rho, s, least, limit), kept)
     }
 
-    /// Distance of a point less the required distance, each at least `least`; negative for a violation.
-    fn slack(&self, rho: f64, s: f64, least: f64) -> f64 {
-        let [cutter, shank, holder] = self.required.map(|required| required.max(least));
-        let of = |sections: &[Section]| Section::least_distance(sections, rho, s);
-        (self.solid.cutter_distance(rho, s) - cutter)
-            .min(of(&self.solid.shank) - shank)
-            .min(of(&self.solid.holder) - holder)
+    /// Distance of a point less the required distance, each at least `least`; negative for a violation; or anything on the same
+    /// side of a limit.
+    fn slack(&self, rho: f64, s: f64, least: f64, limit: f64) -> f64 {
+        let required = self.required.map(|required| required.max(least));
+        self.table.side(rho, s, &required, limit, || {
+            let distances = distances(self.solid, rho, s);
+            distances.into_iter().zip(required).map(|(d, required)| d - required).fold(f64::INFINITY, f64::min)
+        })
     }
 
     /// Thickest ridge, up to a height over the tip, between two places of the tool whose tips are `length` apart and whose

@@ -90,13 +90,7 @@ impl<'a> ThroughAir<'a> {
     }
 
     /// As [`Self::link`], on straight paths only: the quickest of all lifts, for a feed of the tip in mm/s.
-    pub(super) fn quickest(
-        &self,
-        end: &ClPoint,
-        start: &ClPoint,
-        feed: f64,
-        field: &Field,
-    ) -> Option<Vec<ClPoint>> {
+    pub(super) fn quickest(&self, end: &ClPoint, start: &ClPoint, feed: f64, field: &Field) -> Option<Vec<ClPoint>> {
         if (start.tip - end.tip).norm() > LONGEST_LINK {
             return None;
         }

@@ -1,15 +1,14 @@
 //! Layers of channel roughing: how deep a tool reaches, and how near to both walls at each place.
 
 use super::wall_tilt::WallTilt;
-use crate::passes::context::{ChannelChart, Crossing, Keep, Obstacles};
+use crate::passes::context::{ChannelChart, Crossing, Keep, Obstacles, TableTool};
 use crate::spacing;
 use base::progress::Progress;
 use ir::{CcPoint, Operation, Program};
 use nalgebra::{Point3, Vector3};
 use nurbs::bracket::Bracket;
 use rayon::prelude::*;
-use std::cell::RefCell;
-use tool_stock::collide::ToolSolid;
+use std::cell::{Cell, RefCell};
 use wheel::operation::Allowances;
 use wheel::part::{BladeId, PassageId, Stock};
 
@@ -30,11 +29,12 @@ const MAX_EASED_SLOPE: f64 = 1.73;
 pub(super) const DISTANCE_BISECTIONS: usize = 10;
 
 /// Data and limits of a roughing operation.
+#[derive(Clone)]
 pub(crate) struct Roughing<'a> {
     pub(crate) chart: ChannelChart<'a>,
     pub(super) passage: PassageId,
     obstacles: &'a Obstacles,
-    solid: &'a ToolSolid,
+    pub(super) tool: TableTool<'a>,
     /// The turned blank.
     pub(super) blank: &'a Stock,
     /// Distances to keep at the stations, and between them.
@@ -115,13 +115,15 @@ pub(super) struct StationPlace<'a> {
     end: Option<Crossing<'a>>,
     /// Heights of levels that are known: level, w and share of the height.
     known: RefCell<Vec<(Level, f64, f64)>>,
+    /// The last lift over the hub, as a share of the height: the next one is near it.
+    lift: Cell<f64>,
 }
 
 impl<'a> StationPlace<'a> {
     pub(super) fn new(chart: &ChannelChart<'a>, u: f64) -> Self {
         let end = u.clamp(0.0, 1.0);
         let end = (u != end).then(|| chart.crossing(end));
-        Self { at: chart.crossing(u), end, known: RefCell::default() }
+        Self { at: chart.crossing(u), end, known: RefCell::default(), lift: Cell::default() }
     }
 
     /// True beyond the inlet and the outlet.
@@ -251,7 +253,7 @@ impl<'a> Roughing<'a> {
             chart: ChannelChart::new(&program.part, passage),
             passage,
             obstacles,
-            solid: &program.tools[operation.tool].solid,
+            tool: TableTool::new(&program.tools[operation.tool].solid),
             blank: &program.stock,
             // The interpolated motion of the machine differs from the planned stations by up to the chord tolerance.
             keep: Keep {
@@ -273,12 +275,12 @@ impl<'a> Roughing<'a> {
 
     /// The same with another tilt away from the walls.
     pub(super) fn with_tilt(&self, tilt: WallTilt) -> Self {
-        Self { tilt, ..*self }
+        Self { tilt, ..self.clone() }
     }
 
     /// Distance of the tool axis from a wall at which the allowance is kept at a share of the height.
     fn edge(&self, v: f64) -> f64 {
-        self.solid.radius() + self.keep.vane.at(v)
+        self.tool.solid.radius() + self.keep.vane.at(v)
     }
 
     /// Distance that the tool keeps from the hub, mm.
@@ -288,17 +290,17 @@ impl<'a> Roughing<'a> {
 
     /// Radius of the tool, mm.
     pub(super) fn radius(&self) -> f64 {
-        self.solid.radius()
+        self.tool.solid.radius()
     }
 
     /// Height over the tip up to which the tool cuts, mm.
     pub(super) fn flute_length(&self) -> f64 {
-        self.solid.flute_length
+        self.tool.solid.flute_length
     }
 
     /// True when the end of the cutter is flat.
     pub(super) fn is_flat(&self) -> bool {
-        self.solid.cutter.tip_radius() == 0.0
+        self.tool.solid.cutter.tip_radius() == 0.0
     }
 
     /// Tool axis at a place of the chart, sector 0. On the leads of `rough` it is that of the inlet or the outlet.
@@ -321,12 +323,12 @@ impl<'a> Roughing<'a> {
 
     /// True when the tool keeps all allowances on the walls.
     pub(super) fn clears_walls(&self, tip: &Point3<f64>, axis: &Vector3<f64>) -> bool {
-        self.obstacles.walls_clear(self.solid, tip, axis, &self.keep)
+        self.obstacles.walls_clear(&self.tool, tip, axis, &self.keep)
     }
 
     /// True when the tool keeps the allowance on the hub.
     pub(super) fn clears_hub(&self, tip: &Point3<f64>, axis: &Vector3<f64>) -> bool {
-        self.obstacles.hub_clear(self.solid, tip, axis, &self.keep)
+        self.obstacles.hub_clear(&self.tool, tip, axis, &self.keep)
     }
 
     /// Number of layers from a level down to the hub.
@@ -382,7 +384,7 @@ impl<'a> Roughing<'a> {
     fn lifted(&self, place: &StationPlace<'_>, level: f64, w: f64) -> Option<f64> {
         let clear = |v: f64| {
             let (tip, axis) = (place.at.point(v, w), self.axis_at(place, v, w));
-            self.obstacles.hub_clear(self.solid, &tip, &axis, &self.keep)
+            self.obstacles.hub_clear(&self.tool, &tip, &axis, &self.keep)
         };
         if clear(level) {
             return Some(level);
@@ -392,14 +394,18 @@ impl<'a> Roughing<'a> {
         }
         let ruling = (place.at.point(1.0, w) - place.at.point(0.0, w)).norm();
         let ends = Bracket { holds: level + (self.depth + self.keep.hub) / ruling, fails: level };
-        clear(ends.holds).then(|| ends.halved(DISTANCE_BISECTIONS, clear).holds)
+        clear(ends.holds).then(|| {
+            let border = ends.halved_near(DISTANCE_BISECTIONS, level + place.lift.get(), clear);
+            place.lift.set(border.holds - level);
+            border.holds
+        })
     }
 
     /// True when the tool keeps all allowances at w of a level.
     pub(super) fn clear(&self, place: &StationPlace<'_>, level: Level, w: f64) -> bool {
         self.lifted(place, place.v(level, w), w).is_some_and(|v| {
             let (tip, axis) = (place.at.point(v, w), self.axis_at(place, v, w));
-            self.obstacles.walls_clear(self.solid, &tip, &axis, &self.keep)
+            self.obstacles.walls_clear(&self.tool, &tip, &axis, &self.keep)
         })
     }
 
@@ -456,8 +462,8 @@ impl<'a> Roughing<'a> {
         CHECKED_SHARES.iter().all(|t| {
             let tip = from.position + (to.position - from.position) * *t;
             let axis = (from.normal + (to.normal - from.normal) * *t).normalize();
-            self.obstacles.walls_clear(self.solid, &tip, &axis, &self.between)
-                && self.obstacles.hub_clear(self.solid, &tip, &axis, &self.between)
+            self.obstacles.walls_clear(&self.tool, &tip, &axis, &self.between)
+                && self.obstacles.hub_clear(&self.tool, &tip, &axis, &self.between)
         })
     }
 }
