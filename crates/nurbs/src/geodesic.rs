@@ -14,6 +14,7 @@
 //! error c^3 / 24 r^2.
 
 use super::bracket::greatest;
+use rayon::prelude::*;
 
 /// Metric of a chart over a range of x; beyond both ends the metric is constant.
 #[derive(Clone, Debug)]
@@ -29,8 +30,11 @@ pub struct BandMetric {
 /// Places over a disk at which the maximum is searched, before its refinement.
 const DISK_PLACES: usize = 12;
 
-/// Golden section steps: they give the place to 1e-6 of the disk, and the height to the square of that.
-const GOLDEN_SECTIONS: usize = 24;
+/// Share of a disk to which the place of the maximum is known; its height is known to the square of that.
+const DISK_SHARE: f64 = 3e-6;
+
+/// Fewest stations of a piece of work.
+const STATIONS_PER_PIECE: usize = 16;
 
 impl BandMetric {
     /// Tabulates a metric with the lengths per unit of x and of y (both positive) as functions of x, at `count` (at
@@ -95,9 +99,18 @@ impl BandMetric {
 
     /// Length per unit of x, per unit of y, and skew at (x, y).
     pub fn form(&self, x: f64, y: f64) -> [f64; 3] {
+        self.form_on(&self.column(x), y)
+    }
+
+    /// The four stations around x, with their weights.
+    fn column(&self, x: f64) -> (usize, [f64; 4]) {
         let end = self.from + self.step * (self.count() - 1) as f64;
         let (first, t) = self.four(x.clamp(self.from, end));
-        let w = cubic_weights(t);
+        (first, cubic_weights(t))
+    }
+
+    /// [`Self::form`] at the x of a column.
+    fn form_on(&self, (first, w): &(usize, [f64; 4]), y: f64) -> [f64; 3] {
         let on = |layer: &[[f64; 3]]| std::array::from_fn(|k| (0..4).map(|j| layer[first + j][k] * w[j]).sum());
         if self.forms.len() == 1 {
             return on(&self.forms[0]);
@@ -119,32 +132,33 @@ impl BandMetric {
         }
         // With layers, the metric half way to the border of the disk depends on the border: a second round is needed.
         let rounds = if self.forms.len() > 1 { 2 } else { 1 };
-        self.stations()
-            .map(|x| {
-                let half = radius / self.form(x, self.at(line, x))[0];
-                // y over x of a disk around the point of the line at t.
-                let height = |t: f64| {
-                    let start = self.at(line, t);
-                    let (mut middle, mut reached) = (start, f64::NEG_INFINITY);
-                    for _ in 0..rounds {
-                        let [along, across, skew] = self.form(0.5 * (x + t), middle);
-                        let run = along * (x - t);
-                        let rise = radius * radius - run * run;
-                        if rise < 0.0 {
-                            return f64::NEG_INFINITY;
-                        }
-                        reached = sign * (start - skew * (x - t)) + rise.sqrt() / across;
-                        middle = 0.5 * (start + sign * reached);
+        let of_station = |i: usize| {
+            let x = self.from + self.step * i as f64;
+            let half = radius / self.form(x, line[i])[0];
+            // y over x of a disk around the point of the line at t.
+            let height = |t: f64| {
+                let start = self.at(line, t);
+                let column = self.column(0.5 * (x + t));
+                let (mut middle, mut reached) = (start, f64::NEG_INFINITY);
+                for _ in 0..rounds {
+                    let [along, across, skew] = self.form_on(&column, middle);
+                    let run = along * (x - t);
+                    let rise = radius * radius - run * run;
+                    if rise < 0.0 {
+                        return f64::NEG_INFINITY;
                     }
-                    reached
-                };
-                let place = |i: usize| x + half * (2.0 * i as f64 / DISK_PLACES as f64 - 1.0);
-                let best =
-                    (0..=DISK_PLACES).max_by(|a, b| height(place(*a)).total_cmp(&height(place(*b)))).unwrap_or(0);
-                let (low, high) = (place(best.saturating_sub(1)), place((best + 1).min(DISK_PLACES)));
-                sign * greatest(height, [low, high], GOLDEN_SECTIONS).max(height(x))
-            })
-            .collect()
+                    reached = sign * (start - skew * (x - t)) + rise.sqrt() / across;
+                    middle = 0.5 * (start + sign * reached);
+                }
+                reached
+            };
+            let place = |i: usize| x + half * (2.0 * i as f64 / DISK_PLACES as f64 - 1.0);
+            let heights: [f64; DISK_PLACES + 1] = std::array::from_fn(|i| height(place(i)));
+            let best = (0..=DISK_PLACES).max_by(|a, b| heights[*a].total_cmp(&heights[*b])).unwrap_or(0);
+            let (low, high) = (place(best.saturating_sub(1)), place((best + 1).min(DISK_PLACES)));
+            sign * greatest(height, [low, high], DISK_SHARE * half).max(height(x))
+        };
+        (0..self.count()).into_par_iter().with_min_len(STATIONS_PER_PIECE).map(of_station).collect()
     }
 }
 
