@@ -242,7 +242,7 @@ fn a_way_keeps_each_allowance_from_its_own_surfaces() {
             let axis = (face.surface.ruling(u).normalize() + out * 0.2).normalize();
             let tip = place + out * (ball.radius() + over) - axis * ball.radius();
             let keeps = |kept: Allowances| {
-                let slack = |rho: f64, s: f64, allowance: f64| ball.cutter_distance(rho, s) - allowance;
+                let slack = |rho: f64, s: f64, allowance: f64, _: f64| ball.cutter_distance(rho, s) - allowance;
                 obstacles.keeps(&tip, &axis, slack, kept, MotionBound { about: &tip, turn: 0.0, shift: 0.0 })
             };
             let least = |samples: &[Sample]| {

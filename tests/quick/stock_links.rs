@@ -7,7 +7,7 @@ use impellerc::diagnostics::Sink;
 use impellerc::ir::{Motion, MotionOperation, MoveKind, OperationKind, Program};
 use impellerc::plan::passes::pipeline;
 use impellerc::tool_stock::collide::{Cloud, ToolSolid};
-use impellerc::verify::clearance;
+use impellerc::verify::clearance::{self, ToolPart};
 use impellerc::verify::proof::piece;
 use impellerc::wheel::part::sample;
 use std::collections::BTreeSet;
@@ -32,7 +32,8 @@ fn least(program: &Program, motion: &Motion, at: usize, of: fn(&ToolSolid, f64, 
     let all = piece::pieces(&program.machine, motion, at);
     let links: Vec<piece::Piece> = all.into_iter().filter(|p| p.kind == MoveKind::Link).collect();
     let solid = &program.tools[program.operations[motion.operations[at].operation].tool].solid;
-    clearance::least(&links, solid, of, &cloud, SPACING * std::f64::consts::FRAC_1_SQRT_2, FAR)
+    let part = ToolPart::new(solid, of);
+    clearance::least(&links, &part, &cloud, SPACING * std::f64::consts::FRAC_1_SQRT_2, FAR)
         .map_or(FAR, |c| c.found.get())
 }
 

@@ -9,8 +9,9 @@ use impellerc::five_axis::Pose;
 use impellerc::ir::{Contract, ContractKind, JointMove, Motion, MotionOperation, MoveKind, OperationKind, Program};
 use impellerc::plan::passes::pipeline;
 use impellerc::tool_stock::collide::{Cloud, Cutter, ToolSolid};
+use impellerc::verify::clearance::{self, ToolPart};
+use impellerc::verify::dynamics;
 use impellerc::verify::proof::piece;
-use impellerc::verify::{clearance, dynamics};
 use impellerc::wheel::method::{AxisMethod, Lines, Spacing};
 use impellerc::wheel::part::sample;
 use nalgebra::Point3;
@@ -69,7 +70,7 @@ fn least(program: &Program, motion: &Motion, kind: MoveKind, of: fn(&ToolSolid, 
     let pieces: Vec<piece::Piece> =
         piece::pieces(&program.machine, motion, 0).into_iter().filter(|p| p.kind == kind).collect();
     let solid = &program.tools[program.operations.iter().next().unwrap().1.tool].solid;
-    clearance::least(&pieces, solid, of, &cloud, spacing * std::f64::consts::FRAC_1_SQRT_2, far)
+    clearance::least(&pieces, &ToolPart::new(solid, of), &cloud, spacing * std::f64::consts::FRAC_1_SQRT_2, far)
         .map_or(far, |c| c.found.get())
 }
 

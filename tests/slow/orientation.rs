@@ -15,8 +15,9 @@ use impellerc::five_axis::{Carried, CarriedKind};
 use impellerc::ir::{Contract, Motion, MoveKind, OperationKind, Program};
 use impellerc::plan::passes::pipeline;
 use impellerc::tool_stock::collide::{Cloud, ToolSolid};
+use impellerc::verify::clearance::{self, ToolPart};
 use impellerc::verify::proof::{piece, sweep};
-use impellerc::verify::{clearance, dynamics, obstacles, surface};
+use impellerc::verify::{dynamics, obstacles, surface};
 use impellerc::wheel::contract::{ContractKind, Guarded};
 use impellerc::wheel::method::{AxisMethod, Flank, FlankMethod, Lines, Spacing};
 use impellerc::wheel::part::{BladeId, SurfaceKind, kept::MilledTurned, sample};
@@ -309,7 +310,7 @@ fn clearances(program: &Program, motion: &Motion) -> [f64; 3] {
     let solid = &program.tools[program.operations.iter().next().unwrap().1.tool].solid;
     let half = spacing * std::f64::consts::FRAC_1_SQRT_2;
     let least = |f: fn(&ToolSolid, f64, f64) -> f64| {
-        clearance::least(&pieces, solid, f, &cloud, half, 3.0).map_or(3.0, |c| {
+        clearance::least(&pieces, &ToolPart::new(solid, f), &cloud, half, 3.0).map_or(3.0, |c| {
             println!("  found {:.3} mm, at least {:.3} mm", c.found.get(), c.distance.get());
             c.distance.get()
         })

@@ -9,7 +9,6 @@ use super::moving::{MAX_NEWTON, Moving};
 use super::ray::SKIN;
 use super::reach::{ReachQuestion, StepLanes};
 use super::sweep::{RayLine, SEARCH_GAP_MM, StepQuery};
-use super::tile::RayGroup;
 
 /// Bow below which a piece of time is not divided, mm: two tangents that intersect inside have an error of a quarter of
 /// it.
@@ -41,8 +40,6 @@ pub(super) struct Intervals {
     parts: Vec<IntervalPart>,
     /// Parts removed from the rays since the last [`Self::clear`].
     pub(super) chips: Vec<Chip>,
-    /// Groups of rays that a run may meet, with their numbers; kept for its memory.
-    pub(super) groups: Vec<(usize, RayGroup)>,
     vectors: pulp::Arch,
 }
 
@@ -79,7 +76,6 @@ impl Default for Intervals {
             unsettled: Vec::new(),
             parts: Vec::new(),
             chips: Vec::new(),
-            groups: Vec::new(),
             vectors: pulp::Arch::new(),
         }
     }

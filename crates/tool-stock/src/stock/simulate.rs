@@ -4,14 +4,13 @@
 //! processes them in program order. Tiles share no data, so that the result does not depend on the number of threads;
 //! sums over tiles are computed in the order of the tiles.
 
-use super::intervals::Intervals;
 use super::lune::{self, Lune};
 use super::moving::Moving;
 use super::run::{self, Frame, MAX_RUN_STEPS, Prepared};
 use super::shape::SolidShape;
 use super::slices::{Sides, Slices};
 use super::sweep::StepSweep;
-use super::tile::{Overlap, Removal, Tile};
+use super::tile::{Overlap, Removal, Tile, TileMemory};
 use super::{END_ERROR, Field, Step, Touched};
 use crate::collide::ToolSolid;
 use nalgebra::Point3;
@@ -118,7 +117,7 @@ pub fn cut(field: &mut Field, solid: &ToolSolid, steps: impl IntoIterator<Item =
         let frames = [0, 1, 2].map(|axis| Frame::of(field, axis));
         let prepared = frames.each_ref().map(|frame| run::prepare(&batch, &ordinals, &runs, &cutter, &[], frame));
         let each = |(tile, axis, list): &mut TileWork<'_>| {
-            let mut work = Intervals::default();
+            let mut work = TileMemory::default();
             for run in list.iter().map(|n| &prepared[*axis][*n as usize]) {
                 if let Some(run) = run.removing(0..run.steps.len()) {
                     tile.remove(&run, &mut work, None);
@@ -267,7 +266,7 @@ fn push_collision(outcome: &mut Outcome, found: Collision) {
 /// Processes the runs of a tile in order.
 fn run_tile(tile: &mut Tile, list: &[u32], prepared: &[Prepared], slices: &Slices) -> Said {
     let mut said = Said::default();
-    let mut work = Intervals::default();
+    let mut work = TileMemory::default();
     for &n in list {
         let run = &prepared[n as usize];
         // A part that touches no stock before the run touches none during the run, since the run adds no stock.
@@ -346,7 +345,7 @@ impl Said {
         run: &Prepared,
         steps: std::ops::Range<usize>,
         slices: &Slices,
-        work: &mut Intervals,
+        work: &mut TileMemory,
     ) {
         let Some(removing) = run.removing(steps) else { return };
         let mut removals = [Removal::NONE; MAX_RUN_STEPS];

@@ -305,10 +305,10 @@ impl Tile {
     pub(super) fn remove(
         &mut self,
         run: &RayRun,
-        work: &mut Intervals,
+        memory: &mut TileMemory,
         mut removals: Option<(&Slices, &mut [Removal])>,
     ) {
-        let mut groups = std::mem::take(&mut work.groups);
+        let TileMemory { intervals: work, groups } = memory;
         groups.clear();
         self.visit(run.whole, |number, group| {
             groups.push((number, *group));
@@ -316,7 +316,7 @@ impl Tile {
         });
         // The coarse group of which a fine one has changed.
         let mut changed = None;
-        for (number, group) in &groups {
+        for (number, group) in groups.iter() {
             work.clear();
             group.intervals(self.members(*number), |ray, line, part| work.push(line, ray, part));
             let reached = work.reached(run.lanes, &group.middle, group.lateral, group.window);
@@ -355,7 +355,6 @@ impl Tile {
         if let Some(coarse) = changed {
             self.map_coarse(coarse);
         }
-        work.groups = groups;
     }
 
     /// The deepest place of material inside a moving body, when deeper than `least`; a place deeper than `enough` ends the
@@ -401,6 +400,14 @@ impl Tile {
     }
 }
 
+/// Memory that one run leaves to the next.
+#[derive(Default)]
+pub(super) struct TileMemory {
+    intervals: Intervals,
+    /// Groups of rays that the run may meet, with their numbers.
+    groups: Vec<(usize, RayGroup)>,
+}
+
 /// A run of steps of a cutter.
 pub(super) struct RayRun<'a> {
     /// The whole run as one motion.
@@ -414,7 +421,7 @@ pub(super) struct RayRun<'a> {
 
 /// A fine group of rays, with the interval in which a body may meet it.
 #[derive(Clone, Copy)]
-pub(super) struct RayGroup {
+struct RayGroup {
     /// Line of the first ray, and distance between rays.
     first: RayLine,
     cell: f64,
