@@ -66,7 +66,7 @@ fn main() {
         for cell in cells {
             let size: f64 = cell.parse().expect("a number");
             timed(&format!("wei2021, cells {cell} mm"), || {
-                let mut settings = Settings { cell: Some(size), after: None };
+                let mut settings = Settings { cell: Some(size), each_sector: true, ..Settings::default() };
                 simulate(&program, &motion, &mut settings, &Default::default(), &mut Default::default())
                     .expect("a stock")
                     .rest()

@@ -71,7 +71,7 @@ pub(super) fn simulated<T>(
             stages.push(stage(o, name, mesh, drawn.cell()));
         }
     };
-    let mut settings = Settings { cell, after: None };
+    let mut settings = Settings { cell, ..Settings::default() };
     if wanted {
         settings.after = Some(&mut after);
     }

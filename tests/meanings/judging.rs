@@ -92,7 +92,7 @@ fn judged(post: &dyn Post, program: &Program, text: &str, (own, meant): (&Machin
 
 /// Coarse cells of the stock: what is found is found by the surfaces and the axes.
 fn cells() -> Settings<'static> {
-    Settings { cell: Some(4.0), after: None }
+    Settings { cell: Some(4.0), ..Settings::default() }
 }
 
 /// The text of a job in a dialect, without block numbers.

@@ -52,7 +52,7 @@ const LEFT: f64 = 500.0 / 8.0;
 const CELL: f64 = 1.0;
 
 fn certify(program: &Program, motion: &Motion, sink: &mut Sink) -> Certificate {
-    let mut settings = Settings { cell: Some(CELL), after: None };
+    let mut settings = Settings { cell: Some(CELL), ..Settings::default() };
     certify_with(program, motion, &mut settings, &Progress::default(), sink).unwrap()
 }
 

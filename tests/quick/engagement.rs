@@ -199,7 +199,7 @@ fn found_by_points(pieces: &[Pieces], radius: f64) -> Vec<f64> {
 }
 
 fn by_verifier(program: &Program, motion: &Motion, cell: Option<f64>) -> OperationStock {
-    let mut settings = Settings { cell, after: None };
+    let mut settings = Settings { cell, ..Settings::default() };
     let report = simulate(program, motion, &mut settings, &Progress::default(), &mut Sink::default());
     report.expect("a stock").operations.swap_remove(0)
 }

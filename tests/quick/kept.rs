@@ -481,7 +481,7 @@ fn harmed(poses: &[(Point3<f64>, Vector3<f64>)]) -> (Program, Motion) {
 fn errors(program: &Program, motion: &Motion) -> Vec<(String, String)> {
     let mut sink = Sink::default();
     // The largest cells that a job may have.
-    let mut settings = Settings { cell: Some(1.0), after: None };
+    let mut settings = Settings { cell: Some(1.0), ..Settings::default() };
     let _ = certify_with(program, motion, &mut settings, &Progress::default(), &mut sink);
     let errors = sink.diags().iter().filter(|d| d.severity == Severity::Error);
     errors.map(|d| (d.code.id().to_owned(), d.message.clone())).collect()

@@ -20,7 +20,7 @@ const CELL: f64 = 0.5;
 fn simulated(program: &Program, motion: &Motion) -> (StockReport, Vec<Field>) {
     let mut fields = Vec::new();
     let mut keep = |_: usize, field: &Field| fields.push(field.clone());
-    let mut settings = Settings { cell: Some(CELL), after: Some(&mut keep) };
+    let mut settings = Settings { cell: Some(CELL), after: Some(&mut keep), ..Settings::default() };
     let report = simulate(program, motion, &mut settings, &Progress::default(), &mut Sink::default()).expect("a stock");
     (report, fields)
 }
@@ -205,7 +205,7 @@ fn a_stock_without_the_part_is_refused() {
     let blank = program.stock.field(1.0).unwrap().mesh();
     let told = |mesh: &Mesh| {
         let mut sink = Sink::default();
-        let mut settings = Settings { cell: Some(1.0), after: None };
+        let mut settings = Settings { cell: Some(1.0), ..Settings::default() };
         let progress = Progress::default();
         verify::certify_with(&started(program, mesh), motion, &mut settings, &progress, &mut sink)
             .expect("a certificate");

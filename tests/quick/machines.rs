@@ -387,7 +387,7 @@ fn text_on(machine: &str, operations: &[&str]) -> (Program, String) {
     }
     program.tools = tools;
     // The largest cells that a job may have: the stock has no part in what is compared.
-    let (mut sink, mut settings) = (Sink::default(), Settings { cell: Some(1.0), after: None });
+    let (mut sink, mut settings) = (Sink::default(), Settings { cell: Some(1.0), ..Settings::default() });
     let motion = pipeline::run(&program, &mut sink).unwrap_or_else(|_| panic!("{:?}", sink.diags())).motion;
     let (motion, _) = examine(&program, motion, &mut settings, &Progress::default(), &mut sink).expect("a certificate");
     let motion = motion.unwrap_or_else(|_| panic!("{machine}: {:?}", sink.diags()));

@@ -90,6 +90,7 @@ mod surface_truths;
 mod symmetry;
 mod thickness;
 mod trochoid;
+mod turned_stock;
 mod validators;
 mod varied_fillets;
 mod verify_command;

@@ -48,7 +48,7 @@ fn channel(cutter: Cutter, flute: f64, neck: f64) -> [f64; 2] {
     let tool = program.tools.push(tool);
     program.operations.push(support::operation("channel", support::channel(0.2), tool, vec![0], 8.0));
     let plan = pipeline::run(&program, &mut Sink::default()).expect("a plan");
-    let mut settings = Settings { cell: Some(1.0), after: None };
+    let mut settings = Settings { cell: Some(1.0), ..Settings::default() };
     let progress = Progress::default();
     let certificate =
         certify_with(&program, &plan.motion, &mut settings, &progress, &mut Sink::default()).expect("a certificate");

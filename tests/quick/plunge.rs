@@ -169,7 +169,7 @@ fn stroke_beside_a_slot(program: &Program, tilt: f64, step: f64, cell: f64) -> O
     let first = strokes(program, tilt, &[0.0]).operations.swap_remove(0);
     let second = strokes(program, tilt, &[step]).operations.swap_remove(0);
     let motion = Motion { operations: vec![first, second] };
-    let mut settings = Settings { cell: Some(cell), after: None };
+    let mut settings = Settings { cell: Some(cell), ..Settings::default() };
     let found = simulate(program, &motion, &mut settings, &Progress::default(), &mut Sink::default());
     found.expect("a stock").operations.swap_remove(1)
 }
@@ -186,7 +186,7 @@ pub(crate) fn findings(
     motion: &Motion,
     cell: f64,
 ) -> (OperationStock, Vec<(Severity, &'static str)>) {
-    let (mut settings, mut sink) = (Settings { cell: Some(cell), after: None }, Sink::default());
+    let (mut settings, mut sink) = (Settings { cell: Some(cell), ..Settings::default() }, Sink::default());
     let found = simulate(program, motion, &mut settings, &Progress::default(), &mut sink).expect("a stock");
     report(program, motion, &found, &mut sink);
     (found.operations[0].clone(), sink.diags().iter().map(|d| (d.severity, d.code.id())).collect())
@@ -363,7 +363,7 @@ fn strokes_clear_the_channel_with_their_teeth() {
     let found = cut(&mut points, program, motion, 0.5);
     assert!(found.strokes > 400, "{found:?}");
     assert!(found.into_middle < 0.05, "{found:?}");
-    let mut settings = Settings { cell: Some(0.3), after: None };
+    let mut settings = Settings { cell: Some(0.3), ..Settings::default() };
     let stock = simulate(program, motion, &mut settings, &Progress::default(), &mut Sink::default()).unwrap();
     let (volume, removed) = (found.points as f64 * STEP.powi(3), stock.operations[0].removed.get());
     assert!((volume - removed).abs() < 0.02 * removed, "{volume} {removed}");

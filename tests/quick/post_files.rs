@@ -129,7 +129,7 @@ impl Certified {
         }
         let mut sink = Sink::default();
         // The largest cells: a post file changes what the control does between the points, not how the tool is loaded.
-        let mut settings = Settings { cell: Some(1.0), after: None };
+        let mut settings = Settings { cell: Some(1.0), ..Settings::default() };
         let fault = match certify_with(program, &motion, &mut settings, &Progress::default(), &mut sink) {
             Ok(certificate) if !sink.has_errors() && certificate.contracts.iter().all(|c| c.holds) => None,
             _ => Some(first(&sink)),

@@ -21,7 +21,7 @@ fn planned(program: &Program) -> Plan {
 
 /// The stock of the only operation, as the verifier simulates it.
 fn simulated(program: &Program, plan: &Plan) -> OperationStock {
-    let mut settings = Settings { cell: Some(CELL), after: None };
+    let mut settings = Settings { cell: Some(CELL), ..Settings::default() };
     let report = simulate(program, &plan.motion, &mut settings, &Progress::default(), &mut Sink::default());
     report.expect("a stock").operations.swap_remove(0)
 }

@@ -56,7 +56,7 @@ fn planned(program: &Program) -> Plan {
 }
 
 fn simulated(program: &Program, plan: &Plan) -> StockReport {
-    let mut settings = Settings { cell: Some(0.7), after: None };
+    let mut settings = Settings { cell: Some(0.7), ..Settings::default() };
     simulate(program, &plan.motion, &mut settings, &Progress::default(), &mut Sink::default()).expect("a stock")
 }
 

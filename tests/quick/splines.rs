@@ -60,7 +60,7 @@ fn verified(program: &Program, motion: &Motion) -> Verified<Motion> {
     program.contracts.clear();
     program.allowed.push(support::deep_slots());
     let mut sink = Sink::default();
-    let mut settings = verify::stock::Settings { cell: Some(1.0), after: None };
+    let mut settings = verify::stock::Settings { cell: Some(1.0), ..Default::default() };
     let progress = impellerc::base::progress::Progress::default();
     let (judged, _) = verify::examine(&program, motion.clone(), &mut settings, &progress, &mut sink).unwrap();
     judged.unwrap_or_else(|_| panic!("{:?}", sink.diags()))

@@ -21,7 +21,7 @@ use std::sync::LazyLock;
 const ROUNDING: f64 = 1e-9;
 
 /// The flank of `small` in all sectors, and the floor roughly, so that it is planned in a second.
-static WHEEL: LazyLock<(Program, Motion)> = LazyLock::new(|| {
+pub(super) static WHEEL: LazyLock<(Program, Motion)> = LazyLock::new(|| {
     let folder = jobs::small_with(&[
         ("  lead-in 5 mm  lead-out 5 mm  sectors 1, 8\n", "  lead-in 5 mm  lead-out 5 mm\n"),
         ("  sectors 1\n", "\n"),

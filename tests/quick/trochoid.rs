@@ -20,7 +20,7 @@ fn loops_keep_to_their_arc_and_are_one_run() {
     };
     let mut sink = Sink::default();
     let plan = pipeline::run(&program, &mut sink).unwrap();
-    let mut settings = Settings { cell: Some(CELL), after: None };
+    let mut settings = Settings { cell: Some(CELL), ..Settings::default() };
     let stock = simulate(&program, &plan.motion, &mut settings, &Progress::default(), &mut sink).unwrap();
     let (operation, found) = (&plan.motion.operations[0], &stock.operations[0]);
     let (mut largest, mut cuts, mut returns) = ([0.0_f64; 2], 0, 0.0);

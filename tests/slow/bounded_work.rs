@@ -11,7 +11,7 @@ use impellerc::verify::{Certificate, certify_with};
 use nalgebra::{Point3, Vector3};
 
 fn measured(program: &Program, motion: &Motion) -> (usize, Certificate) {
-    let mut settings = Settings { cell: Some(4.0), after: None };
+    let mut settings = Settings { cell: Some(4.0), ..Settings::default() };
     let mut sink = Sink::default();
     let certificate = certify_with(program, motion, &mut settings, &Progress::default(), &mut sink).unwrap();
     (certificate.surfaces.iter().map(|s| s.points).sum(), certificate)

@@ -48,7 +48,7 @@ fn ball() -> Cutter {
 /// Whether a motion keeps all contracts; of the contract on excess, which no vane keeps that nothing mills, only the part on
 /// the milled vanes. The stock has the largest cells: no contract is about it.
 fn keeps(program: &Program, motion: &Motion, sink: &mut Sink) -> bool {
-    let mut settings = Settings { cell: Some(1.0), after: None };
+    let mut settings = Settings { cell: Some(1.0), ..Settings::default() };
     let certificate = certify_with(program, motion, &mut settings, &Progress::default(), sink).expect("a certificate");
     let mut errors = sink.diags().iter().filter(|d| d.severity == Severity::Error);
     let not_milled = errors.all(|d| d.code == verification::EXCESS && d.message.contains("not machined"));

@@ -78,7 +78,7 @@ fn the_stock_that_stays_is_the_part_and_what_finishing_leaves() {
     let corners = |t: &[u32; 3]| t.map(|i| mesh.vertices[i as usize]);
     let area: f64 = mesh.triangles.iter().map(corners).map(|[a, b, c]| 0.5 * (b - a).cross(&(c - a)).norm()).sum();
     for cell in [2.0, 1.0] {
-        let mut settings = Settings { cell: Some(cell), after: None };
+        let mut settings = Settings { cell: Some(cell), ..Settings::default() };
         let stock =
             simulate(&program, &motion, &mut settings, &Progress::default(), &mut Sink::default()).expect("a stock");
         let removed: f64 = stock.operations.iter().map(|o| o.removed.get()).sum();

@@ -212,7 +212,7 @@ pub fn planned_flank() -> &'static Planned {
 /// The certificate of a motion for a look at surfaces alone: the cells of the stock are the largest ones, since proofs of
 /// surfaces do not see them.
 pub fn certified(program: &Program, motion: &Motion) -> Certificate {
-    let mut settings = Settings { cell: Some(1.0), after: None };
+    let mut settings = Settings { cell: Some(1.0), ..Settings::default() };
     certify_with(program, motion, &mut settings, &Progress::default(), &mut Sink::default()).expect("a certificate")
 }
 
@@ -220,7 +220,7 @@ pub fn certified(program: &Program, motion: &Motion) -> Certificate {
 pub fn simulated(program: &Program, motion: &Motion, cell: f64) -> (StockReport, Field) {
     let mut last = None;
     let mut keep = |_: usize, field: &Field| last = Some(field.clone());
-    let mut settings = Settings { cell: Some(cell), after: Some(&mut keep) };
+    let mut settings = Settings { cell: Some(cell), after: Some(&mut keep), ..Settings::default() };
     let report = simulate(program, motion, &mut settings, &Progress::default(), &mut Sink::default()).expect("a stock");
     (report, last.expect("an operation"))
 }

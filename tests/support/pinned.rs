@@ -109,7 +109,7 @@ pub fn planned_today(name: &str) -> String {
             let (sources, program) = jobs::front(&options);
             let plan = pipeline::run(&program, &mut Sink::default()).unwrap_or_else(|_| panic!("no plan of {name}"));
             // In coarse cells of the stock, as the tests judge it that change its text.
-            let (mut settings, mut sink) = (Settings { cell: Some(4.0), after: None }, Sink::default());
+            let (mut settings, mut sink) = (Settings { cell: Some(4.0), ..Settings::default() }, Sink::default());
             let examined = examine(&program, plan.motion.clone(), &mut settings, &Progress::default(), &mut sink);
             assert!(examined.is_ok_and(|(judged, _)| judged.is_ok()), "{name}: {:#?}", sink.diags());
             stage_text(&sources, &program, &plan)

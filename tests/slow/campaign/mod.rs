@@ -89,7 +89,7 @@ fn ask(dialect: Dialect, program: &Program, lines: &[String], cell: f64) -> Said
         && let Ok(certificate) = certify_with(
             program,
             &nc.motion,
-            &mut Settings { cell: Some(cell), after: None },
+            &mut Settings { cell: Some(cell), ..Settings::default() },
             &Progress::default(),
             &mut sink,
         )

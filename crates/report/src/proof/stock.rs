@@ -64,11 +64,18 @@ pub(crate) fn stock(text: Text<'_>, stock: &StockReport) -> Table {
         stock.rays,
         stock.blank.get()
     );
-    Table::new(title, rows, columns).with([
+    let turned = (stock.turned.get() > 0.0).then(|| {
+        format!(
+            "{} of the steps meet the same stock as another step, turned to its sector: they have the chips of that one",
+            Form::PERCENT.of(stock.turned.get())
+        )
+    });
+    let notes = [
         "depth: extent of the chips along the axis; as slot: depth at full width that loads the tool as much, for `max-depth`"
             .to_owned(),
         format!("the tools run in air for {} of the time", Form::PERCENT.of(stock.air_share())),
-    ])
+    ];
+    Table::new(title, rows, columns).with(notes.into_iter().chain(turned))
 }
 
 /// Time at feed over the arc of engagement.

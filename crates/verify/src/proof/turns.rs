@@ -6,8 +6,10 @@
 //! of partners at any time is known.
 
 use super::piece::Piece;
-use nalgebra::{Point3, Rotation3};
+use ir::MoveKind;
+use nalgebra::{Point3, Rotation3, Vector3};
 use rayon::prelude::*;
+use tool_stock::stock::{Step, StepKind};
 
 /// Largest distance of the tips of partners, mm.
 const TIP_ROUNDING: f64 = 1e-7;
@@ -22,6 +24,68 @@ const INTERPOLATED: f64 = 2.21;
 /// Number of classes with about the same key that a piece is compared with. A piece of one class more counts as one without
 /// partners.
 const MAX_COMPARED: usize = 64;
+
+/// A motion of the tool that may be another one, turned.
+pub(crate) trait Turnable: Sync {
+    /// Kinds of partners are equal.
+    type Kind: PartialEq;
+
+    fn kind(&self) -> Self::Kind;
+
+    /// Tip at both ends.
+    fn tips(&self) -> &[Point3<f64>; 2];
+
+    /// Axis at a share of the motion.
+    fn axis(&self, share: f64) -> Vector3<f64>;
+
+    /// Upper bound of how far the axis leaves, between its quarters, the polynomial of degree four through its axes there.
+    fn between_quarters(&self) -> f64;
+}
+
+/// The fifth derivative, which is at most the fifth power of both turns together, times the largest |t (t - 1/4) (t - 1/2)
+/// (t - 3/4) (t - 1)| / 5!, bounds how far an axis leaves the polynomial.
+impl Turnable for Piece<'_> {
+    type Kind = MoveKind;
+
+    fn kind(&self) -> MoveKind {
+        self.kind
+    }
+
+    fn tips(&self) -> &[Point3<f64>; 2] {
+        &self.tips
+    }
+
+    fn axis(&self, share: f64) -> Vector3<f64> {
+        self.pose(share).axis
+    }
+
+    fn between_quarters(&self) -> f64 {
+        let turn: f64 = self.rotary_turns().iter().sum();
+        2.96e-5 * turn * turn * turn * turn * turn
+    }
+}
+
+/// The axis of a step is a parabola.
+impl Turnable for Step {
+    type Kind = StepKind;
+
+    fn kind(&self) -> StepKind {
+        self.kind
+    }
+
+    fn tips(&self) -> &[Point3<f64>; 2] {
+        &self.tips
+    }
+
+    fn axis(&self, share: f64) -> Vector3<f64> {
+        let [a, m, b] = &self.axes;
+        a + ((m * 4.0 - a * 3.0 - b) + ((a + b) * 2.0 - m * 4.0) * share) * share
+    }
+
+    fn between_quarters(&self) -> f64 {
+        0.0
+    }
+}
 
 /// Class of a piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -40,6 +104,8 @@ pub(crate) struct TurnClasses {
     members: Vec<Member>,
     /// The same by class, then by pitches.
     by_class: Vec<Member>,
+    /// The first piece of each class in time.
+    first_in_time: Vec<u32>,
     /// Pieces, in the order of time, of classes that have not one in every sector.
     partial: Vec<u32>,
     /// Number of sectors.
@@ -72,11 +138,11 @@ struct First {
 
 impl TurnClasses {
     /// The classes of pieces in the order of time, for a part that `turns` turn into itself: by 0, 1, 2 ... pitches.
-    pub(crate) fn of(pieces: &[Piece<'_>], turns: &[Rotation3<f64>]) -> Self {
+    pub(crate) fn of(pieces: &[impl Turnable], turns: &[Rotation3<f64>]) -> Self {
         let vanes = turns.len();
         let count = u32::try_from(pieces.len()).unwrap_or(u32::MAX);
-        let keyed = |(piece, order): (&Piece<'_>, u32)| (key(piece, vanes), order);
-        let mut keys: Vec<(f64, u32)> = pieces.par_iter().zip(0..count).map(keyed).collect();
+        let keyed = |order: u32| (key(&pieces[order as usize], vanes), order);
+        let mut keys: Vec<(f64, u32)> = (0..count).into_par_iter().map(keyed).collect();
         keys.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         // The powers in a key enlarge a difference by at most the number of sectors.
         let window = TIP_ROUNDING * (2.0 + 2.0 * vanes as f64);
@@ -95,7 +161,7 @@ impl TurnClasses {
             let (class, pitches) = match partner {
                 Some((class, first, pitches, off)) => {
                     found.off = found.off.most(off);
-                    found.between = found.between.max(between_quarters(piece).max(between_quarters(&pieces[first])));
+                    found.between = found.between.max(piece.between_quarters()).max(pieces[first].between_quarters());
                     (class, pitches)
                 }
                 None => {
@@ -108,6 +174,11 @@ impl TurnClasses {
         }
         found.by_class.clone_from(&members);
         found.by_class.par_sort_unstable();
+        found.first_in_time = vec![u32::MAX; firsts.len()];
+        for member in &members {
+            let first = &mut found.first_in_time[member.class as usize];
+            *first = member.order.min(*first);
+        }
         found.members = members;
         found.partial = found.partial();
         found
@@ -142,9 +213,15 @@ impl TurnClasses {
 
     /// Whether a piece is the first of its class in time.
     pub(crate) fn is_first(&self, order: u32) -> bool {
-        let Some(own) = self.members.get(order as usize) else { return true };
-        let from = self.by_class.partition_point(|m| m.class < own.class);
-        self.by_class[from..].iter().take_while(|m| m.class == own.class).all(|m| order <= m.order)
+        self.first_of(order).0 == order
+    }
+
+    /// The first piece in time of the class of a piece, and the pitches from that one to the piece.
+    pub(crate) fn first_of(&self, order: u32) -> (u32, u32) {
+        let Some(own) = self.members.get(order as usize) else { return (order, 0) };
+        let first = self.first_in_time[own.class as usize];
+        let before = self.members[first as usize].pitches;
+        (first, (own.pitches + self.vanes - before) % self.vanes.max(1))
     }
 
     /// Upper bound of the distance between points of the tool in partners at any time, mm, for points within an arm of its tip.
@@ -156,9 +233,9 @@ impl TurnClasses {
 
 /// A value that is about the same for partners and differs for most other pieces. The power of the horizontal place turns with
 /// the number of sectors, so that a turn by a pitch leaves it as it is.
-fn key(piece: &Piece<'_>, vanes: usize) -> f64 {
+fn key(piece: &impl Turnable, vanes: usize) -> f64 {
     const WEIGHTS: [f64; 4] = [1.0, 0.754_877_666_2, 0.569_840_290_9, 0.381_966_011_3];
-    let [from, to] = &piece.tips;
+    let [from, to] = piece.tips();
     let radius = from.coords.xy().norm();
     let [x, y] = if radius > 0.0 { power([from.x / radius, from.y / radius], vanes) } else { [0.0; 2] };
     let values = [from.z, radius * x, radius * y, to.z];
@@ -179,12 +256,12 @@ fn power([mut x, mut y]: [f64; 2], mut exponent: usize) -> [f64; 2] {
 }
 
 /// The number of pitches by which a piece is another one turned, with their largest distances; `None` where it is not.
-fn turned(from: &Piece<'_>, to: &Piece<'_>, turns: &[Rotation3<f64>]) -> Option<(u32, Difference)> {
-    if from.kind != to.kind {
+fn turned<P: Turnable>(from: &P, to: &P, turns: &[Rotation3<f64>]) -> Option<(u32, Difference)> {
+    if from.kind() != to.kind() {
         return None;
     }
     // The angle between the horizontal directions that are farthest from the axis of the part.
-    let directions = |piece: &Piece<'_>| [piece.tips[0].coords, piece.tips[1].coords, piece.middle().axis];
+    let directions = |piece: &P| [piece.tips()[0].coords, piece.tips()[1].coords, piece.axis(0.5)];
     let [a, b] = [directions(from), directions(to)];
     let (a, b) = a.iter().zip(&b).max_by(|x, y| x.0.xy().norm().total_cmp(&y.0.xy().norm()))?;
     let angle = libm::atan2(a.x * b.y - a.y * b.x, a.x * b.x + a.y * b.y);
@@ -192,23 +269,16 @@ fn turned(from: &Piece<'_>, to: &Piece<'_>, turns: &[Rotation3<f64>]) -> Option<
     let pitches = (angle / std::f64::consts::TAU * count).round().rem_euclid(count) as usize % turns.len();
     let turn = &turns[pitches];
     let tip = |a: &Point3<f64>, b: &Point3<f64>| (turn * a - b).norm();
-    let mut off = Difference { tip: tip(&from.tips[0], &to.tips[0]).max(tip(&from.tips[1], &to.tips[1])), axis: 0.0 };
+    let mut off =
+        Difference { tip: tip(&from.tips()[0], &to.tips()[0]).max(tip(&from.tips()[1], &to.tips()[1])), axis: 0.0 };
     if off.tip > TIP_ROUNDING {
         return None;
     }
     for quarter in 0..=4 {
-        let [a, b] = [from, to].map(|piece| piece.pose(0.25 * f64::from(quarter)).axis);
+        let [a, b] = [from, to].map(|piece| piece.axis(0.25 * f64::from(quarter)));
         off.axis = off.axis.max((turn * a - b).norm());
     }
     (off.axis <= AXIS_ROUNDING).then(|| (u32::try_from(pitches).unwrap_or(u32::MAX), off))
-}
-
-/// Upper bound of how far the axis of a piece leaves, between its quarters, the polynomial of degree four through its axes there:
-/// the fifth derivative, which is at most the fifth power of both turns together, times the largest |t (t - 1/4) (t - 1/2)
-/// (t - 3/4) (t - 1)| / 5!.
-fn between_quarters(piece: &Piece<'_>) -> f64 {
-    let turn: f64 = piece.rotary_turns().iter().sum();
-    2.96e-5 * turn * turn * turn * turn * turn
 }
 
 #[cfg(test)]
@@ -218,8 +288,6 @@ mod tests {
     use super::*;
     use crate::proof::piece::{At, divide};
     use five_axis::{Chain, RotaryPose};
-    use ir::MoveKind;
-    use nalgebra::Vector3;
     use std::f64::consts::{PI, TAU};
 
     const VANES: usize = 7;

@@ -9,6 +9,7 @@ mod removal;
 mod report;
 mod steps;
 mod strokes;
+mod turned;
 
 pub use arcs::{ArcBound, ArcTimes, TimeAndPath};
 pub use cells::{default_cell, memory, usual_cell};
@@ -19,13 +20,16 @@ use base::progress::{Progress, Work};
 use base::units::{Deg, Kw, Mm, Mm3, Mm3PerSec, Sec, Share};
 use diagnostics::{Diag, Sink, codes::verification};
 use ir::{ContractKind, Motion, MotionOperation, MoveKind, Program};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
-use tool_stock::stock::{self, BlockCut, Field, FieldError, Outcome, Slices, Step, Touched};
+use tool_stock::collide::ToolSolid;
+use tool_stock::stock::{self, BlockCut, Field, FieldError, Outcome, Slices, Step, StepKind, Touched};
 
 use arcs::{Circle, StepArc};
 use removal::StepRemoval;
 use steps::{StepPlace, StepValue, steps};
+use turned::{Treatment, TurnedSteps};
 
 /// Steps that are simulated between two reports of progress.
 const STEPS_PER_REPORT: usize = 1 << 11;
@@ -58,6 +62,8 @@ pub struct Settings<'a> {
     pub cell: Option<f64>,
     /// Called after each operation.
     pub after: Option<AfterOperation<'a>>,
+    /// Simulate each sector, also where it meets the same stock as another one, turned.
+    pub each_sector: bool,
 }
 
 /// A largest value of a quantity with its place.
@@ -221,6 +227,9 @@ pub struct StockReport {
     pub cell: Mm,
     /// Number of rays.
     pub rays: usize,
+    /// Share of the steps whose chips are those of an earlier step that meets the same stock, turned.
+    #[serde(default, skip_serializing_if = "is_none")]
+    pub turned: Share,
     /// Volume of the blank, or of what is left of it before the first operation.
     pub blank: Mm3,
     /// Operations in order.
@@ -258,6 +267,11 @@ impl StockReport {
     }
 }
 
+/// A share that a file leaves out.
+fn is_none(share: &Share) -> bool {
+    share.get() == 0.0
+}
+
 /// Time in which nothing is removed, as a share of a time.
 fn air_share(air: Sec, time: Sec) -> f64 {
     if time.get() > 0.0 { air.get() / time.get() } else { 0.0 }
@@ -268,6 +282,68 @@ fn air_share(air: Sec, time: Sec) -> f64 {
 pub fn simulate(
     program: &Program,
     motion: &Motion,
+    settings: &mut Settings<'_>,
+    progress: &Progress,
+    sink: &mut Sink,
+) -> Option<StockReport> {
+    let turned = if settings.each_sector { None } else { TurnedSteps::of(program, &all_steps(program, motion)) };
+    let Some(turned) = turned else { return simulate_steps(program, motion, None, settings, progress, sink) };
+    let mut without = Settings { cell: settings.cell, ..Settings::default() };
+    let found = simulate_steps(program, motion, Some(&turned), &mut without, progress, sink)?;
+    if found.missing.is_some() {
+        // Missing stock is reported as a whole.
+        return simulate_steps(program, motion, None, settings, progress, sink);
+    }
+    // The figures do not depend on who asks for the stock itself.
+    if let Some(after) = &mut settings.after {
+        cut_all(program, motion, found.cell, after, progress)?;
+    }
+    Some(found)
+}
+
+/// Cuts the stock in each sector for a caller that asks for it after each operation; `None` when the run was cancelled.
+fn cut_all(
+    program: &Program,
+    motion: &Motion,
+    cell: Mm,
+    after: &mut AfterOperation<'_>,
+    progress: &Progress,
+) -> Option<()> {
+    let mut field = program.stock.field(cell.get()).ok()?;
+    for (o, operation) in motion.operations.iter().enumerate() {
+        let declared = &program.operations[operation.operation];
+        let work = progress.begin(format!("{}, stock for the outputs", declared.name), operation.moves.len());
+        let solid = &program.tools[declared.tool].solid;
+        let cutter = solid.cutter_alone(0.0);
+        let before = |(place, _): &(StepPlace, Step)| (place.index as usize).saturating_sub(1);
+        let cuts = steps(program, &operation.moves, solid.flute_length);
+        work.in_pieces(cuts, STEPS_PER_REPORT, before, |piece| {
+            let cuts = piece.into_iter().map(|(_, step)| step).filter(|step| step.kind != StepKind::Rapid);
+            stock::cut(&mut field, &cutter, cuts);
+        });
+        if progress.is_cancelled() {
+            return None;
+        }
+        after(o, &field);
+    }
+    Some(())
+}
+
+/// The steps of all operations with their tools.
+fn all_steps<'a>(program: &'a Program, motion: &Motion) -> Vec<(Vec<Step>, &'a ToolSolid)> {
+    let of = |operation: &MotionOperation| {
+        let solid = &program.tools[program.operations[operation.operation].tool].solid;
+        let steps: Vec<Step> = steps(program, &operation.moves, solid.flute_length).map(|(_, step)| step).collect();
+        (steps, solid)
+    };
+    motion.operations.par_iter().map(of).collect()
+}
+
+/// Simulates the operations; of turned steps only those that have to be.
+fn simulate_steps(
+    program: &Program,
+    motion: &Motion,
+    turned: Option<&TurnedSteps>,
     settings: &mut Settings<'_>,
     progress: &Progress,
     sink: &mut Sink,
@@ -293,9 +369,11 @@ pub fn simulate(
         }
         let name = format!("{}, stock", program.operations[operation.operation].name);
         let work = progress.begin(name, operation.moves.len().saturating_sub(1));
-        let mut report = run(program, operation, o, &mut field, &work);
+        let milled = Milled::new(program, operation, o, turned, &mut field, &work);
+        let mut report = milled.report(program, operation, field.cell());
         drop(work);
-        let rest = field.volume();
+        // Without some of the cuts the stock itself has too much.
+        let rest = if turned.is_some() { before - milled.volume() } else { field.volume() };
         (report.rest, report.removed) = (Mm3(rest), Mm3(before - rest));
         before = rest;
         if missing.is_none() {
@@ -311,7 +389,9 @@ pub fn simulate(
             after(o, &field);
         }
     }
-    Some(StockReport { cell: Mm(field.cell()), rays: field.rays(), blank: Mm3(blank), operations, missing })
+    let (cell, rays) = (Mm(field.cell()), field.rays());
+    let turned = turned.map_or(Share(0.0), TurnedSteps::share);
+    Some(StockReport { cell, rays, turned, blank: Mm3(blank), operations, missing })
 }
 
 /// Depth below the surface of the hub disc from which missing stock is reported, mm.
@@ -354,24 +434,51 @@ struct Milled {
 
 impl Milled {
     /// Simulates the steps of an operation, batch by batch.
-    fn new(program: &Program, operation: &MotionOperation, o: usize, field: &mut Field, work: &Work) -> Self {
+    fn new(
+        program: &Program,
+        operation: &MotionOperation,
+        o: usize,
+        turned: Option<&TurnedSteps>,
+        field: &mut Field,
+        work: &Work,
+    ) -> Self {
         let solid = &program.tools[program.operations[operation.operation].tool].solid;
+        let cutter = solid.cutter_alone(0.0);
         let mut places: Vec<StepPlace> = Vec::new();
         let mut outcome = Outcome::default();
         let stream = steps(program, &operation.moves, solid.flute_length);
         let before = |(place, _): &(StepPlace, Step)| (place.index as usize).saturating_sub(1);
+        let mut treatments = turned.map(|turned| turned.treatments(o));
         work.in_pieces(stream, STEPS_PER_REPORT, before, |piece| {
             let first = places.len();
             let mut steps = Vec::with_capacity(piece.len());
             for (n, (place, step)) in piece.into_iter().enumerate() {
-                steps.push(Step { block: u32::try_from(first + n).unwrap_or(u32::MAX), ..step });
+                let treatment = treatments.as_mut().and_then(Iterator::next).unwrap_or(Treatment::Measured);
+                steps.push((treatment, Step { block: u32::try_from(first + n).unwrap_or(u32::MAX), ..step }));
                 places.push(place);
             }
-            let made = stock::simulate(field, solid, steps);
-            outcome.cuts.extend(made.cuts);
-            outcome.collisions.extend(made.collisions);
+            for alike in steps.chunk_by(|a, b| a.0 == b.0) {
+                let steps = alike.iter().map(|(_, step)| *step);
+                match alike[0].0 {
+                    Treatment::Measured => {
+                        let made = stock::simulate(field, solid, steps);
+                        outcome.cuts.extend(made.cuts);
+                        outcome.collisions.extend(made.collisions);
+                    }
+                    Treatment::Cut => stock::cut(field, &cutter, steps),
+                    Treatment::Left => {}
+                }
+            }
         });
+        if let Some(turned) = turned {
+            turned.complete(o, &mut outcome);
+        }
         Self { operation: u32::try_from(o).unwrap_or(u32::MAX), places, outcome }
+    }
+
+    /// Removed volume, mm3.
+    fn volume(&self) -> f64 {
+        self.outcome.cuts.iter().map(|c| c.volume).sum()
     }
 
     /// The move of a step.
@@ -461,61 +568,63 @@ impl Milled {
     }
 }
 
-/// Simulates an operation; the caller adds the volumes of the whole stock.
-fn run(program: &Program, operation: &MotionOperation, o: usize, field: &mut Field, work: &Work) -> OperationStock {
-    let milled = Milled::new(program, operation, o, field, work);
-    let Milled { places, outcome, .. } = &milled;
-    let window = WINDOW_CELLS * field.cell();
-    let removal = StepRemoval::new(places, &outcome.cuts, window);
-    let declared = &program.operations[operation.operation];
-    let solid = &program.tools[declared.tool].solid;
-    let radius = solid.cutter.widest_below(solid.flute_length);
-    let slices = Slices::new(solid.flute_length, field.cell());
-    let circle = Circle { radius, cell: field.cell(), window, slices };
-    let arcs = arcs::of_steps(places, &removal, &outcome.cuts, &circle);
-    let arc = |c: &BlockCut| arcs.get(c.block as usize).map_or(0.0, |a| a.found);
-    // A stroke along the axis has no depth: its chips are as long as its way.
-    let depth = |c: &BlockCut| if c.lune.is_none() { c.height[1] - c.height[0] } else { 0.0 };
-    let width = |c: &BlockCut| {
-        let [from, to] = c.sides.over(0..=stock::SLICES - 1);
-        c.lune.as_ref().map_or(to - from, |lune| (radius - lune.inner()).max(0.0))
-    };
-    let diameter = 2.0 * solid.cutter.nominal_radius();
-    let slot = |c: &BlockCut| match c.lune {
-        None => arcs.get(c.block as usize).map_or(0.0, |a| a.full_depth / diameter),
-        Some(_) => 0.0,
-    };
-    let link = removal::fastest_link(places, &outcome.cuts, window);
-    let at_feed = |p: &StepPlace| p.kind != MoveKind::Rapid;
-    OperationStock {
-        operation: milled.operation,
-        name: declared.name.clone(),
-        removed: Mm3(0.0),
-        by_links: milled.by_links(),
-        link: link.and_then(|link| milled.peak_at(link)),
-        cut_rate: Mm3PerSec(removal::cut_rate(places, &outcome.cuts, window)),
-        rest: Mm3(0.0),
-        time: milled.time(&|_, _| true),
-        air: milled.time(&|i, _| !removal.cuts[i]),
-        feed: [milled.time(&|_, p| at_feed(p)), milled.time(&|i, p| at_feed(p) && !removal.cuts[i])],
-        arcs: ArcTimes::new(places, &removal, &arcs),
-        depth: milled.peak(&depth).filter(|p: &Peak<Mm>| p.value.get() > 0.0),
-        width: milled.peak(&|c| width(c)),
-        arc: milled.peak(&arc),
-        arc_bound: milled.arc_bound(&arcs, |_| true),
-        arc_outside_slots: milled.arc_bound(&arcs, |a| !a.slot),
-        slot_depth: milled.slot_depth(&arcs),
-        ramp: ramp::steepest(&program.tools[declared.tool], places, &outcome.cuts)
-            .and_then(|found| milled.peak_at(found)),
-        middle: strokes::deepest(&program.tools[declared.tool], places, &outcome.cuts)
-            .and_then(|found| milled.peak_at(found)),
-        slot: milled.peak(&slot).filter(|p: &Peak<Share>| p.value.get() > 0.0 && declared.kind.finishes()),
-        rate: removal.rate.and_then(|rate| milled.peak_at(rate)),
-        power: removal::power(program, declared, &removal).and_then(|power| milled.peak_at(power)),
-        chip: milled.chip(&removal, declared.speed.get() * f64::from(program.tools[declared.tool].flutes)),
-        collisions: milled.collisions(),
-        moves: engagement(operation.moves.len(), places, &removal, &arcs),
-        removal: removal.shares(program, declared, places, window, operation.moves.len()),
+impl Milled {
+    /// Effect of the operation on a stock with these cells, mm; the caller adds the volumes of the whole stock.
+    fn report(&self, program: &Program, operation: &MotionOperation, cell: f64) -> OperationStock {
+        let milled = self;
+        let Milled { places, outcome, .. } = milled;
+        let window = WINDOW_CELLS * cell;
+        let removal = StepRemoval::new(places, &outcome.cuts, window);
+        let declared = &program.operations[operation.operation];
+        let solid = &program.tools[declared.tool].solid;
+        let radius = solid.cutter.widest_below(solid.flute_length);
+        let slices = Slices::new(solid.flute_length, cell);
+        let circle = Circle { radius, cell, window, slices };
+        let arcs = arcs::of_steps(places, &removal, &outcome.cuts, &circle);
+        let arc = |c: &BlockCut| arcs.get(c.block as usize).map_or(0.0, |a| a.found);
+        // A stroke along the axis has no depth: its chips are as long as its way.
+        let depth = |c: &BlockCut| if c.lune.is_none() { c.height[1] - c.height[0] } else { 0.0 };
+        let width = |c: &BlockCut| {
+            let [from, to] = c.sides.over(0..=stock::SLICES - 1);
+            c.lune.as_ref().map_or(to - from, |lune| (radius - lune.inner()).max(0.0))
+        };
+        let diameter = 2.0 * solid.cutter.nominal_radius();
+        let slot = |c: &BlockCut| match c.lune {
+            None => arcs.get(c.block as usize).map_or(0.0, |a| a.full_depth / diameter),
+            Some(_) => 0.0,
+        };
+        let link = removal::fastest_link(places, &outcome.cuts, window);
+        let at_feed = |p: &StepPlace| p.kind != MoveKind::Rapid;
+        OperationStock {
+            operation: milled.operation,
+            name: declared.name.clone(),
+            removed: Mm3(0.0),
+            by_links: milled.by_links(),
+            link: link.and_then(|link| milled.peak_at(link)),
+            cut_rate: Mm3PerSec(removal::cut_rate(places, &outcome.cuts, window)),
+            rest: Mm3(0.0),
+            time: milled.time(&|_, _| true),
+            air: milled.time(&|i, _| !removal.cuts[i]),
+            feed: [milled.time(&|_, p| at_feed(p)), milled.time(&|i, p| at_feed(p) && !removal.cuts[i])],
+            arcs: ArcTimes::new(places, &removal, &arcs),
+            depth: milled.peak(&depth).filter(|p: &Peak<Mm>| p.value.get() > 0.0),
+            width: milled.peak(&|c| width(c)),
+            arc: milled.peak(&arc),
+            arc_bound: milled.arc_bound(&arcs, |_| true),
+            arc_outside_slots: milled.arc_bound(&arcs, |a| !a.slot),
+            slot_depth: milled.slot_depth(&arcs),
+            ramp: ramp::steepest(&program.tools[declared.tool], places, &outcome.cuts)
+                .and_then(|found| milled.peak_at(found)),
+            middle: strokes::deepest(&program.tools[declared.tool], places, &outcome.cuts)
+                .and_then(|found| milled.peak_at(found)),
+            slot: milled.peak(&slot).filter(|p: &Peak<Share>| p.value.get() > 0.0 && declared.kind.finishes()),
+            rate: removal.rate.and_then(|rate| milled.peak_at(rate)),
+            power: removal::power(program, declared, &removal).and_then(|power| milled.peak_at(power)),
+            chip: milled.chip(&removal, declared.speed.get() * f64::from(program.tools[declared.tool].flutes)),
+            collisions: milled.collisions(),
+            moves: engagement(operation.moves.len(), places, &removal, &arcs),
+            removal: removal.shares(program, declared, places, window, operation.moves.len()),
+        }
     }
 }
 
