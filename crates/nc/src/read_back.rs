@@ -308,10 +308,11 @@ fn compare(
         }
     };
     let off = (axis - pose.axis).norm();
-    // Three components, or two angles, each with an error of half a step.
+    // Three components, or two angles, each with an error of half a step; two axes that are not square turn the tool farther.
+    let ratio = program.machine.chain.most_turn_ratio();
     let bound = match read.direction {
         Direction::Axis(_) => half_step(digits.vector) * 3f64.sqrt(),
-        Direction::Rotary(..) => half_step(digits.angle).to_radians() * 2f64.sqrt(),
+        Direction::Rotary(..) => half_step(digits.angle).to_radians() * 2f64.sqrt() * ratio,
     };
     if off > bound + margin.1 {
         return Err(format!("the tool axis is off by {off:.3e} rad"));
