@@ -186,7 +186,9 @@ function setMove(i, share) {
 }
 function setTime(t) {
   const i = moveAt(t), before = i ? moves.end[i - 1] : 0, size = moves.end[i] - before;
-  setMove(i, size > 0 ? (t - before) / size : 1);
+  // The end of a move is its end also where a digit of the time is missing.
+  const share = size > 0 ? (t - before) / size : 1;
+  setMove(i, share > 1 - 1e-6 ? 1 : share);
 }
 
 /** Puts the tool at the end of a move of the program. */
