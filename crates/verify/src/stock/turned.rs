@@ -80,8 +80,8 @@ struct Bins {
     filled: Vec<bool>,
 }
 
-/// A bin: its place around, and its row and column.
-type Bin = (usize, usize);
+/// A bin: its place around, and its row and column. A tool meets some fifty of them in each step.
+type Bin = (u16, u16);
 
 impl Bins {
     fn new(blank: &TurnedProfile, vanes: usize) -> Self {
@@ -101,7 +101,7 @@ impl Bins {
     }
 
     fn count(&self) -> usize {
-        self.around * self.rows * self.columns
+        self.around * self.filled.len()
     }
 
     /// The bins that a ball meets.
@@ -125,7 +125,7 @@ impl Bins {
         };
         let places = rows.flat_map(|row| columns.clone().map(move |column| row * self.columns + column));
         for place in places.filter(|place| self.filled[*place]) {
-            found.extend((0..count).map(|k| ((first + k) % self.around, place)));
+            found.extend((0..count).map(|k| (narrow((first + k) % self.around), narrow(place))));
         }
     }
 
@@ -164,9 +164,14 @@ impl Bins {
     }
 
     /// Index of a bin that is turned by some pitches.
-    fn index(&self, (around, row): Bin, pitches: u32) -> usize {
-        let around = (around + pitches as usize * self.per_pitch) % self.around;
-        around * self.rows * self.columns + row
+    fn index(&self, (around, place): Bin, pitches: u32) -> usize {
+        let around = (usize::from(around) + pitches as usize * self.per_pitch) % self.around;
+        around * self.filled.len() + usize::from(place)
+    }
+
+    /// Sector of a bin.
+    fn sector(&self, (around, _): Bin) -> u64 {
+        (usize::from(around) / self.per_pitch) as u64
     }
 }
 
@@ -175,6 +180,11 @@ impl Bins {
 struct UnitClass {
     cutter: Vec<Vec<Bin>>,
     whole: Vec<Bin>,
+}
+
+/// A place of a bin: there are no more than fit, or no bins at all.
+fn narrow(place: usize) -> u16 {
+    u16::try_from(place).unwrap_or(u16::MAX)
 }
 
 /// A number whose bits depend on all bits of another one (the finaliser of splitmix64).
@@ -200,6 +210,9 @@ impl TurnedSteps {
         }
         let turns: Vec<Rotation3<f64>> = (0..vanes).map(|k| program.part.sector_rotation(k)).collect();
         let bins = Bins::new(&program.stock.profile, turns.len());
+        if bins.around.max(bins.filled.len()) > usize::from(u16::MAX) {
+            return None;
+        }
         let mut known: HashMap<(usize, u32, usize), usize> = HashMap::new();
         let mut firsts: Vec<(usize, Range<usize>)> = Vec::new();
         let mut all: Vec<Vec<Unit>> =
@@ -214,13 +227,19 @@ impl TurnedSteps {
                 });
             }
         }
+        // The first unit of each class has chips of its own.
+        let own: usize = firsts.iter().map(|(_, steps)| steps.len()).sum();
+        let count: usize = operations.iter().map(|(steps, _)| steps.len()).sum();
+        if own as f64 > (1.0 - LEAST_TURNED) * count as f64 {
+            return None;
+        }
         let class = |(o, steps): &(usize, Range<usize>)| {
             let (all, solid) = &operations[*o];
             bins.class(solid, &all[steps.clone()])
         };
         let classes: Vec<UnitClass> = firsts.par_iter().map(class).collect();
         let mut turned = Self { operations: all, turns };
-        turned.find_like(&bins, &classes, vanes);
+        turned.find_like(&bins, &classes);
         (turned.share().get() >= LEAST_TURNED).then(|| {
             turned.find_needed(&bins, &classes);
             turned
@@ -228,7 +247,7 @@ impl TurnedSteps {
     }
 
     /// Finds units that meet the same stock as an earlier one.
-    fn find_like(&mut self, bins: &Bins, classes: &[UnitClass], vanes: u32) {
+    fn find_like(&mut self, bins: &Bins, classes: &[UnitClass]) {
         let mut sums = vec![0_u128; bins.count()];
         for (o, units) in self.operations.iter_mut().enumerate() {
             let mut met: HashMap<(usize, u128), usize> = HashMap::new();
@@ -242,7 +261,7 @@ impl TurnedSteps {
                 for (step, own) in (unit.first..).zip(&class.cutter).filter(|_| cuts) {
                     for bin in own {
                         // The sector of the cut, counted from that of the bin, is the same for all partners.
-                        let sector = (bin.0 / bins.per_pitch) as u64 % u64::from(vanes);
+                        let sector = bins.sector(*bin);
                         let sum = &mut sums[bins.index(*bin, unit.pitches)];
                         *sum = sum.wrapping_add(mixed_pair((o as u64) << 32 | u64::from(step), sector));
                     }
