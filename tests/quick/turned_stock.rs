@@ -70,7 +70,7 @@ fn a_rapid_through_the_stock_of_one_sector_is_found() {
     }
 }
 
-/// Roughing that is left out in one sector is felt by finishing there, and in no other sector.
+/// Roughing that is left out in one sector is missing there, and finishing takes some of it.
 #[test]
 fn a_sector_that_is_not_roughed_is_found() {
     let (sector, vanes) = (4_u32, WHEEL.0.part.vane_count);

@@ -77,7 +77,7 @@ impl<'a> ToolPart<'a> {
 
     /// The nearest sample below a cutoff, with its distance.
     fn nearest(&self, cloud: &Cloud, tip: &Point3<f64>, axis: &Vector3<f64>, cutoff: f64) -> Option<(f64, usize)> {
-        let side = |rho: f64, s: f64, limit: f64| self.table.side(rho, s, &[0.0], limit, || self.at(rho, s));
+        let side = |rho: f64, s: f64, limit: f64| self.table.side(rho, s, &[0.0], limit, || [self.at(rho, s)]);
         cloud.nearest_by(tip, axis, |rho, s| self.at(rho, s), side, cutoff)
     }
 }

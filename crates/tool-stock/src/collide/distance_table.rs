@@ -54,10 +54,18 @@ impl<const N: usize> DistanceTable<N> {
         Self { low, per_mm: 1.0 / step, columns, rows, values, error: FRAC_1_SQRT_2 * step }
     }
 
-    /// Least distance over all parts, each less what is required of it, at a distance from the axis and a height over the tip;
-    /// or, where the table shows on which side of `limit` it lies, a number on that side that is no greater. `exact` computes it.
+    /// Least distance over all parts, each less what is required of it.
     #[inline]
-    pub fn side(&self, rho: f64, s: f64, required: &[f64; N], limit: f64, exact: impl FnOnce() -> f64) -> f64 {
+    pub fn least(distances: &[f64; N], required: &[f64; N]) -> f64 {
+        distances.iter().zip(required).map(|(d, required)| d - required).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Least distance over all parts, each less what is required of it, at a distance from the axis and a height over the tip;
+    /// or, where the table shows on which side of `limit` it lies, a number on that side that is no greater. `exact` computes the
+    /// distances.
+    #[inline]
+    pub fn side(&self, rho: f64, s: f64, required: &[f64; N], limit: f64, exact: impl FnOnce() -> [f64; N]) -> f64 {
+        let exact = || Self::least(&exact(), required);
         let (column, row) = (rho * self.per_mm + 0.5, (s - self.low) * self.per_mm + 0.5);
         // Casts saturate: no number is beyond both ends.
         let (i, j) = (column as usize, row as usize);
@@ -100,7 +108,7 @@ mod tests {
                     let mut asked = false;
                     let side = table.side(rho, s, &required, limit, || {
                         asked = true;
-                        exact
+                        [cutter, body]
                     });
                     assert_eq!(side < limit, exact < limit, "{rho} {s} {limit}: {side} {exact}");
                     assert!(side <= exact, "{rho} {s} {limit}: {side} {exact}");

@@ -169,16 +169,12 @@ impl<'a> ClearAxes<'a> {
 
     /// Distance of a point less the required distance; negative for a violation.
     fn slack(&self, rho: f64, s: f64) -> f64 {
-        distances(self.solid, rho, s)
-            .into_iter()
-            .zip(self.required)
-            .map(|(d, least)| d - least)
-            .fold(f64::INFINITY, f64::min)
+        DistanceTable::least(&distances(self.solid, rho, s), &self.required)
     }
 
     /// The slack, or anything on the same side of a limit.
     fn slack_side(&self, rho: f64, s: f64, limit: f64) -> f64 {
-        self.table.side(rho, s, &self.required, limit, || self.slack(rho, s))
+        self.table.side(rho, s, &self.required, limit, || distances(self.solid, rho, s))
     }
 
     /// True when every axis within the angle `cap` of this axis is within the travel of the rotary axes, touches with the lower half of

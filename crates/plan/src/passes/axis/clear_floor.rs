@@ -32,9 +32,13 @@ pub(crate) fn run<'a>(cx: &mut PassContext<'a>) -> Result<Middles<'a>, Aborted> 
         let Some(allowance) = operation.kind.of_larger_tool() else { continue };
         cx.go_on()?;
         let mut fits = false;
+        let bull_nose = TableTool::new(&program.tools[operation.tool].solid);
         for passage in program.part.passages() {
-            let widest = widest(cx, operation, passage, allowance);
-            let Some(middle) = widest.map(|middle| with_free_space(cx, operation, middle, allowance)) else { continue };
+            let widest = widest(cx, operation, &bull_nose, passage, allowance);
+            let Some(middle) = widest.map(|middle| with_free_space(cx, operation, &bull_nose, middle, allowance))
+            else {
+                continue;
+            };
             fits |= middle.fits();
             middles.insert((id, passage.id), middle);
         }
@@ -49,18 +53,23 @@ pub(crate) fn run<'a>(cx: &mut PassContext<'a>) -> Result<Middles<'a>, Aborted> 
 }
 
 /// The middle of the floor between the outer lines that leave most free space: each tool on its line keeps its distances.
-fn widest<'a>(cx: &PassContext<'a>, operation: &Operation, passage: Passage, allowance: Mm) -> Option<Middle<'a>> {
+fn widest<'a>(
+    cx: &PassContext<'a>,
+    operation: &Operation,
+    bull_nose: &TableTool<'_>,
+    passage: Passage,
+    allowance: Mm,
+) -> Option<Middle<'a>> {
     let program = cx.program;
     let mut all = Middle::all(program, operation, passage);
     if all.len() < 2 {
         return all.pop();
     }
     let places = all[0].places(operation);
-    let bull_nose = TableTool::new(&program.tools[operation.tool].solid);
     let clear = |middle: &Middle<'_>, share: f64| -> Vec<bool> {
         let at = |u: &f64| {
             let tool = middle.tool_at(program, operation, *u, share, AxisTilt::Along);
-            tool.is_some_and(|p| is_clear(cx, &bull_nose, &p, allowance))
+            tool.is_some_and(|p| is_clear(cx, bull_nose, &p, allowance))
         };
         places.par_iter().map(|u| !cx.progress.is_cancelled() && at(u)).collect()
     };
@@ -94,6 +103,7 @@ fn is_clear(cx: &PassContext<'_>, tool: &TableTool<'_>, at: &ClPoint, allowance:
 fn with_free_space<'a>(
     cx: &PassContext<'a>,
     operation: &Operation,
+    bull_nose: &TableTool<'_>,
     mut middle: Middle<'a>,
     allowance: Mm,
 ) -> Middle<'a> {
@@ -103,15 +113,14 @@ fn with_free_space<'a>(
     let free: Vec<bool> =
         places.par_iter().map(|u| work.do_step(|| middle.has_free_space(obstacles, *u)).unwrap_or(false)).collect();
     let clear = ClearAxes::new(program, obstacles, operation);
-    let solid = &program.tools[operation.tool].solid;
-    let bull_nose = TableTool::new(solid);
+    let solid = bull_nose.solid;
     let radius = solid.cutter.tip_radius();
     let turns = matches!(operation.kind.axis_method(), Some(AxisMethod::Corridor | AxisMethod::Xu));
     let fits = |u: f64, tilt: AxisTilt| {
         LINE_SHARES.iter().all(|share| {
             let Some(p) = middle.tool_at(program, operation, u, *share, tilt) else { return false };
             if operation.kind.axis_method() == Some(AxisMethod::Lead) {
-                return is_clear(cx, &bull_nose, &p, allowance);
+                return is_clear(cx, bull_nose, &p, allowance);
             }
             if turns {
                 return clear.has_candidate(&StandingBall::at(&p, radius), &p.axis, clear.scaled(CANDIDATE_MARGIN_MM));

@@ -72,18 +72,19 @@ pub struct TableTool<'a> {
 impl<'a> TableTool<'a> {
     /// The table of a tool.
     pub fn new(solid: &'a ToolSolid) -> Self {
-        let distances = |rho: f64, s: f64| [solid.cutter_distance(rho, s), solid.body_distance(rho, s)];
-        Self { solid, table: Arc::new(DistanceTable::new(solid, distances)) }
+        Self { solid, table: Arc::new(DistanceTable::new(solid, |rho, s| cutter_and_body(solid, rho, s))) }
     }
 
     /// Distance of a point less the distance that is required of the cutter, and of shank and holder, or anything on the same
     /// side of a limit.
     fn slack(&self, rho: f64, s: f64, required: &[f64; 2], limit: f64) -> f64 {
-        let [cutter, body] = *required;
-        self.table.side(rho, s, required, limit, || {
-            (self.solid.cutter_distance(rho, s) - cutter).min(self.solid.body_distance(rho, s) - body)
-        })
+        self.table.side(rho, s, required, limit, || cutter_and_body(self.solid, rho, s))
     }
+}
+
+/// Signed distances to the cutter, and to shank and holder.
+fn cutter_and_body(solid: &ToolSolid, rho: f64, s: f64) -> [f64; 2] {
+    [solid.cutter_distance(rho, s), solid.body_distance(rho, s)]
 }
 
 /// Bound of a motion: no tool point moves by more than `shift` plus `turn` times its distance from `about`.

@@ -143,10 +143,7 @@ impl<'a> DirectLinks<'a> {
     /// side of a limit.
     fn slack(&self, rho: f64, s: f64, least: f64, limit: f64) -> f64 {
         let required = self.required.map(|required| required.max(least));
-        self.table.side(rho, s, &required, limit, || {
-            let distances = distances(self.solid, rho, s);
-            distances.into_iter().zip(required).map(|(d, required)| d - required).fold(f64::INFINITY, f64::min)
-        })
+        self.table.side(rho, s, &required, limit, || distances(self.solid, rho, s))
     }
 
     /// Thickest ridge, up to a height over the tip, between two places of the tool whose tips are `length` apart and whose
