@@ -64,6 +64,14 @@ impl MotionOperation {
         self.splines.get(at).filter(|spline| spline.first <= index).map(|spline| (at, spline))
     }
 
+    /// Whether the axes come to rest before a move: before the last rapid of several in a row. There the tool turns
+    /// from its way over the part to its way in, at a speed near zero. What comes behind such a rest does not depend on what
+    /// is before it.
+    pub fn rests_before(&self, index: usize) -> bool {
+        let rapid = |i: usize| self.moves.get(i).is_some_and(|m| m.kind == MoveKind::Rapid);
+        index > 0 && rapid(index - 1) && rapid(index) && !rapid(index + 1)
+    }
+
     /// Whether a move goes on in the direction of the move before it: both are chords of one spline block, or of two that
     /// have no corner between them.
     pub fn runs_on(&self, index: usize) -> bool {

@@ -17,7 +17,8 @@
 //! LinuxCNC plans differently, see [`five_axis::linuxcnc`]: for machines with LinuxCNC, times and deviations are those
 //! of its planner.
 //!
-//! Where the axes have limits of jerk, the run is a slower one, see `jerk`. The time without these limits is kept as a
+//! Where the axes have limits of jerk, the run is a slower one, see `jerk`, which also comes to rest before the last rapid
+//! of several. The time without these limits is kept as a
 //! lower bound.
 
 mod active;
@@ -26,7 +27,7 @@ mod jerk;
 
 pub use active::{ActiveLimit, MotionLimit, MoveLimit};
 
-use super::proof::piece::At;
+use super::proof::piece::{At, part_count};
 use active::ActiveTimes;
 use base::units::{Deg, Mm, Sec, Share};
 use five_axis::control::Planning;
@@ -195,6 +196,8 @@ pub(super) struct MotionCell {
     level: Joint5,
     /// The block goes on from its predecessor without a corner: both are chords of spline blocks.
     runs_on: bool,
+    /// The run within the jerk starts from rest here ([`MotionOperation::rests_before`]).
+    rests: bool,
     /// Jump of q' at the start of a block by the time of this block, and the share of such curvature in it.
     jump: Joint5,
     shared: Joint5,
@@ -205,6 +208,7 @@ pub(super) struct MotionCell {
 }
 
 /// A part of a cell in the run.
+#[derive(Clone, Copy)]
 pub(super) struct MovePart {
     cell: usize,
     /// Programmed time, and real time, s.
@@ -420,6 +424,7 @@ fn cells(machine: &Machine, limits: &RunLimits, operation: &MotionOperation, rem
             let removal = removal.get(i + 1).map_or(0.0, |share| share.get());
             cells[block.cells.clone()].iter_mut().for_each(|cell| (cell.feed, cell.removal) = (feed, removal));
             join(limits, last.as_ref(), &mut block, operation.runs_on(i + 1), &mut cells);
+            cells[block.cells.start].rests = operation.rests_before(i + 1);
             last = Some(block);
         }
     }
@@ -465,7 +470,7 @@ fn block(
         let tip = tips[0] + (tips[1] - tips[0]) * t;
         machine.travelled(&machine.joints(&tip, between(from.rotary, to.rotary, t)), length)
     };
-    let count = (machine.turn(from.rotary, to.rotary) / MAX_CELL_TURN).ceil().clamp(1.0, MAX_CELLS_PER_BLOCK);
+    let count = part_count(machine.turn(from.rotary, to.rotary) / MAX_CELL_TURN).min(MAX_CELLS_PER_BLOCK);
     let width = time / count;
     let first = cells.len();
     let mut ends = [[0.0; 5]; 2];
@@ -498,6 +503,7 @@ fn block(
             sag: Vector3::new(second[0], second[1], second[2]).norm(),
             level,
             runs_on: false,
+            rests: false,
             jump: [0.0; 5],
             shared: [0.0; 5],
             flutes: 0.0,

@@ -45,8 +45,9 @@ impl<'a> Symmetry<'a> {
             let few = pieces.iter().map(Vec::len).sum::<usize>() as f64 <= most;
             few.then(|| sweeps.iter().zip(pieces).filter_map(|(sweep, pieces)| sweep.of_pieces(pieces)).collect())
         };
-        let unshared = (0..vanes).into_par_iter().map(without).collect();
-        Self { sweeps, vanes, first: busiest(sweeps, vanes), unshared }
+        let unshared: Vec<Option<Vec<Sweep<'a>>>> = (0..vanes).into_par_iter().map(without).collect();
+        let first = like_most_others(sweeps, unshared.iter().flatten().flatten(), vanes);
+        Self { sweeps, vanes, first, unshared }
     }
 
     /// Whether any sector may follow from the first one.
@@ -95,16 +96,34 @@ impl<'a> Symmetry<'a> {
     }
 }
 
-/// The first sector that has about as many pieces as any: it is the one to prove.
-fn busiest(sweeps: &[Sweep<'_>], vanes: u32) -> u32 {
+/// Of the sectors that have about as many pieces as any, the first with the fewest pieces that another sector lacks: from it
+/// most others follow. Often it is the second, since the first one is cut with both neighbours still full.
+fn like_most_others<'a, 's>(
+    sweeps: &[Sweep<'_>],
+    unshared: impl Iterator<Item = &'s Sweep<'a>>,
+    vanes: u32,
+) -> u32
+where
+    'a: 's,
+{
+    let pieces = in_sectors(sweeps.iter(), vanes);
+    let alone = in_sectors(unshared, vanes);
+    let most = pieces.iter().copied().max().unwrap_or(0) as f64;
+    let busy = (0..vanes as usize).filter(|sector| pieces[*sector] as f64 >= MIN_OF_BUSIEST * most);
+    busy.min_by_key(|sector| alone[*sector]).and_then(|sector| u32::try_from(sector).ok()).unwrap_or(0)
+}
+
+/// Number of the pieces in each sector.
+fn in_sectors<'a, 's>(sweeps: impl Iterator<Item = &'s Sweep<'a>>, vanes: u32) -> Vec<usize>
+where
+    'a: 's,
+{
     let mut counts = vec![0_usize; vanes as usize];
-    for piece in sweeps.iter().flat_map(Sweep::in_time) {
+    for piece in sweeps.flat_map(Sweep::in_time) {
         let middle = piece.middle().tip;
         let share = libm::atan2(middle.y, middle.x) / std::f64::consts::TAU;
         let sector = (share.rem_euclid(1.0) * f64::from(vanes)) as usize;
         counts[sector.min(vanes as usize - 1)] += 1;
     }
-    let most = counts.iter().copied().max().unwrap_or(0) as f64;
-    let first = counts.iter().position(|count| *count as f64 >= MIN_OF_BUSIEST * most);
-    first.and_then(|sector| u32::try_from(sector).ok()).unwrap_or(0)
+    counts
 }

@@ -24,6 +24,7 @@ use jerk::{Bounds, Rows};
 use path::{PathSpan, SpeedPath};
 use ramp::{Creep, Even, Most, Ramp};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// Share by which rounding may exceed a limit.
 const LIMIT_ROUNDING: f64 = 1e-12;
@@ -245,20 +246,16 @@ pub fn plan(stations: &[Station], limits: &Limits, rounding: &Rounding) -> Profi
         legs: Vec::new(),
         creep: [[0.0; 2]; 2],
     };
-    // A standstill divides the path: the run comes to rest there.
-    let stands = |i: usize| stations[i].joints == stations[i - 1].joints;
-    let mut first = 0;
-    for i in 1..=stations.len() {
-        if i == stations.len() || stands(i) {
-            if i - first > 1 {
-                moving(&stations[first..i], limits, rounding, first, &mut profile);
-            }
-            if i < stations.len() {
-                profile.time += stations[i].time;
-                profile.least += stations[i].time;
-            }
-            first = i;
-        }
+    for moving in between_standstills(stations) {
+        let run = Run::new(&stations[moving.clone()], limits, rounding);
+        profile.least += run.least_time(limits);
+        profile.creep = run.creep;
+        settle(&run, limits, moving.start, &mut profile);
+    }
+    // The first station of each part but the first is a standstill.
+    for i in standstills(stations) {
+        profile.time += stations[i].time;
+        profile.least += stations[i].time;
     }
     if let Some(segment) = profile.segments.first_mut() {
         *segment = Segment { time: 0.0, share: 0.0 };
@@ -266,48 +263,96 @@ pub fn plan(stations: &[Station], limits: &Limits, rounding: &Rounding) -> Profi
     profile
 }
 
-/// Plans the run through stations that all differ from their predecessors.
-fn moving(stations: &[Station], limits: &Limits, rounding: &Rounding, first: usize, profile: &mut Profile) {
-    let path = SpeedPath::new(stations, &limits.acceleration, rounding);
-    let mut grid = SpeedGrid::new(&path, path.knots(), &limits.speed);
-    let limited = limits.jerk.iter().any(|j| j.is_finite());
-    if limited {
-        grid.keep_steady(limits);
+/// The largest speed of each segment in the run that [`plan`] finds, as a share of the speed at the least time of the
+/// segment; 0 for the first, which has no motion.
+pub fn speed_shares(stations: &[Station], limits: &Limits, rounding: &Rounding) -> Vec<f64> {
+    let mut shares = vec![1.0; stations.len()];
+    for moving in between_standstills(stations) {
+        let run = Run::new(&stations[moving.clone()], limits, rounding);
+        let shares = &mut shares[moving];
+        shares[1..].fill(0.0);
+        for leg in &run.legs {
+            let share: &mut f64 = &mut shares[leg.segment as usize];
+            *share = share.max(run.share(leg));
+        }
     }
-    let y = passes::run(&grid.spans, &limits.acceleration, &knot_caps(&grid.caps));
-    let (knots, ramps) = grid.resolved(&y, limits);
-    grid = SpeedGrid::new(&path, knots, &limits.speed);
-    if limited {
-        grid.keep_steady(limits);
+    if let Some(share) = shares.first_mut() {
+        *share = 0.0;
     }
-    let y = passes::run(&grid.spans, &limits.acceleration, &knot_caps(&grid.caps));
-    profile.least += {
-        let feeds: Vec<f64> = grid.knots[1..].iter().map(|k| path.rate[k.1 as usize].powi(2)).collect();
-        bound::least_time(&grid.spans, limits, &feeds)
-    };
-    let mut legs: Vec<Leg> = Vec::with_capacity(grid.spans.len());
-    if !limited {
-        for (i, span) in grid.spans.iter().enumerate() {
-            let y = [y[i], 0.5 * (y[i] + y[i + 1]), y[i + 1]];
-            legs.push(Leg {
+    shares
+}
+
+/// Stations with the joints of their predecessors: a standstill divides the path, and the run comes to rest there.
+fn standstills(stations: &[Station]) -> impl Iterator<Item = usize> {
+    (1..stations.len()).filter(|i| stations[*i].joints == stations[*i - 1].joints)
+}
+
+/// The stations between standstills, as far as the axes move there.
+fn between_standstills(stations: &[Station]) -> impl Iterator<Item = Range<usize>> {
+    let mut first = 0;
+    standstills(stations).chain([stations.len()]).filter_map(move |end| {
+        let moving = std::mem::replace(&mut first, end)..end;
+        (moving.len() > 1).then_some(moving)
+    })
+}
+
+/// A run through stations that all differ from their predecessors.
+struct Run {
+    path: SpeedPath,
+    grid: SpeedGrid,
+    legs: Vec<Leg>,
+    /// Length and time of its start from rest and of its end to rest.
+    creep: [[f64; 2]; 2],
+}
+
+impl Run {
+    fn new(stations: &[Station], limits: &Limits, rounding: &Rounding) -> Self {
+        let path = SpeedPath::new(stations, &limits.acceleration, rounding);
+        let mut grid = SpeedGrid::new(&path, path.knots(), &limits.speed);
+        let limited = limits.jerk.iter().any(|j| j.is_finite());
+        if limited {
+            grid.keep_steady(limits);
+        }
+        let y = passes::run(&grid.spans, &limits.acceleration, &knot_caps(&grid.caps));
+        let (knots, ramps) = grid.resolved(&y, limits);
+        grid = SpeedGrid::new(&path, knots, &limits.speed);
+        if limited {
+            grid.keep_steady(limits);
+        }
+        let y = passes::run(&grid.spans, &limits.acceleration, &knot_caps(&grid.caps));
+        let mut legs: Vec<Leg> = Vec::with_capacity(grid.spans.len());
+        let creep = if limited {
+            smooth(&path, &grid, &y, &ramps, limits, &mut legs)
+        } else {
+            legs.extend(grid.spans.iter().enumerate().map(|(i, span)| Leg {
                 segment: grid.knots[i + 1].1,
                 from: grid.knots[i].0,
                 width: span.width,
                 rate: span.rate,
-                y,
-            });
-        }
-        profile.creep = [[0.0; 2]; 2];
-    } else {
-        profile.creep = smooth(&path, grid, &y, &ramps, limits, &mut legs);
+                y: [y[i], 0.5 * (y[i] + y[i + 1]), y[i + 1]],
+            }));
+            [[0.0; 2]; 2]
+        };
+        Self { path, grid, legs, creep }
     }
-    settle(&legs, limits, &path, first, profile);
+
+    /// Lower bound of the time of every run along this path.
+    fn least_time(&self, limits: &Limits) -> f64 {
+        let feeds: Vec<f64> = self.grid.knots[1..].iter().map(|k| self.path.rate[k.1 as usize].powi(2)).collect();
+        bound::least_time(&self.grid.spans, limits, &feeds)
+    }
+
+    /// Largest speed of a leg, as a share of the speed at the least time of its segment.
+    fn share(&self, leg: &Leg) -> f64 {
+        let most = leg.y.iter().fold(0.0_f64, |a, b| a.max(*b)).sqrt();
+        (most / self.path.rate[leg.segment as usize]).min(1.0)
+    }
 }
 
 /// The run within the jerk: adds its legs; returns length and time of its start from rest and of its end to rest.
 fn smooth(
     path: &SpeedPath,
-    grid: SpeedGrid,
+    grid: &SpeedGrid,
     y: &[f64],
     ramps: &[Ramp],
     limits: &Limits,
@@ -348,8 +393,9 @@ fn smooth(
     [[0.0; 2]; 2]
 }
 
-/// Computes times, speeds and shares of legs.
-fn settle(legs: &[Leg], limits: &Limits, path: &SpeedPath, first: usize, profile: &mut Profile) {
+/// Computes times, speeds and shares of a run from station `first` on.
+fn settle(run: &Run, limits: &Limits, first: usize, profile: &mut Profile) {
+    let Run { path, legs, .. } = run;
     let spans: Vec<PathSpan> = legs.iter().map(|l| path.span(l.segment, l.from, l.from + l.width)).collect();
     let rows = SpanRows::new(&spans, limits);
     for segment in &mut profile.segments[first + 1..first + path.at.len()] {
@@ -360,7 +406,7 @@ fn settle(legs: &[Leg], limits: &Limits, path: &SpeedPath, first: usize, profile
         let time = jerk::time(leg.width, leg.y);
         let segment = &mut profile.segments[first + leg.segment as usize];
         segment.time += time;
-        segment.share = segment.share.max((most / path.rate[leg.segment as usize]).min(1.0));
+        segment.share = segment.share.max(run.share(leg));
         for k in 0..AXES {
             let [acceleration, jerk] = rows.largest(i, k, &leg.y);
             let shares = [
@@ -375,7 +421,7 @@ fn settle(legs: &[Leg], limits: &Limits, path: &SpeedPath, first: usize, profile
         profile.time += time;
     }
     let ends = [legs.first(), legs.last()];
-    for (leg, [_, time]) in ends.into_iter().flatten().zip(profile.creep) {
+    for (leg, [_, time]) in ends.into_iter().flatten().zip(run.creep) {
         profile.segments[first + leg.segment as usize].time += time;
         profile.time += time;
     }

@@ -16,11 +16,18 @@ use super::active::{LimitOfAxis, MotionLimit, NO_CORNER};
 use super::{CornerError, Joint5, MotionCell, MovePart, RunLimits};
 use five_axis::feedrate::jerk::{self, Bounds, Rows};
 use five_axis::feedrate::ramp::{self, Creep, Even, Most, Ramp};
-use five_axis::feedrate::{self as feedrate};
+use five_axis::feedrate;
 use nurbs::bracket::Bracket;
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+use std::ops::Range;
 
 /// Share by which a sum that meets its bound may exceed it by rounding.
 const SUM_ROUNDING: f64 = 1e-9;
+
+/// Share of a limit, or of a time, by which cells of a sector differ from those of another that it repeats: positions are
+/// the same to some 1e-13 mm, which is 1e-9 of an acceleration in the shortest blocks.
+const CELL_ROUNDING: f64 = 1e-7;
 
 /// Halvings in the search of the speed at which a corner can be rounded.
 const CORNER_SPEED_HALVINGS: usize = 40;
@@ -190,29 +197,84 @@ impl Rows for JerkRows<'_> {
     }
 }
 
-/// The run through cells, from stop to stop.
+/// The run through cells, from rest to rest. What is alike is run once.
 pub(super) fn run(limits: &RunLimits, cells: &[MotionCell]) -> Vec<MovePart> {
+    let ranges = from_rest_to_rest(cells);
+    let like = first_alike(limits, cells, &ranges);
+    let own: Vec<Vec<MovePart>> = (0..ranges.len())
+        .into_par_iter()
+        .map(|r| if like[r] == r { moving(limits, &cells[ranges[r].clone()]) } else { Vec::new() })
+        .collect();
     let mut parts = Vec::with_capacity(cells.len());
-    let mut first = 0;
-    while first < cells.len() {
-        let (mut scale, mut least, mut most) = (1.0, 1.0_f64, 1.0_f64);
-        let ends = |i: &usize| {
-            scale /= cells[*i].ratio;
-            (least, most) = (least.min(scale), most.max(scale));
-            cells[*i].ratio <= 0.0 || most > MAX_SCALE_RATIO * least
-        };
-        let stop = (first + 1..cells.len()).find(ends).unwrap_or(cells.len());
-        let start = parts.len();
-        moving(limits, cells, first..stop, &mut parts);
+    for (range, like) in ranges.into_iter().zip(like) {
+        let (first, start) = (range.start, parts.len());
+        parts.extend(own[like].iter().map(|part| MovePart { cell: first + part.cell, ..*part }));
         // A control that does not stop here deviates from the corner as at its largest speed.
         if let (Some(before), Some(part)) = (first.checked_sub(1), parts.get_mut(start))
             && cells[first].ratio > 0.0
         {
             part.from = corner(limits, &cells[before], &cells[first]) * cells[first].ratio * cells[first].ratio;
         }
-        first = stop;
     }
     parts
+}
+
+/// The cells between the places at which the run comes to rest.
+fn from_rest_to_rest(cells: &[MotionCell]) -> Vec<Range<usize>> {
+    let mut ranges = Vec::new();
+    let mut first = 0;
+    while first < cells.len() {
+        let (mut scale, mut least, mut most) = (1.0, 1.0_f64, 1.0_f64);
+        let ends = |i: &usize| {
+            scale /= cells[*i].ratio;
+            (least, most) = (least.min(scale), most.max(scale));
+            cells[*i].rests || cells[*i].ratio <= 0.0 || most > MAX_SCALE_RATIO * least
+        };
+        let stop = (first + 1..cells.len()).find(ends).unwrap_or(cells.len());
+        ranges.push(first..stop);
+        first = stop;
+    }
+    ranges
+}
+
+/// For each range of cells the first one that is run alike: for a sector that repeats another one, that of the other.
+fn first_alike(limits: &RunLimits, cells: &[MotionCell], ranges: &[Range<usize>]) -> Vec<usize> {
+    let mut of_length: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    let mut first = |r: usize| {
+        let known = of_length.entry(ranges[r].len()).or_default();
+        let alike = |k: &usize| {
+            let pairs = cells[ranges[*k].clone()].iter().zip(&cells[ranges[r].clone()]);
+            pairs.enumerate().all(|(i, (a, b))| run_alike(limits, a, b, i == 0))
+        };
+        known.iter().copied().find(alike).unwrap_or_else(|| {
+            known.push(r);
+            r
+        })
+    };
+    (0..ranges.len()).map(&mut first).collect()
+}
+
+/// Whether two cells are run alike: all that the run takes from them is the same to [`CELL_ROUNDING`] of the limits. At the
+/// start of a range the corner behind does not count.
+fn run_alike(limits: &RunLimits, a: &MotionCell, b: &MotionCell, at_start: bool) -> bool {
+    let near = |a: f64, b: f64, scale: f64| a == b || (a - b).abs() <= CELL_ROUNDING * scale;
+    let all = |a: &Joint5, b: &Joint5, scale: &Joint5| (0..5).all(|k| near(a[k], b[k], scale[k]));
+    let corner = || {
+        // y is at most 1.
+        near(a.corner.min(1.0), b.corner.min(1.0), a.corner.min(1.0))
+            && near(a.ratio, b.ratio, a.ratio)
+            && near(a.rounding_time, b.rounding_time, a.rounding_time)
+            && near(a.flutes, b.flutes, limits.feeds[0])
+            && all(&a.jump, &b.jump, &limits.speed)
+            && a.runs_on == b.runs_on
+    };
+    near(a.width, b.width, a.width)
+        && near(a.cap, b.cap, a.cap)
+        && all(&a.rate, &b.rate, &limits.speed)
+        && all(&a.second, &b.second, &limits.acceleration)
+        && all(&a.level, &b.level, &limits.acceleration)
+        && all(&a.shared, &b.shared, &limits.speed)
+        && (at_start || corner())
 }
 
 /// Largest y that the run reaches from y over a span, within the acceleration.
@@ -241,7 +303,7 @@ fn within_accelerations(limits: &RunLimits, spans: &[JerkSpan], knots: &[f64]) -
     y
 }
 
-/// The cells from one stop to the next.
+/// The cells from one rest to the next.
 struct SpanChain {
     spans: Vec<JerkSpan>,
     /// Largest y at the knots, corners included.
@@ -257,13 +319,12 @@ struct DividedChain {
 
 impl SpanChain {
     /// Each cell as a span, by a parameter whose rate is continuous over corners.
-    fn new(limits: &RunLimits, axes: &feedrate::Limits, cells: &[MotionCell], range: std::ops::Range<usize>) -> Self {
-        let mut spans: Vec<JerkSpan> = Vec::with_capacity(range.len());
+    fn new(limits: &RunLimits, axes: &feedrate::Limits, cells: &[MotionCell]) -> Self {
+        let mut spans: Vec<JerkSpan> = Vec::with_capacity(cells.len());
         let mut knots = vec![f64::INFINITY];
         let mut scale = 1.0;
-        for i in range.clone() {
-            let cell = &cells[i];
-            if i > range.start {
+        for (i, cell) in cells.iter().enumerate() {
+            if i > 0 {
                 knots.push(corner(limits, &cells[i - 1], cell) * scale * scale);
                 scale /= cell.ratio;
             }
@@ -319,10 +380,10 @@ impl SpanChain {
     }
 }
 
-/// The run from one stop to the next.
-fn moving(limits: &RunLimits, cells: &[MotionCell], range: std::ops::Range<usize>, parts: &mut Vec<MovePart>) {
+/// The run from one rest to the next.
+fn moving(limits: &RunLimits, cells: &[MotionCell]) -> Vec<MovePart> {
     let axes = feedrate::Limits { speed: limits.speed, acceleration: limits.acceleration, jerk: limits.jerk };
-    let DividedChain { chain, at, ramps } = SpanChain::new(limits, &axes, cells, range).divided(limits);
+    let DividedChain { chain, at, ramps } = SpanChain::new(limits, &axes, cells).divided(limits);
     let bounds = chain.upper_bounds(limits);
     let guess = ramp::guess(&at, &bounds, &ramps);
     let whole = chain.spans;
@@ -342,15 +403,15 @@ fn moving(limits: &RunLimits, cells: &[MotionCell], range: std::ops::Range<usize
         let rows = JerkRows { spans: &spans, limits: axes };
         let accelerations = [ends[0].acceleration, ends[1].acceleration];
         let Some(c) = jerk::limit(&widths, &bounds, &guess, rate * rate, accelerations, &rows) else { continue };
-        parts.extend((0..n).map(|i| rows.part(i, jerk::over_span(&widths, &c, i))));
+        let mut parts: Vec<MovePart> = (0..n).map(|i| rows.part(i, jerk::over_span(&widths, &c, i))).collect();
         // The factor by which the run was slowed down applies to both ends as well.
         let slower = rate / c[0].sqrt();
-        let first = parts.len() - n;
         for (i, end) in [(0, &ends[0]), (n - 1, &ends[1])] {
-            let part = &mut parts[first + i];
+            let part = &mut parts[i];
             part.width += end.way / spans[i].scale;
             part.time += end.time * slower;
         }
-        return;
+        return parts;
     }
+    Vec::new()
 }

@@ -219,13 +219,22 @@ impl PatchTask<'_> {
         cell.depth < deepest
     }
 
-    /// True if no cutter comes within a distance of any place of the patch.
+    /// True if no cutter comes within a distance of any place of the patch on the part.
     pub(crate) fn keeps_clear(&self, distance: f64) -> bool {
         let far = self.gather_below(distance);
         let (columns, rows) =
             (CellBlock::runs([0, self.grid.patch.columns]), CellBlock::runs([0, self.grid.patch.rows]));
         let mut blocks = columns.iter().flat_map(|x| rows.iter().map(|y| CellBlock { x: *x, y: *y }));
-        far.is_empty() || blocks.all(|block| self.narrow(&far, &self.hull(&block), distance).is_empty())
+        let is_clear = |near: &[Near], cell: &CellBlock| {
+            let hull = self.hull(cell);
+            let keeps = |c: PieceCandidate| self.sweeps[c.sweep as usize].below(c.piece, &hull, distance).bound >= distance;
+            near.iter().all(|near| keeps(near.candidate)) || self.lies(&hull) == Lies::Outside
+        };
+        far.is_empty()
+            || blocks.all(|block| {
+                let near = self.narrow(&far, &self.hull(&block), distance);
+                near.is_empty() || block.cells().all(|cell| is_clear(&near, &cell))
+            })
     }
 
     /// All pieces that can be within a distance of some place of the patch, by the hull of the whole patch.

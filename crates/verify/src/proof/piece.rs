@@ -5,6 +5,10 @@ use five_axis::{Angles, Chain, Joints, Machine, Pose, RotaryPose, between};
 use ir::{Motion, MoveKind};
 use nalgebra::{Point3, Vector3};
 
+/// Share of a part by which the number of parts of a move may exceed a whole number through rounding: moves of whole parts
+/// are divided alike in all sectors.
+const COUNT_ROUNDING: f64 = 1e-6;
+
 /// Largest turn of a piece when the rotary axes are at a right angle, radians: 1 deg.
 const MAX_PIECE_TURN: f64 = std::f64::consts::PI / 180.0;
 
@@ -220,7 +224,12 @@ pub(crate) fn piece_count(chain: &Chain, [from, to]: &[RotaryPose; 2]) -> f64 {
     // error.
     let sharper = libm::cbrt(chain.turning().third / Turning::RIGHT_ANGLE.third);
     let turns = chain.turn(from.rotary, to.rotary) / MAX_PIECE_TURN * sharper;
-    turns.max((to.tip - from.tip).norm() / MAX_PIECE_LENGTH).ceil().max(1.0)
+    part_count(turns.max((to.tip - from.tip).norm() / MAX_PIECE_LENGTH))
+}
+
+/// Number of parts of a move that is so many times as long as the longest part.
+pub(crate) fn part_count(lengths: f64) -> f64 {
+    (lengths - COUNT_ROUNDING).ceil().max(1.0)
 }
 
 /// Divides a move into pieces.

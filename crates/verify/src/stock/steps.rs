@@ -1,6 +1,7 @@
 //! Steps of the stock simulation: the moves of an operation, divided where they are long, and taken together where they are
 //! too short to show a chip.
 
+use super::super::proof::piece::part_count;
 use five_axis::{Pose, between};
 use ir::{JointMove, MoveKind, Program};
 use nalgebra::{Point3, Vector3};
@@ -9,10 +10,6 @@ use tool_stock::stock::{self, Step, StepKind};
 
 /// Longest tip motion of a step, mm; this is the resolution of air cuts and engagement.
 const MAX_STEP_LENGTH: f64 = 2.0;
-
-/// Share of a step by which a number of steps may exceed a whole number through rounding: moves of whole steps are divided alike in
-/// all sectors.
-const COUNT_ROUNDING: f64 = 1e-6;
 
 /// Tip motion of a move, mm, under which moves are taken together: the ends of rays are known to [`stock::END_ERROR`], and a
 /// chip counts from twice of it on. In a move of ten times of it, chips up to 12 deg from the sides of a slot do not.
@@ -129,8 +126,7 @@ fn steps_of<'a>(
     let tips = [program.machine.forward(&from).tip, program.machine.forward(&to).tip];
     let way = tips[1] - tips[0];
     let turn = program.machine.turn(from.rotary, to.rotary);
-    let count = (turn / stock::MAX_STEP_TURN).max(way.norm() / MAX_STEP_LENGTH) - COUNT_ROUNDING;
-    let count = count.ceil().max(1.0);
+    let count = part_count((turn / stock::MAX_STEP_TURN).max(way.norm() / MAX_STEP_LENGTH));
     let axis = move |t: f64| program.machine.chain.tool_axis(between(from.rotary, to.rotary, t));
     let [first, index] = [piece.start, piece.end - 1].map(|i| u32::try_from(i).unwrap_or(u32::MAX));
     (0..count as usize).map(move |k| {

@@ -2,17 +2,20 @@
 //!
 //! Before: joints with process feeds. After: each feed is at most the process feed, and the largest feed that the tip
 //! reaches in this block when the axes run through the operation as fast as their speeds, accelerations and jerks allow
-//! ([`five_axis::feedrate`] defines a feasible feed). In addition no axis exceeds its speed when the block is run at
+//! ([`five_axis::feedrate`] defines a feasible feed), with a rest before the last rapid of several
+//! ([`MotionOperation::rests_before`]). Sectors that run alike from rest to rest are run once. In addition no axis exceeds its speed when the block is run at
 //! its feed alone; [`Machine::planned_time`] proves this over the whole block, rapids included. The times of the moves
 //! follow from the feeds; the verifier simulates the additional time for acceleration and braking.
 
 use base::progress::Progress;
 use five_axis::feedrate::{self, AXES, Limits, Rounding, Station};
-use five_axis::{Joints, Machine, between};
+use five_axis::{Carries, Joints, Machine, between};
 use ir::motion::MotionOperation;
+use ir::repeats::POSITION_ROUNDING;
 use ir::{JointMove, Motion, MoveKind, Program};
 use nalgebra::Point3;
 use rayon::prelude::*;
+use std::collections::BTreeMap;
 
 /// Turn between two stations, radians: a joint 100 mm from a rotary axis leaves its chord by 15 um over this turn.
 const STATION_TURN: f64 = 2.0 * std::f64::consts::PI / 180.0;
@@ -36,7 +39,7 @@ pub(crate) fn run(program: &Program, progress: &Progress, motion: &mut Motion) {
             // Corners count the turns of both axes as at a right angle.
             height: tool.solid.flute_length * machine.chain.most_turn_ratio(),
         };
-        let mut reached = reached_feeds(machine, tool.length(), &rounding, &operation.moves);
+        let mut reached = reached_feeds(machine, tool.length(), &rounding, operation);
         // A spline block has one word: the largest feed of its chords. Between them the control slows down by itself, as
         // within a straight block.
         for spline in &operation.splines {
@@ -68,7 +71,62 @@ fn one_feed_a_block(machine: &Machine, operation: &mut MotionOperation) {
 }
 
 /// Largest feed of each move in the fastest run through all of them, mm/min; `None` where the tip stands still.
-fn reached_feeds(machine: &Machine, length: f64, rounding: &Rounding, moves: &[JointMove]) -> Vec<Option<f64>> {
+fn reached_feeds(
+    machine: &Machine,
+    length: f64,
+    rounding: &Rounding,
+    operation: &MotionOperation,
+) -> Vec<Option<f64>> {
+    let moves = &operation.moves;
+    let starts: Vec<usize> = (0..moves.len()).filter(|i| *i == 0 || operation.rests_before(*i)).collect();
+    // Each from the joints at which it starts.
+    let runs: Vec<&[JointMove]> = starts
+        .iter()
+        .zip(starts.iter().skip(1).chain([&moves.len()]))
+        .map(|(start, end)| &moves[start.saturating_sub(1)..*end])
+        .collect();
+    let mut of_length: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    let like: Vec<usize> = runs
+        .iter()
+        .enumerate()
+        .map(|(i, run)| {
+            let known = of_length.entry(run.len()).or_default();
+            let found = known.iter().copied().find(|k| run_alike(machine, runs[*k], run));
+            found.unwrap_or_else(|| {
+                known.push(i);
+                i
+            })
+        })
+        .collect();
+    let own: Vec<Vec<Option<f64>>> = (0..runs.len())
+        .into_par_iter()
+        .map(|i| if like[i] == i { run_feeds(machine, length, rounding, runs[i]) } else { Vec::new() })
+        .collect();
+    let mut feeds = Vec::with_capacity(moves.len());
+    for (start, like) in starts.iter().zip(like) {
+        // The first entry is that of the joints at the start, which belong to the run before.
+        feeds.extend_from_slice(&own[like][usize::from(*start > 0)..]);
+    }
+    feeds
+}
+
+/// Whether the axes take the same way. A rotary axis on which the part lies may be turned by a constant.
+fn run_alike(machine: &Machine, a: &[JointMove], b: &[JointMove]) -> bool {
+    let on_table = machine.chain.axes()[1].carries == Carries::Part;
+    let turned = |run: &[JointMove], m: &JointMove| {
+        m.joints.rotary[1] - if on_table { run[0].joints.rotary[1] } else { 0.0 }
+    };
+    a.len() == b.len()
+        && a.iter().zip(b).enumerate().all(|(i, (p, q))| {
+            (i == 0 || (p.kind == q.kind && p.feed == q.feed))
+                && (p.joints.xyz - q.joints.xyz).amax() <= POSITION_ROUNDING.0
+                && (p.joints.rotary[0] - q.joints.rotary[0]).abs() <= POSITION_ROUNDING.1
+                && (turned(a, p) - turned(b, q)).abs() <= POSITION_ROUNDING.1
+        })
+}
+
+/// The same in a run from rest to rest; the first move only gives the joints at its start.
+fn run_feeds(machine: &Machine, length: f64, rounding: &Rounding, moves: &[JointMove]) -> Vec<Option<f64>> {
     let Some(first) = moves.first() else { return Vec::new() };
     let mut tip = machine.forward(&first.joints).tip;
     let mut stations =
@@ -99,11 +157,11 @@ fn reached_feeds(machine: &Machine, length: f64, rounding: &Rounding, moves: &[J
     }
     let limits =
         Limits { speed: machine.planned_speeds(), acceleration: machine.accelerations(), jerk: machine.jerks() };
-    let profile = feedrate::plan(&stations, &limits, rounding);
+    let shares = feedrate::speed_shares(&stations, &limits, rounding);
     let mut feeds = vec![None; moves.len()];
-    for (i, (segment, of)) in profile.segments.iter().zip(of).enumerate().skip(1) {
+    for (i, (share, of)) in shares.into_iter().zip(of).enumerate().skip(1) {
         let distance = (Point3::from(stations[i].tip) - Point3::from(stations[i - 1].tip)).norm();
-        let feed = distance / stations[i].time * segment.share * 60.0;
+        let feed = distance / stations[i].time * share * 60.0;
         if feed > feeds[of].unwrap_or(0.0) {
             feeds[of] = Some(feed);
         }
