@@ -5,7 +5,7 @@
 //! the cuts that have reached it: over their classes of partners ([`crate::proof::turns`]) and their sectors, counted from that of
 //! the bin. Two partners whose bins have the same sums meet the same stock, turned: the sums do not depend on the order of the
 //! cuts, as the stock does not. So the first one of them is simulated with its chips. Other cuts are simulated, without chips, where
-//! they reach a bin of a later step that is.
+//! they reach a bin of a later step that is. A tool outside of the blank meets no stock.
 //!
 //! Nothing is taken from the planner: a block that was changed in one sector belongs to another class there, so that its chips, and
 //! those of all that meet its cut, are its own. Sums of different cuts agree by chance once in 1e30 pairs.
@@ -32,6 +32,9 @@ const ACROSS: f64 = 16.0;
 
 /// Reserve about a tool, mm: more than partners differ by.
 const RESERVE: f64 = 1e-2;
+
+/// Length of the parts of a tool that are compared with the blank, by its radius.
+const SHORT: f64 = 0.5;
 
 /// Share of the steps with the chips of another one from which on it pays.
 const LEAST_TURNED: f64 = 0.2;
@@ -129,38 +132,39 @@ impl Bins {
         }
     }
 
-    /// Bins that parts of a tool, given by heights and radius, meet in a step.
-    fn of(&self, parts: &[(f64, f64, f64)], step: &Step) -> Vec<Bin> {
+    /// The bins that parts of a tool meet in a step.
+    fn of(&self, parts: &[ToolPart], step: &Step) -> Vec<Bin> {
         let mut found = Vec::new();
-        let tip = step.tips[0] + (step.tips[1] - step.tips[0]) * 0.5;
-        let axis = step.axes[1];
-        let way = 0.5 * (step.tips[1] - step.tips[0]).norm();
-        let turn = (step.axes[0] - axis).norm().max((step.axes[2] - axis).norm());
-        for (from, to, radius) in parts {
-            let count = ((to - from) / radius.max(self.size)).ceil().max(1.0);
-            let length = (to - from) / count;
-            for k in 0..count as usize {
-                let height = from + length * (k as f64 + 0.5);
-                let moved = way + 1.1 * turn * (height + length);
-                let ball = libm::hypot(*radius, 0.5 * length) + moved + RESERVE;
-                self.add(&(tip + axis * height), ball, &mut found);
-            }
+        for part in parts {
+            part.balls(step, part.radius.max(self.size)).for_each(|(centre, radius)| self.add(&centre, radius, &mut found));
         }
         found.sort_unstable();
         found.dedup();
         found
     }
 
-    fn class(&self, solid: &ToolSolid, steps: &[Step]) -> UnitClass {
-        let cutter = [(0.0, solid.flute_length, solid.cutter.widest_below(solid.flute_length))];
+    /// A step of which the tool is outside of the blank meets no bins.
+    fn class(&self, blank: &TurnedProfile, solid: &ToolSolid, steps: &[Step]) -> UnitClass {
+        let widest = solid.cutter.widest_below(solid.flute_length);
+        let cutter = [ToolPart { from: 0.0, to: solid.flute_length, radius: widest }];
         let sections = solid.shank.iter().chain(&solid.holder);
-        let body: Vec<_> = sections.map(|s| (s.from, s.to, s.radius_from.max(s.radius_to))).collect();
-        let cutter: Vec<Vec<Bin>> = steps.iter().map(|step| self.of(&cutter, step)).collect();
-        let mut whole: Vec<Bin> = steps.iter().flat_map(|step| self.of(&body, step)).collect();
-        whole.extend(cutter.iter().flatten());
-        whole.sort_unstable();
-        whole.dedup();
-        UnitClass { cutter, whole }
+        let body: Vec<_> =
+            sections.map(|s| ToolPart { from: s.from, to: s.to, radius: s.radius_from.max(s.radius_to) }).collect();
+        let outside = |step: &Step| {
+            let mut parts = cutter.iter().chain(&body);
+            parts.all(|part| {
+                let mut balls = part.balls(step, SHORT * part.radius);
+                balls.all(|(p, radius)| blank.distance([p.coords.xy().norm(), p.z]) > radius)
+            })
+        };
+        let mut found = UnitClass { cutter: vec![Vec::new(); steps.len()], whole: Vec::new() };
+        for (step, own) in steps.iter().zip(&mut found.cutter).filter(|(step, _)| !outside(step)) {
+            *own = self.of(&cutter, step);
+            found.whole.extend(own.iter().copied().chain(self.of(&body, step)));
+        }
+        found.whole.sort_unstable();
+        found.whole.dedup();
+        found
     }
 
     /// Index of a bin that is turned by some pitches.
@@ -172,6 +176,31 @@ impl Bins {
     /// Sector of a bin.
     fn sector(&self, (around, _): Bin) -> u64 {
         (usize::from(around) / self.per_pitch) as u64
+    }
+}
+
+/// A part of a tool by its heights and its largest radius, mm.
+struct ToolPart {
+    from: f64,
+    to: f64,
+    radius: f64,
+}
+
+impl ToolPart {
+    /// Balls that hold this part of the tool in a step, each about a length of at most `longest`.
+    fn balls(&self, step: &Step, longest: f64) -> impl Iterator<Item = (Point3<f64>, f64)> {
+        let Self { from, to, radius } = *self;
+        let tip = step.tips[0] + (step.tips[1] - step.tips[0]) * 0.5;
+        let axis = step.axes[1];
+        let way = 0.5 * (step.tips[1] - step.tips[0]).norm();
+        let turn = (step.axes[0] - axis).norm().max((step.axes[2] - axis).norm());
+        let count = ((to - from) / longest).ceil().max(1.0);
+        let length = (to - from) / count;
+        (0..count as usize).map(move |k| {
+            let height = from + length * (k as f64 + 0.5);
+            let moved = way + 1.1 * turn * (height + length);
+            (tip + axis * height, libm::hypot(radius, 0.5 * length) + moved + RESERVE)
+        })
     }
 }
 
@@ -235,7 +264,7 @@ impl TurnedSteps {
         }
         let class = |(o, steps): &(usize, Range<usize>)| {
             let (all, solid) = &operations[*o];
-            bins.class(solid, &all[steps.clone()])
+            bins.class(&program.stock.profile, solid, &all[steps.clone()])
         };
         let classes: Vec<UnitClass> = firsts.par_iter().map(class).collect();
         let mut turned = Self { operations: all, turns };
