@@ -67,6 +67,9 @@ const MAX_REPORTED_LINES: usize = 8;
 /// Difference of two figures of a head that the digits of words and figures explain: absolute, and as a share.
 const FIGURE_ROUNDING: (f64, f64) = (0.011, 1e-2);
 
+/// The same of a time, s: the run within the jerk of the axes depends on the last digits of the words.
+const TIME_ROUNDING: f64 = 5.0;
+
 /// Largest difference of a proved bound, um, and as a share of the bound of the contract.
 const BOUND_ROUNDING_UM: f64 = 1.0;
 const OF_BOUND: f64 = 0.1;
@@ -222,17 +225,37 @@ fn is_hash(line: &str) -> bool {
     HEAD.iter().any(|word| line.starts_with(word)) || line.starts_with("file sha256 ") || line.starts_with("named ")
 }
 
+/// A number of a line, and by how much it may differ at least.
+struct Figure {
+    value: f64,
+    rounding: f64,
+}
+
+impl Figure {
+    /// A number, or a time as hours, minutes and seconds.
+    fn of(word: &str) -> Option<Self> {
+        let word = word.trim_end_matches(',');
+        let number = word.parse().ok().map(|value| Self { value, rounding: FIGURE_ROUNDING.0 });
+        number.or_else(|| {
+            let mut parts = word.split(':').map(|part| part.parse::<u32>().ok().map(f64::from));
+            let [hours, minutes, seconds] = [parts.next()??, parts.next()??, parts.next()??];
+            let value = (60.0 * hours + minutes) * 60.0 + seconds;
+            parts.next().is_none().then_some(Self { value, rounding: TIME_ROUNDING })
+        })
+    }
+}
+
 /// The words of a line without its numbers, and the numbers.
-fn words_and_numbers(line: &str) -> (String, Vec<f64>) {
+fn words_and_numbers(line: &str) -> (String, Vec<Figure>) {
     let mut numbers = Vec::new();
     let words: Vec<&str> = line
         .split(' ')
-        .map(|word| match word.trim_end_matches(',').parse::<f64>() {
-            Ok(number) => {
-                numbers.push(number);
+        .map(|word| match Figure::of(word) {
+            Some(figure) => {
+                numbers.push(figure);
                 "#"
             }
-            Err(_) => word,
+            None => word,
         })
         .collect();
     (words.join(" "), numbers)
@@ -245,7 +268,7 @@ fn agree(stated: &str, due: &str) -> bool {
     }
     if let Some((due, required)) = due.split_once(REQUIRED) {
         // A proved bound of a length depends on the last digits of the words, as it does in a certificate.
-        let bound = words_and_numbers(required).1.last().map_or(0.0, |bound| BOUND_ROUNDING_UM.min(OF_BOUND * bound));
+        let bound = words_and_numbers(required).1.last().map_or(0.0, |f| BOUND_ROUNDING_UM.min(OF_BOUND * f.value));
         let loose = if due.ends_with(" um") { bound } else { 0.0 };
         return stated.split_once(REQUIRED).is_some_and(|(found, r)| r == required && figures_agree(found, due, loose));
     }
@@ -255,7 +278,9 @@ fn agree(stated: &str, due: &str) -> bool {
 /// Whether two texts have the same words, and figures that digits, or `loose`, explain.
 fn figures_agree(stated: &str, due: &str, loose: f64) -> bool {
     let ((words, numbers), (due, own)) = (words_and_numbers(stated), words_and_numbers(due));
-    let close = |(a, b): (&f64, &f64)| (a - b).abs() <= FIGURE_ROUNDING.0.max(loose) + FIGURE_ROUNDING.1 * b.abs();
+    let close = |(a, b): (&Figure, &Figure)| {
+        (a.value - b.value).abs() <= b.rounding.max(loose) + FIGURE_ROUNDING.1 * b.value.abs()
+    };
     words == due && numbers.len() == own.len() && numbers.iter().zip(&own).all(close)
 }
 
@@ -306,6 +331,16 @@ mod tests {
         assert_eq!(with(3, "gouge 1.86 um, required <= 2.00 um", true), []);
         assert_eq!(with(3, "gouge 0.85 um, required <= 2.00 um", true), [(4, true)]);
         assert_eq!(with(3, "gouge 0.85 um, required <= 2.00 um", false), [(4, false)]);
+        // A time, also over a full minute; what is required of it has no tolerance.
+        let times = ["time 2:14:00, required <= 2:30:00"];
+        for (line, differs) in [
+            ("time 2:13:58, required <= 2:30:00", false),
+            ("time 2:16:00, required <= 2:30:00", true),
+            ("time 2:14, required <= 2:30:00", true),
+            ("time 2:14:00, required <= 2:30:01", true),
+        ] {
+            assert_eq!(differences(&[line], &times, true), if differs { vec![(1, true)] } else { vec![] }, "{line}");
+        }
         // What is required has no tolerance.
         assert_eq!(with(3, "gouge 1.85 um, required <= 2.01 um", true), [(4, true)]);
         // What the machine is set by.
