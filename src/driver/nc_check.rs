@@ -19,6 +19,7 @@ use plan::facts;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use verify::Certificate;
+use verify::proof::turns::PartnerRounding;
 
 /// Options of a check of NC text.
 #[derive(Clone, Debug, Default)]
@@ -201,6 +202,7 @@ fn measure(
     let certificate = fits.and_then(|()| {
         stages.watched("verify", |progress| {
             rest_stock::simulated(request, &names, sink, |settings, sink| {
+                settings.rounding = PartnerRounding::of_words(&program.post.control);
                 verify::certify_with(program, &motion.motion, settings, progress, sink)
             })
         })

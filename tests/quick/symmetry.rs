@@ -95,6 +95,12 @@ impl Proofs {
         self.surfaces[0].iter().filter(|s| s.follows.is_none())
     }
 
+    /// The sector from which others follow.
+    fn first(&self) -> u32 {
+        let name = self.surfaces[0].iter().find_map(|s| s.follows.as_ref()).unwrap();
+        self.surfaces[0].iter().find(|s| s.surface == *name).unwrap().id.sector
+    }
+
     /// Of a surface in a sector, what the proof by partners says.
     fn of(&self, kind: SurfaceKind, sector: u32) -> &SurfaceReport {
         self.surfaces[0].iter().find(|s| s.id == SurfaceId { kind, sector }).unwrap()
@@ -107,10 +113,13 @@ fn one_sector_proves_the_wheel() {
     let proofs = &*CLEAN;
     proofs.agree();
     let vanes = program.part.vane_count;
+    let sector = proofs.first();
     for report in &proofs.surfaces[0] {
-        let first = proofs.of(report.id.kind, 0);
-        assert_eq!(report.follows.as_ref(), (report.id.sector > 0).then_some(&first.surface), "{}", report.surface);
-        let turn = program.part.sector_rotation(report.id.sector);
+        let first = proofs.of(report.id.kind, sector);
+        let follows = (report.id.sector != sector).then_some(&first.surface);
+        assert_eq!(report.follows.as_ref(), follows, "{}", report.surface);
+        let [from, to] = [sector, report.id.sector].map(|sector| program.part.sector_rotation(sector));
+        let turn = to * from.inverse();
         let there = turn * Point3::from(first.gouge.point);
         assert!((there - Point3::from(report.gouge.point)).norm() < ROUNDING, "{}", report.surface);
         // The move that is named is the one that is nearest there.
@@ -160,7 +169,7 @@ fn deepest(proofs: &Proofs) -> &SurfaceReport {
 /// between two sectors a cutter is near surfaces of both.
 fn is_proved_beside(proofs: &Proofs, sector: u32) -> bool {
     let vanes = WHEEL.0.part.vane_count;
-    let beside = [0, sector, (sector + 1) % vanes, (sector + vanes - 1) % vanes];
+    let beside = [proofs.first(), sector, (sector + 1) % vanes, (sector + vanes - 1) % vanes];
     let alone = |s: u32| proofs.proved().any(|report| report.id.sector == s);
     alone(sector) && (0..vanes).all(|s| beside.contains(&s) || !alone(s))
 }
@@ -190,7 +199,7 @@ fn a_moved_block_is_found_in_its_sector() {
         assert!(depth > 0.5 * size && depth < 1.1 * size + 2e-3, "{:?}", found.gouge);
         let index = found.gouge.at.unwrap().index as usize;
         assert!(index == block || index == block + 1, "{index} {block}");
-        assert!(sector == 0 || is_proved_beside(&proofs, sector));
+        assert!(sector == CLEAN.first() || is_proved_beside(&proofs, sector));
     }
 }
 

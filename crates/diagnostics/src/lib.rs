@@ -224,13 +224,18 @@ impl Sink {
         }
     }
 
+    /// Adds the diagnostics of another sink.
+    pub fn append(&mut self, other: Self) {
+        other.diags.into_iter().for_each(|diag| self.push(diag));
+        for (count, more) in self.counts.iter_mut().zip(other.counts) {
+            count.further += more.further;
+        }
+    }
+
     /// Changes every diagnostic, in the order in which they were added.
     pub fn change_all(&mut self, change: impl FnMut(Diag) -> Diag) {
         let before = std::mem::take(self);
-        before.diags.into_iter().map(change).for_each(|d| self.push(d));
-        for (count, before) in self.counts.iter_mut().zip(before.counts) {
-            count.further += before.further;
-        }
+        self.append(Self { diags: before.diags.into_iter().map(change).collect(), ..before });
     }
 
     /// True when there is at least one error.

@@ -6,7 +6,8 @@
 
 use super::clearance::{PIECE_RESOLUTION, PIECES_PER_GROUP};
 use super::place::describe;
-use super::proof::piece::{self, At, Piece};
+use super::proof::piece::{At, Piece};
+use super::proof::sweep::Sweep;
 use base::units::{Mm, length};
 use diagnostics::{Diag, Sink, codes::verification};
 use five_axis::Pose;
@@ -81,26 +82,27 @@ struct NearestBody {
     at: At,
 }
 
-/// The nearest approach of all tools.
-pub fn check(program: &Program, motion: &Motion) -> ClampingReport {
+/// The nearest approach of all tools. The clamping is the same in each sector.
+pub fn check(program: &Program, sweeps: &[Sweep<'_>]) -> ClampingReport {
     let clamping = &program.stock.clamping;
     let mut nearest: Option<NearestBody> = None;
-    for (o, operation) in motion.operations.iter().enumerate() {
-        let bodies = program.tools[program.operations[operation.operation].tool].solid.bodies();
-        let pieces = piece::pieces(&program.machine, motion, o);
+    for sweep in sweeps {
+        let bodies = sweep.solid().bodies();
+        let pieces = sweep.first_pieces();
         let start = nearest.map_or(f64::INFINITY, |n| n.distance);
         let found: Vec<_> =
             pieces.par_chunks(PIECES_PER_GROUP).filter_map(|run| least(clamping, &bodies, run, start)).collect();
         // Of equal distances the first.
         nearest = nearest.into_iter().chain(found).reduce(|a, b| if b.distance < a.distance { b } else { a });
     }
+    let turned = sweeps.iter().map(Sweep::partner_error).fold(0.0, f64::max);
     let (part, tip) = nearest.map_or(("", [0.0; 3]), |n| (n.part, n.tip.coords.into()));
     ClampingReport {
         below: Mm(clamping.below.get()),
         diameter: clamping.radius.map(|r| Mm(2.0 * r.get())),
         by_default: clamping.by_default,
         part: part.into(),
-        distance: nearest.map(|n| Mm(n.distance - PIECE_RESOLUTION)),
+        distance: nearest.map(|n| Mm(n.distance - PIECE_RESOLUTION - turned)),
         tip,
         at: nearest.map(|n| n.at),
     }

@@ -21,7 +21,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use wheel::part::{
-    SurfaceId, SurfaceKind,
+    Part, SurfaceId, SurfaceKind,
     chart::Shape,
     kept::{Kept, kept},
 };
@@ -65,8 +65,8 @@ pub(super) struct Covered<'a> {
 
 /// Surfaces with their patches.
 pub(super) struct Cover<'a> {
-    /// Number of sectors of the part.
-    pub(super) vanes: u32,
+    /// The part.
+    pub(super) part: &'a Part,
     /// The surfaces in their sectors.
     pub(super) surfaces: Vec<Covered<'a>>,
     /// Grids of the patches.
@@ -122,7 +122,7 @@ pub fn check(program: &Program, sweeps: &[Sweep<'_>], off: f64, progress: &Progr
 }
 
 /// The surfaces in their sectors, and grids of the patches with a cutter nearer than `reach`.
-pub(super) fn cover<'a>(program: &Program, shapes: &'a [Kept<'_>], sweeps: &[Sweep<'_>], reach: f64) -> Cover<'a> {
+pub(super) fn cover<'a>(program: &'a Program, shapes: &'a [Kept<'_>], sweeps: &[Sweep<'_>], reach: f64) -> Cover<'a> {
     let mut all = Vec::new();
     let mut covered = Vec::new();
     for shape in shapes {
@@ -142,7 +142,7 @@ pub(super) fn cover<'a>(program: &Program, shapes: &'a [Kept<'_>], sweeps: &[Swe
             covered.push(Covered { surface: PlacedSurface { shape, turn, id }, grids: (first..all.len()).collect() });
         }
     }
-    Cover { vanes: program.part.vane_count, surfaces: covered, grids: all }
+    Cover { part: &program.part, surfaces: covered, grids: all }
 }
 
 /// Least distance of cutters to each surface, where it is less than `cutoff`, with its proof. The bound is within
@@ -158,18 +158,18 @@ pub(super) fn deepest(
     stage: impl Into<Cow<'static, str>>,
 ) -> Vec<Deepest> {
     let stage = stage.into();
-    let symmetry = Symmetry::of(sweeps, cover.vanes);
+    let symmetry = Symmetry::of(sweeps, cover.part);
     let error = symmetry.error();
     let mut found: Vec<Option<Deepest>> = vec![None; cover.surfaces.len()];
-    let prove = |found: &mut Vec<Option<Deepest>>, which: &dyn Fn(&Covered<'_>) -> bool, limit: f64| {
+    let prove = |found: &mut Vec<Option<Deepest>>, which: &dyn Fn(&Covered<'_>) -> bool, limits: &[f64]| {
         let open = found.iter().zip(&cover.surfaces).enumerate();
         let these: Vec<usize> = open.filter(|(_, (f, c))| f.is_none() && which(c)).map(|(k, _)| k).collect();
         let surfaces: Vec<&Covered<'_>> = these.iter().map(|k| &cover.surfaces[*k]).collect();
-        let proved = prove_deepest(&surfaces, &cover.grids, sweeps, [cutoff, limit], progress, stage.clone());
+        let proved = prove_deepest(&surfaces, &cover.grids, sweeps, cutoff, limits, progress, stage.clone());
         these.iter().zip(proved).for_each(|(k, deepest)| found[*k] = Some(deepest));
     };
     if symmetry.is_any() {
-        prove(&mut found, &|c| c.surface.id.sector == symmetry.first, limit - error);
+        prove(&mut found, &|c| c.surface.id.sector == symmetry.first, &[limit - error, limit]);
         let follow = |(c, own): (&Covered<'_>, &Option<Deepest>)| {
             let mut firsts = cover.surfaces.iter().zip(&found);
             let (first, proved) = firsts.find(|(first, proved)| {
@@ -177,12 +177,14 @@ pub(super) fn deepest(
             })?;
             let grids: Vec<&Grid> = c.grids.iter().map(|grid| &cover.grids[*grid]).collect();
             let follows = symmetry.follows([&first.surface, &c.surface], &grids, cutoff + MIN_SLACK);
-            proved.filter(|_| follows).map(|first| Deepest { low: first.low - error, ..first })
+            // The rounding between sectors may not take a bound over the limit.
+            let keeps = |first: &Deepest| first.low < -limit || first.low - error >= -limit;
+            proved.filter(|first| follows && keeps(first)).map(|first| Deepest { low: first.low - error, ..first })
         };
         let following: Vec<Option<Deepest>> = cover.surfaces.par_iter().zip(&found).map(follow).collect();
         found.iter_mut().zip(following).for_each(|(own, follows)| *own = own.or(follows));
     }
-    prove(&mut found, &|_| true, limit);
+    prove(&mut found, &|_| true, &[limit]);
     // A cancelled run has no value that anybody sees.
     found.into_iter().flatten().map(|deepest| Deepest { low: deepest.low.min(cutoff), ..deepest }).collect()
 }
@@ -192,7 +194,8 @@ fn prove_deepest(
     covered: &[&Covered<'_>],
     grids: &[Grid],
     sweeps: &[Sweep<'_>],
-    [cutoff, limit]: [f64; 2],
+    cutoff: f64,
+    limits: &[f64],
     progress: &Progress,
     stage: Cow<'static, str>,
 ) -> Vec<Deepest> {
@@ -220,10 +223,10 @@ fn prove_deepest(
     let goal = |found: f64| {
         // The measured value plus the slack; less where the limit lies between.
         let found = -found.min(cutoff);
-        if found > limit.max(0.0) + surface::UNPROVED_GOUGE {
+        if found > limits.iter().copied().fold(0.0, f64::max) + surface::UNPROVED_GOUGE {
             return Goals { low: f64::NEG_INFINITY, high: f64::INFINITY };
         }
-        let within = if found < limit { limit } else { f64::INFINITY };
+        let within = limits.iter().copied().filter(|limit| found < *limit).fold(f64::INFINITY, f64::min);
         Goals { low: -(found + SLACK).min(within).max(found + MIN_SLACK), high: f64::INFINITY }
     };
     let proved: Option<Vec<Proved>> = tasks

@@ -60,6 +60,7 @@ use nalgebra::Point3;
 use place::describe;
 use proof::piece;
 use proof::sweep::Sweep;
+use proof::turns::PartnerRounding;
 use rayon::prelude::*;
 use surface::{Limit, Limits};
 use tool_stock::collide::{Cloud, Section, ToolSolid, revolved};
@@ -151,18 +152,7 @@ pub fn certify_with(
         return Err(Aborted);
     }
     let splines = checked(progress, "splines", || splines::reports(program, motion, sink))?.ok_or(Aborted)?;
-    let chords = splines::widest(&splines);
     let samples = checked(progress, "samples", || sample::sample(&program.part, SPACING))?;
-    let sweep = |o| Sweep::new(program, motion, o);
-    let sweeps: Vec<Sweep<'_>> =
-        checked(progress, "sweeps", || (0..motion.operations.len()).filter_map(sweep).collect())?;
-    let bounds = limits(program).narrowed(chords);
-    let mut surfaces = checked(progress, "surfaces", || {
-        surface::certify(&program.part, program.milled_turned(), &sweeps, SPACING, &bounds, progress)
-    })?;
-    splines::widen(&mut surfaces, chords);
-    let kept = checked(progress, "kept surfaces", || kept::check(program, &sweeps, chords, progress))?;
-    let allowance = checked(progress, "allowance", || allowance::check(program, motion, &sweeps, progress))?;
     let (design_cloud, blank) = checked(progress, "samples", || {
         rayon::join(
             || Cloud::new(sample::cloud_points(&samples)),
@@ -170,10 +160,12 @@ pub fn certify_with(
         )
     })?;
     let clouds = Clouds { design: &design_cloud, blank: &blank, search: search(program) };
-    let report = |o| operation_report(program, motion, o, &sweeps, splines[o], &clouds, progress);
-    let operations = (0..motion.operations.len()).map(|o| checked(progress, "clearance", || report(o)));
-    let operations = operations.collect::<Result<Vec<OperationReport>, Aborted>>()?;
-    let rapid = operations.iter().filter_map(|o| o.rapid.clone()).min_by(|a, b| a.distance.total_cmp(&b.distance));
+    let swept = |rounding| {
+        let sweep = |o| Sweep::rounded(program, motion, o, rounding);
+        checked(progress, "sweeps", || (0..motion.operations.len()).filter_map(sweep).collect::<Vec<_>>())
+    };
+    let sweeps = swept(settings.rounding)?;
+    let proofs = Proofs::of(program, motion, &sweeps, &splines, &clouds, progress)?;
     let roughs = |o: &usize| !program.operations[motion.operations[*o].operation].kind.finishes();
     let roughing: Vec<usize> = (0..motion.operations.len()).filter(roughs).collect();
     let left = program.stock.left.as_ref().map(|mesh| left::Left::new(mesh));
@@ -188,31 +180,98 @@ pub fn certify_with(
         imported: stated_points::imported(program),
         spacing: Mm(SPACING),
         slack: Mm(surface::SLACK),
-        surfaces,
-        kept,
-        allowance,
-        operations,
-        rapid,
+        surfaces: proofs.surfaces,
+        kept: proofs.kept,
+        allowance: proofs.allowance,
+        rapid: nearest_rapid(&proofs.operations),
+        operations: proofs.operations,
         perimeter: checked(progress, "perimeter", || perimeter::check(program, motion))?,
         machine: checked(progress, "machine", || machine::check(program, motion, stock.as_ref()))?,
         rest,
         stock,
         obstacles,
-        clamping: checked(progress, "clamping", || clamping::check(program, motion))?,
+        clamping: proofs.clamping,
         contracts: Vec::new(),
         allowed: Vec::new(),
     };
-    nearer_surroundings(&mut certificate, &splines);
+    nearer_obstacles(&mut certificate, &splines);
     machine_times(&mut certificate);
     if let Some(left) = &left {
         left.report(program, &samples, sink);
     }
-    report_checks(program, motion, &certificate, sink);
     let narrower = Narrower { program, motion, samples: &samples, splines: &splines, progress };
-    let judged = checked(progress, "contracts", || contracts::judge(program, motion, &certificate, &narrower, sink))?;
-    (certificate.contracts, certificate.allowed) = judged;
-    finite::report(program, motion, &certificate, sink);
+    let mut found = Sink::default();
+    judge(program, motion, &mut certificate, &narrower, &mut found)?;
+    if found.has_errors() && settings.rounding != PartnerRounding::ARITHMETIC {
+        // What fails may hold without the rounding between sectors.
+        let sweeps = swept(PartnerRounding::ARITHMETIC)?;
+        let proofs = Proofs::of(program, motion, &sweeps, &splines, &clouds, progress)?;
+        (certificate.surfaces, certificate.kept, certificate.allowance) =
+            (proofs.surfaces, proofs.kept, proofs.allowance);
+        certificate.rapid = nearest_rapid(&proofs.operations);
+        (certificate.operations, certificate.clamping) = (proofs.operations, proofs.clamping);
+        machine_times(&mut certificate);
+        found = Sink::default();
+        judge(program, motion, &mut certificate, &narrower, &mut found)?;
+    }
+    sink.append(found);
     if progress.is_cancelled() { Err(Aborted) } else { Ok(certificate) }
+}
+
+/// What is proved of the motion near the part and the clamping: by one sector, as far as the others are the same, turned.
+struct Proofs {
+    surfaces: Vec<surface::SurfaceReport>,
+    kept: kept::KeptSurfaces,
+    allowance: Option<allowance::AllowanceReport>,
+    operations: Vec<OperationReport>,
+    clamping: clamping::ClampingReport,
+}
+
+impl Proofs {
+    fn of(
+        program: &Program,
+        motion: &Motion,
+        sweeps: &[Sweep<'_>],
+        splines: &[Option<splines::SplineReport>],
+        clouds: &Clouds<'_>,
+        progress: &Progress,
+    ) -> Result<Self, Aborted> {
+        let chords = splines::widest(splines);
+        let bounds = limits(program).narrowed(chords);
+        let mut surfaces = checked(progress, "surfaces", || {
+            surface::certify(&program.part, program.milled_turned(), sweeps, SPACING, &bounds, progress)
+        })?;
+        splines::widen(&mut surfaces, chords);
+        let kept = checked(progress, "kept surfaces", || kept::check(program, sweeps, chords, progress))?;
+        let allowance = checked(progress, "allowance", || allowance::check(program, motion, sweeps, progress))?;
+        let report = |o: usize| operation_report(program, motion, o, sweeps, splines[o], clouds, progress);
+        let operations = (0..motion.operations.len()).map(|o| checked(progress, "clearance", || report(o)));
+        let operations = operations.collect::<Result<Vec<OperationReport>, Aborted>>()?;
+        let mut clamping = checked(progress, "clamping", || clamping::check(program, sweeps))?;
+        clamping.distance = clamping.distance.map(|distance| Mm(distance.get() - widest_tool(splines)));
+        Ok(Self { surfaces, kept, allowance, operations, clamping })
+    }
+}
+
+/// Judges what was measured and proved.
+fn judge(
+    program: &Program,
+    motion: &Motion,
+    certificate: &mut Certificate,
+    narrower: &Narrower<'_>,
+    sink: &mut Sink,
+) -> Result<(), Aborted> {
+    report_checks(program, motion, certificate, sink);
+    let judged =
+        checked(narrower.progress, "contracts", || contracts::judge(program, motion, certificate, narrower, sink))?;
+    (certificate.contracts, certificate.allowed) = judged;
+    finite::report(program, motion, certificate, sink);
+    Ok(())
+}
+
+/// The rapid that comes nearest to the stock.
+fn nearest_rapid(operations: &[OperationReport]) -> Option<clearance::Clearance> {
+    operations.iter().filter_map(|o| o.rapid.clone()).min_by(|a, b| a.distance.total_cmp(&b.distance))
 }
 
 /// Reports what the checks without contracts found.
@@ -230,13 +289,16 @@ fn report_checks(program: &Program, motion: &Motion, certificate: &Certificate, 
     }
 }
 
-/// Takes the distance between curves and chords from the clearances to table, fixtures and clamping.
-fn nearer_surroundings(certificate: &mut Certificate, reports: &[Option<splines::SplineReport>]) {
-    let by = reports.iter().flatten().map(|r| r.tool.get()).fold(0.0, f64::max);
+/// Largest distance of the tool between curves and chords, mm.
+fn widest_tool(reports: &[Option<splines::SplineReport>]) -> f64 {
+    reports.iter().flatten().map(|r| r.tool.get()).fold(0.0, f64::max)
+}
+
+/// Takes the distance between curves and chords from the clearances to table and fixtures.
+fn nearer_obstacles(certificate: &mut Certificate, reports: &[Option<splines::SplineReport>]) {
     for obstacle in &mut certificate.obstacles {
-        splines::nearer(&mut obstacle.clearance, by);
+        splines::nearer(&mut obstacle.clearance, widest_tool(reports));
     }
-    certificate.clamping.distance = certificate.clamping.distance.map(|distance| Mm(distance.get() - by));
 }
 
 /// The contracts on gouge and excess, each with its surfaces.

@@ -123,47 +123,35 @@ pub struct MachineReport {
 /// Checks every move. The simulated stock says where limits of removal are near; without it none counts.
 pub fn check(program: &Program, motion: &Motion, stock: Option<&StockReport>) -> MachineReport {
     let machine = &program.machine;
-    let (travel, speed) = (machine.travel(), machine.speeds());
-    let name = |k: usize| machine.names()[k].to_owned();
-    let mut used = [[f64::INFINITY, f64::NEG_INFINITY]; 5];
+    let mut axes = AxisUse::new(machine);
     // The largest possible angle to the pole.
     let mut pole = FRAC_PI_2;
-    let mut faults: [Option<AxisFault>; 10] = Default::default();
-    let shown = |k: usize, x: f64| if k < 3 { x } else { x.to_degrees() };
     for (o, operation) in motion.operations.iter().enumerate() {
         let length = program.tools[program.operations[operation.operation].tool].length();
-        let mut before: Option<&Joints> = None;
+        let mut before: Option<(&Joints, [f64; 5])> = None;
         for (i, m) in operation.moves.iter().enumerate() {
             let at =
                 At { operation: u32::try_from(o).unwrap_or(u32::MAX), index: u32::try_from(i).unwrap_or(u32::MAX) };
             if m.kind == MoveKind::Cut {
                 let first = |j: &Joints| j.rotary[0];
-                pole = pole.min(to_pole(&machine.chain, before.map_or(first(&m.joints), first), first(&m.joints)));
+                pole = pole.min(to_pole(
+                    &machine.chain,
+                    before.map_or(first(&m.joints), |b| first(b.0)),
+                    first(&m.joints),
+                ));
             }
-            let places = path(machine, before.unwrap_or(&m.joints), &m.joints, before.is_some(), length);
-            for k in 0..5 {
-                for q in &places {
-                    used[k] = [used[k][0].min(q[k]), used[k][1].max(q[k])];
-                    let beyond = (q[k] - travel[k][1]).max(travel[k][0] - q[k]);
-                    let worse = faults[k].as_ref().is_none_or(|f| beyond > (f.value - f.bound).abs());
-                    if beyond > TRAVEL_ROUNDING && worse {
-                        let bound = if q[k] > travel[k][1] { travel[k][1] } else { travel[k][0] };
-                        faults[k] = Some(AxisFault { axis: name(k), value: q[k], bound, speed: false, at });
-                    }
-                }
-                if m.time > 0.0 {
-                    let fastest = places
-                        .windows(2)
-                        .map(|w| (w[1][k] - w[0][k]).abs() * (places.len() - 1) as f64 / m.time / speed[k])
-                        .fold(0.0, f64::max);
-                    if fastest > 1.0 + SPEED_ROUNDING && faults[5 + k].as_ref().is_none_or(|f| fastest > f.value) {
-                        faults[5 + k] = Some(AxisFault { axis: name(k), value: fastest, bound: 1.0, speed: true, at });
-                    }
-                }
+            let place = machine.positions(&m.joints, length);
+            if let Some((from, start)) = before {
+                axes.take([from, &m.joints], [start, place], m.time, length, at);
+            } else {
+                axes.take_places(&[place], 0.0, at);
             }
-            before = Some(&m.joints);
+            before = Some((&m.joints, place));
         }
     }
+    let AxisUse { used, travel, mut faults, .. } = axes;
+    let name = |k: usize| machine.names()[k].to_owned();
+    let shown = |k: usize, x: f64| if k < 3 { x } else { x.to_degrees() };
     let count = motion.operations.len();
     let removal = |o: usize| stock.and_then(|s| s.operations.get(o)).map_or(&[][..], |o| &o.removal);
     let runs: Vec<Run> = (0..count).into_par_iter().map(|o| dynamics::run(program, motion, o, removal(o))).collect();
@@ -192,6 +180,71 @@ pub fn check(program: &Program, motion: &Motion, stock: Option<&StockReport>) ->
         fastest: runs.iter().map(|run| fastest(program, motion, run)).collect(),
         runs,
         other_rules,
+    }
+}
+
+/// What the moves use of the axes.
+struct AxisUse<'a> {
+    machine: &'a Machine,
+    travel: [[f64; 2]; 5],
+    speed: [f64; 5],
+    used: [[f64; 2]; 5],
+    /// Worst fault of the travel of each axis, and of its speed.
+    faults: [Option<AxisFault>; 10],
+}
+
+impl<'a> AxisUse<'a> {
+    fn new(machine: &'a Machine) -> Self {
+        Self {
+            machine,
+            travel: machine.travel(),
+            speed: machine.speeds(),
+            used: [[f64::INFINITY, f64::NEG_INFINITY]; 5],
+            faults: Default::default(),
+        }
+    }
+
+    /// Takes a move between two poses, given by joints and by positions of the axes.
+    fn take(&mut self, joints: [&Joints; 2], ends: [[f64; 5]; 2], time: f64, length: f64, at: At) {
+        // Most moves are inside of what the others use, with all that they can bend.
+        let bend = bend(self.machine, joints, length);
+        let inside = (0..5).all(|k| {
+            let bend = if k < 3 { bend } else { 0.0 };
+            let [low, high] = [ends[0][k].min(ends[1][k]) - bend, ends[0][k].max(ends[1][k]) + bend];
+            let steepest = (ends[1][k] - ends[0][k]).abs() + 4.0 * bend;
+            low >= self.used[k][0].max(self.travel[k][0])
+                && high <= self.used[k][1].min(self.travel[k][1])
+                && (time <= 0.0 || steepest <= time * self.speed[k])
+        });
+        if !inside {
+            self.take_places(&path(self.machine, joints, length), time, at);
+        }
+    }
+
+    /// Takes places of a move that takes a time.
+    fn take_places(&mut self, places: &[[f64; 5]], time: f64, at: At) {
+        let Self { machine, travel, speed, used, faults } = self;
+        let name = |k: usize| machine.names()[k].to_owned();
+        for k in 0..5 {
+            for q in places {
+                used[k] = [used[k][0].min(q[k]), used[k][1].max(q[k])];
+                let beyond = (q[k] - travel[k][1]).max(travel[k][0] - q[k]);
+                let worse = faults[k].as_ref().is_none_or(|f| beyond > (f.value - f.bound).abs());
+                if beyond > TRAVEL_ROUNDING && worse {
+                    let bound = if q[k] > travel[k][1] { travel[k][1] } else { travel[k][0] };
+                    faults[k] = Some(AxisFault { axis: name(k), value: q[k], bound, speed: false, at });
+                }
+            }
+            if time > 0.0 {
+                let fastest = places
+                    .windows(2)
+                    .map(|w| (w[1][k] - w[0][k]).abs() * (places.len() - 1) as f64 / time / speed[k])
+                    .fold(0.0, f64::max);
+                if fastest > 1.0 + SPEED_ROUNDING && faults[5 + k].as_ref().is_none_or(|f| fastest > f.value) {
+                    faults[5 + k] = Some(AxisFault { axis: name(k), value: fastest, bound: 1.0, speed: true, at });
+                }
+            }
+        }
     }
 }
 
@@ -257,11 +310,19 @@ fn other_rules(program: &Program, motion: &Motion, operation: usize) -> OtherRul
     found
 }
 
-/// Positions of the axes along a move; only its end when the move starts from an unknown place.
-fn path(machine: &Machine, from: &Joints, to: &Joints, moves: bool, length: f64) -> Vec<[f64; 5]> {
-    if !moves {
-        return vec![machine.positions(to, length)];
-    }
+/// Upper bound of the distance of a linear axis from the straight line between its ends in a move, mm: an eighth of its
+/// largest second derivative by the share of the move. The tip runs straight, and its distance from a rotary axis, with the
+/// tool in a head, is at most the sum below.
+fn bend(machine: &Machine, ends: [&Joints; 2], length: f64) -> f64 {
+    let tips = ends.map(|joints| machine.forward(joints).tip);
+    let turn: f64 = (0..2).map(|k| (ends[1].rotary[k] - ends[0].rotary[k]).abs()).sum();
+    let axes: f64 = machine.chain.axes().iter().map(|axis| axis.point.coords.norm()).sum();
+    let far = tips[0].coords.norm().max(tips[1].coords.norm()) + axes + machine.part_origin.norm() + length;
+    (turn * turn * far + 2.0 * turn * (tips[1] - tips[0]).norm()) / 8.0
+}
+
+/// Positions of the axes along a move.
+fn path(machine: &Machine, [from, to]: [&Joints; 2], length: f64) -> Vec<[f64; 5]> {
     let tips: [Point3<f64>; 2] = [machine.forward(from).tip, machine.forward(to).tip];
     (0..=PLACES_PER_MOVE)
         .map(|k| {

@@ -162,7 +162,7 @@ pub fn reports<'a>(
     let sectors = samples.chunk_by(|a, b| a.surface.sector == b.surface.sector);
     let in_sector = |samples: &'a [Sample]| samples.iter().filter(|s| s.surface.milled()).step_by(SAMPLE_STRIDE);
     let at_surface: Vec<&Sample> = sectors.flat_map(in_sector).collect();
-    let symmetry = Symmetry::of(sweeps, program.part.vane_count);
+    let symmetry = Symmetry::of(sweeps, &program.part);
     let far = super::surface::FAR;
     let thickness = |p: &Point3<f64>| start.map_or(far, |start| start.depth(p).min(far));
     let mut left: Vec<f64> = at_surface.par_iter().map(|s| thickness(&s.position)).collect();

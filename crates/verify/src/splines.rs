@@ -146,6 +146,14 @@ impl Limits {
         }
         self
     }
+
+    /// These bounds and others.
+    #[must_use]
+    pub(crate) fn and(mut self, others: &Self) -> Self {
+        self.gouge.extend_from_slice(&others.gouge);
+        self.excess.extend_from_slice(&others.excess);
+        self
+    }
 }
 
 /// Adds a distance to the proved bounds of surfaces, mm.

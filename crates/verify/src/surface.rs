@@ -118,13 +118,21 @@ impl SurfaceReport {
     }
 
     /// The figures of the same surface in another sector, if they follow from these. Deep cuts do not: their depth is measured
-    /// beyond the reach of the bounds.
+    /// beyond the reach of the bounds; nor do bounds that the rounding between sectors would take over a limit.
     fn in_sector(
         &self,
         [own, other]: [&PlacedSurface<'_>; 2],
         grids: &[&Grid],
         symmetry: &Symmetry<'_>,
+        limits: &Limits,
     ) -> Option<Self> {
+        let class = other.id.kind.class();
+        let crosses = |limits: &[Limit], bound: Mm| {
+            on(limits, class).any(|limit| bound.get() <= limit && bound.get() + symmetry.error() > limit)
+        };
+        if crosses(&limits.gouge, self.gouge_bound) || crosses(&limits.excess, self.excess_bound) {
+            return None;
+        }
         let reach = self.excess_bound.get() + CORNER_SLACK;
         if reach >= FAR || self.gouge.value.get() < -MIN_DEEP_CUT || !symmetry.follows([own, other], grids, reach) {
             return None;
@@ -175,18 +183,20 @@ pub fn certify(
         }
     }
     surfaces.sort_by_key(|(_, s)| s.id);
-    let symmetry = Symmetry::of(sweeps, part.vane_count);
+    let symmetry = Symmetry::of(sweeps, part);
     if !symmetry.is_any() {
         return prove(&surfaces, sweeps, limits, progress);
     }
     // The first sector, what follows from it, and the rest by itself.
     let is_first = |(_, s): &&(&[Grid], PlacedSurface<'_>)| s.id.sector == symmetry.first;
     let firsts: Vec<_> = surfaces.iter().filter(is_first).copied().collect();
-    let proved = prove(&firsts, sweeps, &limits.clone().narrowed(symmetry.error()), progress);
+    // Down to a limit less the rounding where that is possible, so that the others keep the limit.
+    let goals = limits.clone().narrowed(symmetry.error()).and(limits);
+    let proved = prove(&firsts, sweeps, &goals, progress);
     let follow = |(grids, surface): &(&[Grid], PlacedSurface<'_>)| {
         let (first, report) = firsts.iter().zip(&proved).find(|((_, first), _)| first.id.kind == surface.id.kind)?;
         let grids: Vec<&Grid> = grids.iter().collect();
-        (first.1.id != surface.id).then(|| report.in_sector([&first.1, surface], &grids, &symmetry)).flatten()
+        (first.1.id != surface.id).then(|| report.in_sector([&first.1, surface], &grids, &symmetry, limits)).flatten()
     };
     let following: Vec<Option<SurfaceReport>> = surfaces.par_iter().map(follow).collect();
     let is_open = |((_, s), follows): &(&(&[Grid], PlacedSurface<'_>), &Option<SurfaceReport>)| {

@@ -12,7 +12,9 @@ use super::proof::cells::PatchTask;
 use super::proof::grid::{Grid, PlacedSurface};
 use super::proof::piece::At;
 use super::proof::sweep::Sweep;
+use nalgebra::Point3;
 use rayon::prelude::*;
+use wheel::part::{Part, Surface};
 
 /// Share of all pieces that may lack a partner between two sectors. Where more do, each sector is proved by itself without a
 /// trial.
@@ -20,6 +22,9 @@ const MAX_UNSHARED: f64 = 1.0 / 3.0;
 
 /// Share of the pieces of the sector with most of them that the first proved sector has at least.
 const MIN_OF_BUSIEST: f64 = 0.9;
+
+/// By how many pieces, as a share of those of the sector with most, sectors may differ that serve equally well.
+const EQUALLY_WELL: f64 = 0.02;
 
 /// What the sectors have in common with the first proved one.
 pub(super) struct Symmetry<'a> {
@@ -32,8 +37,9 @@ pub(super) struct Symmetry<'a> {
 }
 
 impl<'a> Symmetry<'a> {
-    /// The partners in the sweeps of a program for a part with this number of sectors.
-    pub(super) fn of(sweeps: &'a [Sweep<'a>], vanes: u32) -> Self {
+    /// The partners in the sweeps of a program for a part.
+    pub(super) fn of(sweeps: &'a [Sweep<'a>], part: &Part) -> Self {
+        let vanes = part.vane_count;
         let most = MAX_UNSHARED * sweeps.iter().map(Sweep::len).sum::<usize>() as f64;
         // Partners in sweeps of another part say nothing of this one.
         let known = sweeps.iter().all(|sweep| sweep.sectors() == Some(vanes));
@@ -46,7 +52,7 @@ impl<'a> Symmetry<'a> {
             few.then(|| sweeps.iter().zip(pieces).filter_map(|(sweep, pieces)| sweep.of_pieces(pieces)).collect())
         };
         let unshared: Vec<Option<Vec<Sweep<'a>>>> = (0..vanes).into_par_iter().map(without).collect();
-        let first = like_most_others(sweeps, unshared.iter().flatten().flatten(), vanes);
+        let first = like_most_others(sweeps, unshared.iter().flatten().flatten(), part);
         Self { sweeps, vanes, first, unshared }
     }
 
@@ -96,34 +102,36 @@ impl<'a> Symmetry<'a> {
     }
 }
 
-/// Of the sectors that have about as many pieces as any, the first with the fewest pieces that another sector lacks: from it
-/// most others follow. Often it is the second, since the first one is cut with both neighbours still full.
-fn like_most_others<'a, 's>(
-    sweeps: &[Sweep<'_>],
-    unshared: impl Iterator<Item = &'s Sweep<'a>>,
-    vanes: u32,
-) -> u32
+/// Of the sectors that have about as many pieces as any, the first with about the fewest pieces that another sector lacks, in it
+/// and beside it: from it most others follow. Often it is the second, since the first one is cut with both neighbours still full.
+fn like_most_others<'a, 's>(sweeps: &[Sweep<'_>], unshared: impl Iterator<Item = &'s Sweep<'a>>, part: &Part) -> u32
 where
     'a: 's,
 {
-    let pieces = in_sectors(sweeps.iter(), vanes);
-    let alone = in_sectors(unshared, vanes);
+    let pieces = in_sectors(sweeps.iter(), part);
+    let own = in_sectors(unshared, part);
+    let beside = |sector: usize| [sector + own.len() - 1, sector, sector + 1].map(|s| own[s % own.len()]);
+    let alone: Vec<usize> = (0..own.len()).map(|sector| beside(sector).iter().sum()).collect();
     let most = pieces.iter().copied().max().unwrap_or(0) as f64;
-    let busy = (0..vanes as usize).filter(|sector| pieces[*sector] as f64 >= MIN_OF_BUSIEST * most);
-    busy.min_by_key(|sector| alone[*sector]).and_then(|sector| u32::try_from(sector).ok()).unwrap_or(0)
+    let busy = || (0..pieces.len()).filter(|sector| pieces[*sector] as f64 >= MIN_OF_BUSIEST * most);
+    let fewest = busy().map(|sector| alone[sector] as f64).fold(f64::INFINITY, f64::min);
+    let first = busy().find(|sector| alone[*sector] as f64 <= fewest + EQUALLY_WELL * most);
+    first.and_then(|sector| u32::try_from(sector).ok()).unwrap_or(0)
 }
 
-/// Number of the pieces in each sector.
-fn in_sectors<'a, 's>(sweeps: impl Iterator<Item = &'s Sweep<'a>>, vanes: u32) -> Vec<usize>
+/// Number of the pieces about the main blade of each sector.
+fn in_sectors<'a, 's>(sweeps: impl Iterator<Item = &'s Sweep<'a>>, part: &Part) -> Vec<usize>
 where
     'a: 's,
 {
-    let mut counts = vec![0_usize; vanes as usize];
+    let blade = part.faces().next().map_or(Point3::origin(), |face| part.face(face).surface.point(0.5, 0.5));
+    let azimuth = |p: &Point3<f64>| libm::atan2(p.y, p.x);
+    let count = f64::from(part.vane_count);
+    let mut counts = vec![0_usize; part.vane_count as usize];
     for piece in sweeps.flat_map(Sweep::in_time) {
-        let middle = piece.middle().tip;
-        let share = libm::atan2(middle.y, middle.x) / std::f64::consts::TAU;
-        let sector = (share.rem_euclid(1.0) * f64::from(vanes)) as usize;
-        counts[sector.min(vanes as usize - 1)] += 1;
+        let pitches = (azimuth(&piece.middle().tip) - azimuth(&blade)) / std::f64::consts::TAU * count;
+        let sector = (pitches + 0.5).floor().rem_euclid(count) as usize;
+        counts[sector.min(part.vane_count as usize - 1)] += 1;
     }
     counts
 }

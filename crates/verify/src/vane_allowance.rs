@@ -148,7 +148,7 @@ fn moved(part: &Part, vane: VaneAllowance) -> Vec<Moved<'_>> {
 }
 
 /// Moved surfaces in all sectors, with all of their patches.
-fn cover<'a>(part: &Part, shapes: &'a [Moved<'_>]) -> Cover<'a> {
+fn cover<'a>(part: &'a Part, shapes: &'a [Moved<'_>]) -> Cover<'a> {
     let (mut grids, mut surfaces) = (Vec::new(), Vec::new());
     for shape in shapes {
         let first = grids.len();
@@ -158,7 +158,7 @@ fn cover<'a>(part: &Part, shapes: &'a [Moved<'_>]) -> Cover<'a> {
             Covered { surface: PlacedSurface { shape, turn, id }, grids: (first..grids.len()).collect() }
         }));
     }
-    Cover { vanes: part.vane_count, surfaces, grids }
+    Cover { part, surfaces, grids }
 }
 
 /// Proved bound of what is missing of an allowance, mm, and the worst place.

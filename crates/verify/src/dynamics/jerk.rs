@@ -14,9 +14,9 @@
 
 use super::active::{LimitOfAxis, MotionLimit, NO_CORNER};
 use super::{CornerError, Joint5, MotionCell, MovePart, RunLimits};
+use five_axis::feedrate;
 use five_axis::feedrate::jerk::{self, Bounds, Rows};
 use five_axis::feedrate::ramp::{self, Creep, Even, Most, Ramp};
-use five_axis::feedrate;
 use nurbs::bracket::Bracket;
 use rayon::prelude::*;
 use std::collections::BTreeMap;

@@ -227,7 +227,8 @@ impl PatchTask<'_> {
         let mut blocks = columns.iter().flat_map(|x| rows.iter().map(|y| CellBlock { x: *x, y: *y }));
         let is_clear = |near: &[Near], cell: &CellBlock| {
             let hull = self.hull(cell);
-            let keeps = |c: PieceCandidate| self.sweeps[c.sweep as usize].below(c.piece, &hull, distance).bound >= distance;
+            let keeps =
+                |c: PieceCandidate| self.sweeps[c.sweep as usize].below(c.piece, &hull, distance).bound >= distance;
             near.iter().all(|near| keeps(near.candidate)) || self.lies(&hull) == Lies::Outside
         };
         far.is_empty()

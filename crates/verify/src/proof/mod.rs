@@ -24,5 +24,5 @@ mod lower_bound;
 pub(crate) mod nearest;
 pub mod piece;
 pub mod sweep;
-pub(crate) mod turns;
+pub mod turns;
 mod upper_bound;

@@ -12,7 +12,7 @@
 use super::capsule::{Ball, Capsule};
 use super::hierarchy::Hierarchy;
 use super::piece::{At, Piece, QuickPose, Spans, Touch, divide, pieces};
-use super::turns::TurnClasses;
+use super::turns::{PartnerRounding, TurnClasses};
 use five_axis::{Chain, RotaryPose};
 use ir::{Motion, MoveKind, Program};
 use nalgebra::Point3;
@@ -64,11 +64,16 @@ pub struct Nearest {
 impl<'a> Sweep<'a> {
     /// The cutter of an operation over its pieces.
     pub fn new(program: &'a Program, motion: &Motion, operation: usize) -> Option<Self> {
+        Self::rounded(program, motion, operation, PartnerRounding::ARITHMETIC)
+    }
+
+    /// The same, where sectors are the same, turned, up to a rounding.
+    pub fn rounded(program: &'a Program, motion: &Motion, operation: usize, rounding: PartnerRounding) -> Option<Self> {
         let id = motion.operations.get(operation)?.operation;
         let solid = &program.tools[program.operations[id].tool].solid;
         let pieces = pieces(&program.machine, motion, operation);
         let turns: Vec<_> = (0..program.part.vane_count).map(|k| program.part.sector_rotation(k)).collect();
-        let classes = TurnClasses::of(&pieces, &turns);
+        let classes = TurnClasses::of(&pieces, &turns, rounding);
         Some(Self { turns: Some(Arc::new(classes)), ..Self::over(solid, pieces)? })
     }
 

@@ -1,21 +1,48 @@
 //! Pieces of an operation that are the same motion, turned about the axis of the part by whole pitches.
 //!
 //! They are found from the poses of the tool alone, and so from the joints: no assumption on how the motion was planned. Two
-//! pieces are *partners* where the tips at both ends and the axes at every quarter, turned, are the same to [`TIP_ROUNDING`] and
-//! [`AXIS_ROUNDING`]. Between the quarters a bound of the fifth derivative of the axis holds them together, so that the distance
-//! of partners at any time is known.
+//! pieces are *partners* where the tips at both ends and the axes at every quarter, turned, are the same to a
+//! [`PartnerRounding`]. Between the quarters a bound of the fifth derivative of the axis holds them together, so that the distance
+//! of partners at any time is known: by how much they really differ, not by how much they may.
 
 use super::piece::Piece;
 use ir::MoveKind;
 use nalgebra::{Point3, Rotation3, Vector3};
 use rayon::prelude::*;
 use tool_stock::stock::{Step, StepKind};
+use wheel::control::{Control, Orientation};
 
-/// Largest distance of the tips of partners, mm.
-const TIP_ROUNDING: f64 = 1e-7;
+/// Largest distance between motions that count as the same, turned.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PartnerRounding {
+    /// Of the tips, mm.
+    tip: f64,
+    /// Of the unit axes.
+    axis: f64,
+}
 
-/// Largest distance of the unit axes of partners.
-const AXIS_ROUNDING: f64 = 1e-9;
+impl PartnerRounding {
+    /// Of a plan, whose sectors are the same up to the arithmetic.
+    pub const ARITHMETIC: Self = Self { tip: 1e-7, axis: 1e-9 };
+
+    /// Of a text, which rounds the words of each sector by themselves: three lengths of the tip and two angles or three
+    /// components of the axis, each by half a step in both partners. Angles that follow from components, as in rapids, can be
+    /// off by more.
+    pub fn of_words(control: &Control) -> Self {
+        let decimals = &control.decimals;
+        let step = |decimals: usize| libm::pow(10.0, -(decimals as f64));
+        let angle = std::f64::consts::SQRT_2 * step(decimals.angle).to_radians();
+        let component = 3.0_f64.sqrt() * step(decimals.vector);
+        let axis = if control.orientation == Orientation::Vectors { angle.max(component) } else { angle };
+        Self { tip: 3.0_f64.sqrt() * step(decimals.length), axis: 2.0 * axis }
+    }
+}
+
+impl Default for PartnerRounding {
+    fn default() -> Self {
+        Self::ARITHMETIC
+    }
+}
 
 /// Largest value between five even places of the polynomial of degree four whose values there are at most one: the largest sum of
 /// the absolute Lagrange polynomials.
@@ -110,22 +137,43 @@ pub(crate) struct TurnClasses {
     partial: Vec<u32>,
     /// Number of sectors.
     vanes: u32,
-    /// Largest distances between partners.
-    off: Difference,
+    /// Largest distances between partners: of the tips, mm, and of the unit axes.
+    off: [f64; 2],
     /// How far an axis leaves, between the places where axes are compared, the polynomial through these, at most.
     between: f64,
 }
 
-/// Distances between partners: of the tips, mm, and of the unit axes.
+/// Where a piece, turned, is beside another one: both ends of the tip, mm, and the axis at each quarter.
 #[derive(Clone, Copy, Debug, Default)]
-struct Difference {
-    tip: f64,
-    axis: f64,
+struct Beside {
+    tips: [Vector3<f64>; 2],
+    axes: [Vector3<f64>; 5],
 }
 
-impl Difference {
-    fn most(self, other: Self) -> Self {
-        Self { tip: self.tip.max(other.tip), axis: self.axis.max(other.axis) }
+/// The smallest box about the pieces of a class, in the frame of its first piece: no two of them are farther apart than its
+/// diagonals.
+#[derive(Clone, Copy, Debug, Default)]
+struct Around {
+    least: Beside,
+    most: Beside,
+}
+
+impl Around {
+    fn take(&mut self, beside: &Beside) {
+        let Self { least, most } = self;
+        let tips = least.tips.iter_mut().zip(&mut most.tips).zip(&beside.tips);
+        let axes = least.axes.iter_mut().zip(&mut most.axes).zip(&beside.axes);
+        for ((least, most), at) in tips.chain(axes) {
+            (*least, *most) = (least.inf(at), most.sup(at));
+        }
+    }
+
+    /// Diagonals for the tips and for the axes.
+    fn diagonals(&self) -> [f64; 2] {
+        let longest = |least: &[Vector3<f64>], most: &[Vector3<f64>]| {
+            least.iter().zip(most).map(|(least, most)| (most - least).norm()).fold(0.0, f64::max)
+        };
+        [longest(&self.least.tips, &self.most.tips), longest(&self.least.axes, &self.most.axes)]
     }
 }
 
@@ -134,18 +182,19 @@ struct First {
     key: f64,
     order: usize,
     class: u32,
+    around: Around,
 }
 
 impl TurnClasses {
     /// The classes of pieces in the order of time, for a part that `turns` turn into itself: by 0, 1, 2 ... pitches.
-    pub(crate) fn of(pieces: &[impl Turnable], turns: &[Rotation3<f64>]) -> Self {
+    pub(crate) fn of(pieces: &[impl Turnable], turns: &[Rotation3<f64>], rounding: PartnerRounding) -> Self {
         let vanes = turns.len();
         let count = u32::try_from(pieces.len()).unwrap_or(u32::MAX);
         let keyed = |order: u32| (key(&pieces[order as usize], vanes), order);
         let mut keys: Vec<(f64, u32)> = (0..count).into_par_iter().map(keyed).collect();
         keys.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         // The powers in a key enlarge a difference by at most the number of sectors.
-        let window = TIP_ROUNDING * (2.0 + 2.0 * vanes as f64);
+        let window = rounding.tip * (2.0 + 2.0 * vanes as f64);
         let (mut firsts, mut oldest): (Vec<First>, usize) = (Vec::new(), 0);
         let mut members = vec![Member { class: 0, pitches: 0, order: 0 }; pieces.len()];
         let mut found = Self { vanes: u32::try_from(vanes).unwrap_or(u32::MAX), ..Self::default() };
@@ -154,23 +203,26 @@ impl TurnClasses {
                 oldest += 1;
             }
             let piece = &pieces[order as usize];
-            let partner = firsts[oldest..].iter().rev().take(MAX_COMPARED).find_map(|first| {
-                let (pitches, off) = turned(&pieces[first.order], piece, turns)?;
-                Some((first.class, first.order, pitches, off))
+            let partner = firsts[oldest..].iter_mut().rev().take(MAX_COMPARED).find_map(|first| {
+                let (pitches, beside) = turned(&pieces[first.order], piece, turns, rounding)?;
+                first.around.take(&beside);
+                Some((first.class, first.order, pitches))
             });
             let (class, pitches) = match partner {
-                Some((class, first, pitches, off)) => {
-                    found.off = found.off.most(off);
+                Some((class, first, pitches)) => {
                     found.between = found.between.max(piece.between_quarters()).max(pieces[first].between_quarters());
                     (class, pitches)
                 }
                 None => {
                     let class = u32::try_from(firsts.len()).unwrap_or(u32::MAX);
-                    firsts.push(First { key, order: order as usize, class });
+                    firsts.push(First { key, order: order as usize, class, around: Around::default() });
                     (class, 0)
                 }
             };
             members[order as usize] = Member { class, pitches, order };
+        }
+        for [tip, axis] in firsts.iter().map(|first| first.around.diagonals()) {
+            found.off = [found.off[0].max(tip), found.off[1].max(axis)];
         }
         found.by_class.clone_from(&members);
         found.by_class.par_sort_unstable();
@@ -225,9 +277,10 @@ impl TurnClasses {
     }
 
     /// Upper bound of the distance between points of the tool in partners at any time, mm, for points within an arm of its tip.
-    /// Each of two partners differs from the piece with which both were compared.
+    /// Between the quarters both axes leave their polynomials.
     pub(crate) fn error(&self, arm: f64) -> f64 {
-        2.0 * (self.off.tip + (INTERPOLATED * self.off.axis + 2.0 * self.between) * arm)
+        let [tip, axis] = self.off;
+        tip + (INTERPOLATED * axis + 2.0 * self.between) * arm
     }
 }
 
@@ -255,8 +308,8 @@ fn power([mut x, mut y]: [f64; 2], mut exponent: usize) -> [f64; 2] {
     result
 }
 
-/// The number of pitches by which a piece is another one turned, with their largest distances; `None` where it is not.
-fn turned<P: Turnable>(from: &P, to: &P, turns: &[Rotation3<f64>]) -> Option<(u32, Difference)> {
+/// The number of pitches by which a piece is another one turned, and where it is beside that one; `None` where it is not.
+fn turned<P: Turnable>(from: &P, to: &P, turns: &[Rotation3<f64>], rounding: PartnerRounding) -> Option<(u32, Beside)> {
     if from.kind() != to.kind() {
         return None;
     }
@@ -267,18 +320,14 @@ fn turned<P: Turnable>(from: &P, to: &P, turns: &[Rotation3<f64>]) -> Option<(u3
     let angle = libm::atan2(a.x * b.y - a.y * b.x, a.x * b.x + a.y * b.y);
     let count = turns.len() as f64;
     let pitches = (angle / std::f64::consts::TAU * count).round().rem_euclid(count) as usize % turns.len();
-    let turn = &turns[pitches];
-    let tip = |a: &Point3<f64>, b: &Point3<f64>| (turn * a - b).norm();
-    let mut off =
-        Difference { tip: tip(&from.tips()[0], &to.tips()[0]).max(tip(&from.tips()[1], &to.tips()[1])), axis: 0.0 };
-    if off.tip > TIP_ROUNDING {
+    let back = turns[pitches].inverse();
+    let ends = [0, 1].map(|k| back * to.tips()[k] - from.tips()[k]);
+    if ends.iter().any(|off| off.norm() > rounding.tip) {
         return None;
     }
-    for quarter in 0..=4 {
-        let [a, b] = [from, to].map(|piece| piece.axis(0.25 * f64::from(quarter)));
-        off.axis = off.axis.max((turn * a - b).norm());
-    }
-    (off.axis <= AXIS_ROUNDING).then(|| (u32::try_from(pitches).unwrap_or(u32::MAX), off))
+    let axes = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| back * to.axis(share) - from.axis(share));
+    let alike = axes.iter().all(|off| off.norm() <= rounding.axis);
+    alike.then(|| (u32::try_from(pitches).unwrap_or(u32::MAX), Beside { tips: ends, axes }))
 }
 
 #[cfg(test)]
@@ -327,7 +376,7 @@ mod tests {
         let chain = Chain::tilting_table();
         let sectors: Vec<Vec<RotaryPose>> = (0..VANES).map(path).collect();
         let pieces = pieces(&chain, &sectors);
-        let classes = TurnClasses::of(&pieces, &turns());
+        let classes = TurnClasses::of(&pieces, &turns(), PartnerRounding::ARITHMETIC);
         let in_sector = u32::try_from(pieces.len() / VANES).unwrap();
         for order in 0..in_sector * 7 {
             let (sector, own) = (order / in_sector, order % in_sector);
@@ -348,7 +397,7 @@ mod tests {
             sectors[4][20].tip.z += change[0];
             sectors[4][20].rotary[0] += change[1];
             let pieces = pieces(&chain, &sectors);
-            let classes = TurnClasses::of(&pieces, &turns());
+            let classes = TurnClasses::of(&pieces, &turns(), PartnerRounding::ARITHMETIC);
             let changed: Vec<&Piece<'_>> =
                 pieces.iter().zip(0..).filter(|(_, k)| classes.partner(*k, 3).is_none()).map(|(p, _)| p).collect();
             // Both moves at the changed point, and their partners three sectors before.
@@ -365,9 +414,9 @@ mod tests {
         let pieces = pieces(&chain, &(0..VANES).map(path).collect::<Vec<_>>());
         let eight: Vec<Rotation3<f64>> =
             (0..8).map(|k| Rotation3::from_axis_angle(&Vector3::z_axis(), TAU * f64::from(k) / 8.0)).collect();
-        let classes = TurnClasses::of(&pieces, &eight);
+        let classes = TurnClasses::of(&pieces, &eight, PartnerRounding::ARITHMETIC);
         assert!((0..u32::try_from(pieces.len()).unwrap()).all(|k| (1..8).all(|by| classes.partner(k, by).is_none())));
-        let classes = TurnClasses::of(&pieces, &eight[..1]);
+        let classes = TurnClasses::of(&pieces, &eight[..1], PartnerRounding::ARITHMETIC);
         assert!((0..u32::try_from(pieces.len()).unwrap()).all(|k| classes.partner(k, 0) == Some(k)));
     }
 }

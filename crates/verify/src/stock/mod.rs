@@ -16,6 +16,7 @@ pub use cells::{default_cell, memory, usual_cell};
 pub use report::report;
 
 use super::proof::piece::At;
+use super::proof::turns::PartnerRounding;
 use base::progress::{Progress, Work};
 use base::units::{Deg, Kw, Mm, Mm3, Mm3PerSec, Sec, Share};
 use diagnostics::{Diag, Sink, codes::verification};
@@ -64,6 +65,8 @@ pub struct Settings<'a> {
     pub after: Option<AfterOperation<'a>>,
     /// Simulate each sector, also where it meets the same stock as another one, turned.
     pub each_sector: bool,
+    /// By how much motions differ that count as the same, turned, in the proof and in the stock.
+    pub rounding: PartnerRounding,
 }
 
 /// A largest value of a quantity with its place.
@@ -286,7 +289,11 @@ pub fn simulate(
     progress: &Progress,
     sink: &mut Sink,
 ) -> Option<StockReport> {
-    let turned = if settings.each_sector { None } else { TurnedSteps::of(program, &all_steps(program, motion)) };
+    let turned = if settings.each_sector {
+        None
+    } else {
+        TurnedSteps::of(program, &all_steps(program, motion), settings.rounding)
+    };
     let Some(turned) = turned else { return simulate_steps(program, motion, None, settings, progress, sink) };
     let mut without = Settings { cell: settings.cell, ..Settings::default() };
     let found = simulate_steps(program, motion, Some(&turned), &mut without, progress, sink)?;

@@ -12,7 +12,7 @@
 //!
 //! The rays of the stock lie differently in each sector: chips are those of the rays of the first partner.
 
-use crate::proof::turns::TurnClasses;
+use crate::proof::turns::{PartnerRounding, TurnClasses};
 use base::units::Share;
 use ir::Program;
 use nalgebra::{Point3, Rotation3};
@@ -136,7 +136,8 @@ impl Bins {
     fn of(&self, parts: &[ToolPart], step: &Step) -> Vec<Bin> {
         let mut found = Vec::new();
         for part in parts {
-            part.balls(step, part.radius.max(self.size)).for_each(|(centre, radius)| self.add(&centre, radius, &mut found));
+            part.balls(step, part.radius.max(self.size))
+                .for_each(|(centre, radius)| self.add(&centre, radius, &mut found));
         }
         found.sort_unstable();
         found.dedup();
@@ -232,7 +233,11 @@ fn mixed_pair(a: u64, b: u64) -> u128 {
 
 impl TurnedSteps {
     /// The units of the steps of all operations, each with its tool. `None` where it does not pay.
-    pub(super) fn of(program: &Program, operations: &[(Vec<Step>, &ToolSolid)]) -> Option<Self> {
+    pub(super) fn of(
+        program: &Program,
+        operations: &[(Vec<Step>, &ToolSolid)],
+        rounding: PartnerRounding,
+    ) -> Option<Self> {
         let vanes = program.part.vane_count;
         if program.stock.left.is_some() || vanes < 2 {
             return None;
@@ -244,8 +249,8 @@ impl TurnedSteps {
         }
         let mut known: HashMap<(usize, u32, usize), usize> = HashMap::new();
         let mut firsts: Vec<(usize, Range<usize>)> = Vec::new();
-        let mut all: Vec<Vec<Unit>> =
-            operations.par_iter().map(|(steps, _)| units_of(steps, &TurnClasses::of(steps, &turns))).collect();
+        let units = |(steps, _): &(Vec<Step>, &ToolSolid)| units_of(steps, &TurnClasses::of(steps, &turns, rounding));
+        let mut all: Vec<Vec<Unit>> = operations.par_iter().map(units).collect();
         for (o, units) in all.iter_mut().enumerate() {
             for unit in units {
                 unit.class = *known.entry((o, unit.first, unit.steps.len())).or_insert_with(|| {

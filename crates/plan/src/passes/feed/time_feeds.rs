@@ -71,12 +71,7 @@ fn one_feed_a_block(machine: &Machine, operation: &mut MotionOperation) {
 }
 
 /// Largest feed of each move in the fastest run through all of them, mm/min; `None` where the tip stands still.
-fn reached_feeds(
-    machine: &Machine,
-    length: f64,
-    rounding: &Rounding,
-    operation: &MotionOperation,
-) -> Vec<Option<f64>> {
+fn reached_feeds(machine: &Machine, length: f64, rounding: &Rounding, operation: &MotionOperation) -> Vec<Option<f64>> {
     let moves = &operation.moves;
     let starts: Vec<usize> = (0..moves.len()).filter(|i| *i == 0 || operation.rests_before(*i)).collect();
     // Each from the joints at which it starts.
@@ -113,9 +108,8 @@ fn reached_feeds(
 /// Whether the axes take the same way. A rotary axis on which the part lies may be turned by a constant.
 fn run_alike(machine: &Machine, a: &[JointMove], b: &[JointMove]) -> bool {
     let on_table = machine.chain.axes()[1].carries == Carries::Part;
-    let turned = |run: &[JointMove], m: &JointMove| {
-        m.joints.rotary[1] - if on_table { run[0].joints.rotary[1] } else { 0.0 }
-    };
+    let turned =
+        |run: &[JointMove], m: &JointMove| m.joints.rotary[1] - if on_table { run[0].joints.rotary[1] } else { 0.0 };
     a.len() == b.len()
         && a.iter().zip(b).enumerate().all(|(i, (p, q))| {
             (i == 0 || (p.kind == q.kind && p.feed == q.feed))
