@@ -129,7 +129,7 @@ impl Certified {
         }
         let mut sink = Sink::default();
         // The largest cells: a post file changes what the control does between the points, not how the tool is loaded.
-        let mut settings = Settings { cell: Some(1.0), ..Settings::default() };
+        let mut settings = Settings { cell: Some(4.0), ..Settings::default() };
         let fault = match certify_with(program, &motion, &mut settings, &Progress::default(), &mut sink) {
             Ok(certificate) if !sink.has_errors() && certificate.contracts.iter().all(|c| c.holds) => None,
             _ => Some(first(&sink)),
@@ -172,8 +172,8 @@ const MORE_THAN_VERIFY: [&str; 2] = ["away from the first station", "the toleran
 fn the_compiler_accepts_no_post_file_whose_text_verify_refuses() {
     for (name, text) in FILES {
         let shipped = job::shipped_post(name).unwrap();
-        let reduced = pinned::reduced(&shipped.dialect);
-        let (program, motion) = (&reduced.program, &reduced.motion);
+        let short = pinned::short(&shipped.dialect);
+        let (program, motion) = (&short.program, &short.motion);
         let own = with_text(program, text).expect(name);
         assert_eq!(compiled(&own, motion), Ok(()), "{name}");
         let mut certified = Certified::default();
@@ -268,8 +268,8 @@ const APART: usize = 7;
 fn a_block_that_a_shop_adds_has_one_verdict() {
     for (name, text) in FILES {
         let shipped = job::shipped_post(name).unwrap();
-        let reduced = pinned::reduced(&shipped.dialect);
-        let (program, motion) = (&reduced.program, &reduced.motion);
+        let short = pinned::short(&shipped.dialect);
+        let (program, motion) = (&short.program, &short.motion);
         let mut certified = Certified::default();
         assert_eq!(verified(&with_text(program, text).expect(name), motion, &mut certified), Ok(()));
         let (mut rows, mut accepted) = (0, Vec::new());
