@@ -4,17 +4,21 @@
 use crate::support::jobs;
 use impellerc::base::progress::Progress;
 use impellerc::diagnostics::Sink;
+use impellerc::ir::motion::MotionOperation;
 use impellerc::ir::{JointMove, Motion, MoveKind, Program};
 use impellerc::plan::passes::pipeline;
 use impellerc::verify::allowance::{self, AllowanceReport};
+use impellerc::verify::dynamics;
 use impellerc::verify::kept::{self, KeptSurfaces};
 use impellerc::verify::proof::piece::At;
 use impellerc::verify::proof::sweep::Sweep;
+use impellerc::verify::proof::turns::PartnerRounding;
 use impellerc::verify::surface::{self, SurfaceReport};
 use impellerc::verify::{SPACING, limits};
 use impellerc::wheel::part::sample::{self, Sample};
 use impellerc::wheel::part::{SurfaceId, SurfaceKind};
 use nalgebra::{Point3, Rotation3, Vector3};
+use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 /// Figures of two proofs of the same surface agree to this, mm.
@@ -44,8 +48,12 @@ struct Proofs {
 
 impl Proofs {
     fn new(program: &Program, motion: &Motion) -> Self {
+        Self::rounded(program, motion, PartnerRounding::ARITHMETIC)
+    }
+
+    fn rounded(program: &Program, motion: &Motion, rounding: PartnerRounding) -> Self {
         let all = |alone: bool| -> Vec<Sweep<'_>> {
-            let sweeps = (0..motion.operations.len()).filter_map(|o| Sweep::new(program, motion, o));
+            let sweeps = (0..motion.operations.len()).filter_map(|o| Sweep::rounded(program, motion, o, rounding));
             sweeps.map(|sweep| if alone { sweep.in_each_sector() } else { sweep }).collect()
         };
         let both = [false, true].map(all);
@@ -133,8 +141,71 @@ fn one_sector_proves_the_wheel() {
     assert_eq!(proofs.proved().count() * vanes as usize, proofs.surfaces[0].len());
 }
 
+/// The sectors of a text are the same within the steps of its words: all but a few surfaces follow, with bounds that hold, and a
+/// block that is moved by 2 um is found.
+#[test]
+fn sectors_of_a_text_follow_within_the_rounding_of_its_words() {
+    let (program, motion) = &*WHEEL;
+    let control = &program.post.control;
+    assert_eq!(control.decimals.length, 4);
+    let rounding = PartnerRounding::of_words(control);
+    let mut text = motion.clone();
+    let words = |p: Point3<f64>| p.map(|x| (x * 1e4).round() / 1e4);
+    for m in text.operations.iter_mut().flat_map(|o| &mut o.moves) {
+        let pose = program.machine.forward(&m.joints);
+        let rotary = m.joints.rotary.map(|angle| ((angle.to_degrees() * 1e5).round() / 1e5).to_radians());
+        m.joints = program.machine.joints(&words(pose.tip), rotary);
+    }
+    // By a quarter turn the rounding is the same, and no other turn is the same to the arithmetic.
+    let exact = Proofs::new(program, &text).proved().count();
+    let proofs = Proofs::rounded(program, &text, rounding);
+    proofs.agree();
+    let (proved, all) = (proofs.proved().count(), proofs.surfaces[0].len());
+    println!("{proved} of {all} surfaces are proved by themselves, {exact} without the rounding");
+    assert!(4 * proved < all && proved < exact, "{proved} and {exact} of {all}");
+    let (sector, size) = (4, 2e-3);
+    let cuts: Vec<usize> = in_sector(&text, sector);
+    let block = cuts[cuts.len() / 4];
+    let pose = program.machine.forward(&text.operations[FLANK].moves[block].joints);
+    let normal = normal_near(&(pose.tip + pose.axis * 1.0));
+    let moves = &mut text.operations[FLANK].moves;
+    moves[block] = posed(program, &moves[block], &Rotation3::identity(), -normal * size);
+    let changed = Proofs::rounded(program, &text, rounding);
+    changed.agree();
+    let depth = |proofs: &Proofs| {
+        let own = proofs.surfaces[0].iter().filter(|s| s.id.sector == sector);
+        own.map(|s| s.gouge.depth.get()).fold(0.0, f64::max)
+    };
+    println!("deepest cut in sector {}: {} mm, before {} mm", sector + 1, depth(&changed), depth(&proofs));
+    assert!(depth(&changed) > depth(&proofs) + 0.3 * size);
+    assert!(changed.surfaces[0].iter().any(|s| s.id.sector == sector && s.follows.is_none()));
+}
+
+/// Feeds and times of all sectors but the first and last are the same to the last digit: their axes run alike from rest to rest.
+#[test]
+fn sectors_that_run_alike_have_the_same_feeds() {
+    let (program, motion) = &*WHEEL;
+    let (mut all, mut repeated) = (0, 0);
+    for (o, operation) in motion.operations.iter().enumerate() {
+        let rests: Vec<usize> = (0..operation.moves.len()).filter(|i| operation.rests_before(*i)).collect();
+        let run = dynamics::run(program, motion, o, &[]);
+        // Runs between rests, by their number of moves and the feeds and times of these.
+        let mut alike: BTreeMap<String, usize> = BTreeMap::new();
+        for pair in rests.windows(2) {
+            let moves = &operation.moves[pair[0]..pair[1]];
+            let feeds: Vec<_> = moves.iter().map(|m| (m.kind, m.feed)).collect();
+            let times = &run.move_times[pair[0]..pair[1]];
+            *alike.entry(format!("{feeds:?} {times:?}")).or_default() += 1;
+        }
+        all += rests.len();
+        repeated += alike.values().filter(|count| **count > 1).sum::<usize>();
+    }
+    println!("{all} runs from rest to rest, {repeated} of them alike");
+    assert!(all > 100 && 10 * repeated > 8 * all, "{repeated} of {all}");
+}
+
 /// Joints of a move, with the pose turned about the axis of the part and the tip moved.
-fn posed(program: &Program, from: &JointMove, turn: &Rotation3<f64>, by: Vector3<f64>) -> JointMove {
+pub(crate) fn posed(program: &Program, from: &JointMove, turn: &Rotation3<f64>, by: Vector3<f64>) -> JointMove {
     let pose = program.machine.forward(&from.joints);
     let [first, second] = from.joints.rotary;
     let branches = [0, 1].map(|branch| program.machine.chain.unwound(&(turn * pose.axis), branch, second));
@@ -145,9 +216,13 @@ fn posed(program: &Program, from: &JointMove, turn: &Rotation3<f64>, by: Vector3
 /// The flank operation of the wheel.
 const FLANK: usize = 1;
 
-/// The moves of the flank operation in a sector: those of its passes.
+/// The moves of the flank operation in a sector.
 fn in_sector(motion: &Motion, sector: u32) -> Vec<usize> {
-    let operation = &motion.operations[FLANK];
+    of_sector(&motion.operations[FLANK], sector)
+}
+
+/// The moves of an operation in a sector: those of its passes.
+pub(crate) fn of_sector(operation: &MotionOperation, sector: u32) -> Vec<usize> {
     let prefix = format!("sector {} ", sector + 1);
     let own = |k: &usize| operation.labels[operation.moves[*k].pass as usize].starts_with(&prefix);
     (1..operation.moves.len()).filter(own).collect()

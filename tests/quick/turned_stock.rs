@@ -1,12 +1,13 @@
 //! The stock of one sector for all: chips that are taken from partners against the simulation of each sector, on a whole wheel and
 //! with faults in one sector.
 
-use crate::symmetry::WHEEL;
+use crate::symmetry::{WHEEL, of_sector, posed};
 use impellerc::base::progress::Progress;
 use impellerc::diagnostics::Sink;
 use impellerc::five_axis::Joints;
 use impellerc::ir::{Motion, MoveKind};
 use impellerc::verify::stock::{Settings, StockReport, simulate};
+use nalgebra::{Rotation3, Vector3};
 
 /// Cells, mm: the smallest tool has a radius of 3 mm.
 const CELL: f64 = 0.4;
@@ -67,6 +68,31 @@ fn a_rapid_through_the_stock_of_one_sector_is_found() {
         });
         println!("sector {}: {found:?}", sector + 1);
         assert!((found[0] - found[1]).abs() < CELL && found[1] > 0.1, "{found:?}");
+    }
+}
+
+/// Two sectors that are exchanged, and one that is turned by 0.01 deg, in all operations: the stock is that of each sector.
+#[test]
+fn exchanged_and_turned_sectors_have_their_stock() {
+    let program = &WHEEL.0;
+    let (mut exchanged, mut turned) = (WHEEL.1.clone(), WHEEL.1.clone());
+    let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), 0.01_f64.to_radians());
+    for o in 0..WHEEL.1.operations.len() {
+        let [second, sixth] = [1, 5].map(|sector| of_sector(&WHEEL.1.operations[o], sector));
+        for (a, b) in second.iter().zip(&sixth) {
+            exchanged.operations[o].moves.swap(*a, *b);
+        }
+        for block in of_sector(&WHEEL.1.operations[o], 4) {
+            let moves = &mut turned.operations[o].moves;
+            moves[block] = posed(program, &moves[block], &turn, Vector3::zeros());
+        }
+    }
+    for (changed, what) in [(exchanged, "exchanged"), (turned, "turned")] {
+        let reports = both(&changed);
+        agree(&reports);
+        println!("{what}: {:.3} of the steps are those of partners", reports[0].turned.get());
+        let count = |report: &StockReport| report.collisions().count();
+        assert_eq!(count(&reports[0]), count(&reports[1]), "{what}");
     }
 }
 

@@ -22,5 +22,6 @@ mod refused_roughing;
 mod rough;
 mod step_import;
 mod stock;
+mod symmetry;
 mod tutorial;
 mod wheels;

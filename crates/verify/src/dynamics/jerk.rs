@@ -239,9 +239,14 @@ fn from_rest_to_rest(cells: &[MotionCell]) -> Vec<Range<usize>> {
 
 /// For each range of cells the first one that is run alike: for a sector that repeats another one, that of the other.
 fn first_alike(limits: &RunLimits, cells: &[MotionCell], ranges: &[Range<usize>]) -> Vec<usize> {
-    let mut of_length: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    // By the number of cells and the programmed time in steps of 10 us: what is alike but lies beside a border is run again.
+    let key = |range: &Range<usize>| {
+        let time: f64 = cells[range.clone()].iter().map(|cell| cell.width).sum();
+        (range.len(), (time * 1e5).round() as i64)
+    };
+    let mut of_key: BTreeMap<(usize, i64), Vec<usize>> = BTreeMap::new();
     let mut first = |r: usize| {
-        let known = of_length.entry(ranges[r].len()).or_default();
+        let known = of_key.entry(key(&ranges[r])).or_default();
         let alike = |k: &usize| {
             let pairs = cells[ranges[*k].clone()].iter().zip(&cells[ranges[r].clone()]);
             pairs.enumerate().all(|(i, (a, b))| run_alike(limits, a, b, i == 0))

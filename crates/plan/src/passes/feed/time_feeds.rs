@@ -23,6 +23,9 @@ const STATION_TURN: f64 = 2.0 * std::f64::consts::PI / 180.0;
 /// Most stations of a move.
 const MAX_STATIONS: f64 = 1000.0;
 
+/// Step of the key by which runs that may be alike are found, mm.
+const PLACE_STEP: f64 = 1e-3;
+
 /// Feed unit of the texts, mm/min: feeds are rounded down to it so that a post never has to round up.
 const FEED_STEP: f64 = 1e-3;
 
@@ -80,12 +83,17 @@ fn reached_feeds(machine: &Machine, length: f64, rounding: &Rounding, operation:
         .zip(starts.iter().skip(1).chain([&moves.len()]))
         .map(|(start, end)| &moves[start.saturating_sub(1)..*end])
         .collect();
-    let mut of_length: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    // By the number of moves and their places in steps: what is alike but lies beside a border is run again.
+    let key = |run: &[JointMove]| {
+        let places: f64 = run.iter().map(|m| m.joints.xyz.sum()).sum();
+        (run.len(), (places / PLACE_STEP).round() as i64)
+    };
+    let mut of_key: BTreeMap<(usize, i64), Vec<usize>> = BTreeMap::new();
     let like: Vec<usize> = runs
         .iter()
         .enumerate()
         .map(|(i, run)| {
-            let known = of_length.entry(run.len()).or_default();
+            let known = of_key.entry(key(run)).or_default();
             let found = known.iter().copied().find(|k| run_alike(machine, runs[*k], run));
             found.unwrap_or_else(|| {
                 known.push(i);
