@@ -6,7 +6,8 @@
 //! sector, and no move of E' near the same surface of the second, nearer than what is proved of the first, that is proved of the
 //! second too. Surfaces for which this does not hold are proved by themselves.
 //!
-//! Nothing is taken from the planner: a block that was changed in one sector has no partner there.
+//! Nothing is taken from the planner: a block that was changed in one sector has no partner there, or it differs by less than the
+//! rounding of a text; the bounds of what follows contain by how much.
 
 use super::proof::cells::PatchTask;
 use super::proof::grid::{Grid, PlacedSurface};
