@@ -29,6 +29,20 @@ const KEY: f64 = 1e-3;
 /// Lines that a call adds: frame, shift of the rotary axes, call. A subprogram also has a begin, an end and a comment.
 const CALL_LINES: usize = 4;
 
+/// For each item the first one that is alike. Only items of the same key are compared: what is alike but lies beside a border of
+/// keys counts as something else.
+pub fn first_alike<T, K: Ord>(items: &[T], key: impl Fn(&T) -> K, alike: impl Fn(&T, &T) -> bool) -> Vec<usize> {
+    let mut firsts: BTreeMap<K, Vec<usize>> = BTreeMap::new();
+    let first = |(i, item): (usize, &T)| {
+        let known = firsts.entry(key(item)).or_default();
+        known.iter().copied().find(|k| alike(&items[*k], item)).unwrap_or_else(|| {
+            known.push(i);
+            i
+        })
+    };
+    items.iter().enumerate().map(first).collect()
+}
+
 /// How a part of an operation is turned from where it is first.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turned {

@@ -95,7 +95,7 @@ pub fn check(program: &Program, sweeps: &[Sweep<'_>]) -> ClampingReport {
         // Of equal distances the first.
         nearest = nearest.into_iter().chain(found).reduce(|a, b| if b.distance < a.distance { b } else { a });
     }
-    let turned = sweeps.iter().map(Sweep::partner_error).fold(0.0, f64::max);
+    let turned = Sweep::largest_partner_error(sweeps);
     let (part, tip) = nearest.map_or(("", [0.0; 3]), |n| (n.part, n.tip.coords.into()));
     ClampingReport {
         below: Mm(clamping.below.get()),

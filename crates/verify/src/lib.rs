@@ -202,7 +202,8 @@ pub fn certify_with(
     let narrower = Narrower { program, motion, samples: &samples, splines: &splines, progress };
     let mut found = Sink::default();
     judge(program, motion, &mut certificate, &narrower, &mut found)?;
-    if found.has_errors() && settings.rounding != PartnerRounding::ARITHMETIC {
+    let rounded = settings.rounding != PartnerRounding::ARITHMETIC && Sweep::largest_partner_error(&sweeps) > 0.0;
+    if found.has_errors() && rounded {
         // What fails may hold without the rounding between sectors.
         let sweeps = swept(PartnerRounding::ARITHMETIC)?;
         let proofs = Proofs::of(program, motion, &sweeps, &splines, &clouds, progress)?;

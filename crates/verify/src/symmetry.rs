@@ -64,7 +64,7 @@ impl<'a> Symmetry<'a> {
 
     /// Upper bound of the distance between what is proved of one sector and what holds in another, mm.
     pub(super) fn error(&self) -> f64 {
-        self.sweeps.iter().map(Sweep::partner_error).fold(0.0, f64::max)
+        Sweep::largest_partner_error(self.sweeps)
     }
 
     /// Pitches from the first sector to another.

@@ -99,6 +99,13 @@ pub struct Leg {
     pub y: [f64; 3],
 }
 
+impl Leg {
+    /// Upper bound of ds/dt.
+    fn most(&self) -> f64 {
+        self.y.iter().fold(0.0_f64, |a, b| a.max(*b)).sqrt()
+    }
+}
+
 /// Result of [`plan`].
 #[derive(Clone, Debug)]
 pub struct Profile {
@@ -344,8 +351,7 @@ impl Run {
 
     /// Largest speed of a leg, as a share of the speed at the least time of its segment.
     fn share(&self, leg: &Leg) -> f64 {
-        let most = leg.y.iter().fold(0.0_f64, |a, b| a.max(*b)).sqrt();
-        (most / self.path.rate[leg.segment as usize]).min(1.0)
+        (leg.most() / self.path.rate[leg.segment as usize]).min(1.0)
     }
 }
 
@@ -402,7 +408,7 @@ fn settle(run: &Run, limits: &Limits, first: usize, profile: &mut Profile) {
         *segment = Segment { time: 0.0, share: 0.0 };
     }
     for (i, leg) in legs.iter().enumerate() {
-        let most = leg.y.iter().fold(0.0_f64, |a, b| a.max(*b)).sqrt();
+        let most = leg.most();
         let time = jerk::time(leg.width, leg.y);
         let segment = &mut profile.segments[first + leg.segment as usize];
         segment.time += time;

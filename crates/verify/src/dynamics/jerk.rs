@@ -17,9 +17,9 @@ use super::{CornerError, Joint5, MotionCell, MovePart, RunLimits};
 use five_axis::feedrate;
 use five_axis::feedrate::jerk::{self, Bounds, Rows};
 use five_axis::feedrate::ramp::{self, Creep, Even, Most, Ramp};
+use ir::repeats::first_alike;
 use nurbs::bracket::Bracket;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Share by which a sum that meets its bound may exceed it by rounding.
@@ -200,7 +200,15 @@ impl Rows for JerkRows<'_> {
 /// The run through cells, from rest to rest. What is alike is run once.
 pub(super) fn run(limits: &RunLimits, cells: &[MotionCell]) -> Vec<MovePart> {
     let ranges = from_rest_to_rest(cells);
-    let like = first_alike(limits, cells, &ranges);
+    // By the number of cells and the programmed time in steps of 10 us.
+    let key = |range: &Range<usize>| {
+        let time: f64 = cells[range.clone()].iter().map(|cell| cell.width).sum();
+        (range.len(), (time * 1e5).round() as i64)
+    };
+    let like = first_alike(&ranges, key, |a, b| {
+        let pairs = cells[a.clone()].iter().zip(&cells[b.clone()]);
+        pairs.enumerate().all(|(i, (a, b))| run_alike(limits, a, b, i == 0))
+    });
     let own: Vec<Vec<MovePart>> = (0..ranges.len())
         .into_par_iter()
         .map(|r| if like[r] == r { moving(limits, &cells[ranges[r].clone()]) } else { Vec::new() })
@@ -235,28 +243,6 @@ fn from_rest_to_rest(cells: &[MotionCell]) -> Vec<Range<usize>> {
         first = stop;
     }
     ranges
-}
-
-/// For each range of cells the first one that is run alike: for a sector that repeats another one, that of the other.
-fn first_alike(limits: &RunLimits, cells: &[MotionCell], ranges: &[Range<usize>]) -> Vec<usize> {
-    // By the number of cells and the programmed time in steps of 10 us: what is alike but lies beside a border is run again.
-    let key = |range: &Range<usize>| {
-        let time: f64 = cells[range.clone()].iter().map(|cell| cell.width).sum();
-        (range.len(), (time * 1e5).round() as i64)
-    };
-    let mut of_key: BTreeMap<(usize, i64), Vec<usize>> = BTreeMap::new();
-    let mut first = |r: usize| {
-        let known = of_key.entry(key(&ranges[r])).or_default();
-        let alike = |k: &usize| {
-            let pairs = cells[ranges[*k].clone()].iter().zip(&cells[ranges[r].clone()]);
-            pairs.enumerate().all(|(i, (a, b))| run_alike(limits, a, b, i == 0))
-        };
-        known.iter().copied().find(alike).unwrap_or_else(|| {
-            known.push(r);
-            r
-        })
-    };
-    (0..ranges.len()).map(&mut first).collect()
 }
 
 /// Whether two cells are run alike: all that the run takes from them is the same to [`CELL_ROUNDING`] of the limits. At the

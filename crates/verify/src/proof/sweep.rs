@@ -118,6 +118,11 @@ impl<'a> Sweep<'a> {
         self.turns.as_ref().map_or(0.0, |classes| classes.error(self.solid.arm()))
     }
 
+    /// The same over all partners of several sweeps.
+    pub(crate) fn largest_partner_error(sweeps: &[Self]) -> f64 {
+        sweeps.iter().map(Self::partner_error).fold(0.0, f64::max)
+    }
+
     /// The move of the partner of a move, turned by a number of pitches.
     pub(crate) fn partner_at(&self, at: At, pitches: u32) -> Option<At> {
         let order = self.in_order.partition_point(|index| self.pieces[*index as usize].at.index < at.index);

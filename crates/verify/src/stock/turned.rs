@@ -154,7 +154,7 @@ impl Bins {
         let outside = |step: &Step| {
             let mut parts = cutter.iter().chain(&body);
             parts.all(|part| {
-                let mut balls = part.balls(step, SHORT * part.radius);
+                let mut balls = part.balls(step, (SHORT * part.radius).max(RESERVE));
                 balls.all(|(p, radius)| blank.distance([p.coords.xy().norm(), p.z]) > radius)
             })
         };

@@ -11,11 +11,10 @@ use base::progress::Progress;
 use five_axis::feedrate::{self, AXES, Limits, Rounding, Station};
 use five_axis::{Carries, Joints, Machine, between};
 use ir::motion::MotionOperation;
-use ir::repeats::POSITION_ROUNDING;
+use ir::repeats::{POSITION_ROUNDING, first_alike};
 use ir::{JointMove, Motion, MoveKind, Program};
 use nalgebra::Point3;
 use rayon::prelude::*;
-use std::collections::BTreeMap;
 
 /// Turn between two stations, radians: a joint 100 mm from a rotary axis leaves its chord by 15 um over this turn.
 const STATION_TURN: f64 = 2.0 * std::f64::consts::PI / 180.0;
@@ -83,24 +82,12 @@ fn reached_feeds(machine: &Machine, length: f64, rounding: &Rounding, operation:
         .zip(starts.iter().skip(1).chain([&moves.len()]))
         .map(|(start, end)| &moves[start.saturating_sub(1)..*end])
         .collect();
-    // By the number of moves and their places in steps: what is alike but lies beside a border is run again.
-    let key = |run: &[JointMove]| {
+    // By the number of moves and their places in steps.
+    let key = |run: &&[JointMove]| {
         let places: f64 = run.iter().map(|m| m.joints.xyz.sum()).sum();
         (run.len(), (places / PLACE_STEP).round() as i64)
     };
-    let mut of_key: BTreeMap<(usize, i64), Vec<usize>> = BTreeMap::new();
-    let like: Vec<usize> = runs
-        .iter()
-        .enumerate()
-        .map(|(i, run)| {
-            let known = of_key.entry(key(run)).or_default();
-            let found = known.iter().copied().find(|k| run_alike(machine, runs[*k], run));
-            found.unwrap_or_else(|| {
-                known.push(i);
-                i
-            })
-        })
-        .collect();
+    let like = first_alike(&runs, key, |a, b| run_alike(machine, a, b));
     let own: Vec<Vec<Option<f64>>> = (0..runs.len())
         .into_par_iter()
         .map(|i| if like[i] == i { run_feeds(machine, length, rounding, runs[i]) } else { Vec::new() })
