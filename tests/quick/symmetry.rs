@@ -324,6 +324,28 @@ fn a_sector_that_is_left_out_is_found() {
     assert!(worst(4) > 0.1 && (0..8).filter(|s| *s != 4).all(|s| worst(s) < 0.01));
 }
 
+/// Of a wheel of which sectors 1 to 4 are machined, the sectors between the first and the last of them follow from one.
+#[test]
+fn sectors_of_a_wheel_that_is_machined_in_part_follow() {
+    let (program, motion) = &*WHEEL;
+    let mut changed = motion.clone();
+    for operation in &mut changed.operations {
+        let left_out: Vec<usize> = (4..8).flat_map(|sector| of_sector(operation, sector)).collect();
+        let mut index = 0;
+        operation.moves.retain(|_| {
+            index += 1;
+            !left_out.contains(&(index - 1))
+        });
+    }
+    let proofs = Proofs::new(program, &changed);
+    proofs.agree();
+    let of_face = |s: &&SurfaceReport| matches!(s.id.kind, SurfaceKind::Face(_)) && s.is_machined();
+    let faces: Vec<&SurfaceReport> = proofs.surfaces[0].iter().filter(of_face).collect();
+    let following = faces.iter().filter(|s| s.follows.is_some()).count();
+    println!("{} faces are machined, {following} follow", faces.len());
+    assert!(faces.len() >= 8 && following >= 2, "{following} of {}", faces.len());
+}
+
 /// The order of the sectors does not count for what is proved of surfaces.
 #[test]
 fn exchanged_sectors_prove_the_same() {

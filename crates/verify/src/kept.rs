@@ -11,7 +11,7 @@ use super::proof::grid::{Grid, PlacedSurface};
 use super::proof::nearest::NEAR_ERROR;
 use super::proof::sweep::Sweep;
 use super::surface::{self, FAR, MIN_SLACK, SLACK, Worst};
-use super::symmetry::Symmetry;
+use super::symmetry::{Step, Symmetry};
 use base::progress::Progress;
 use base::units::{Mm, length};
 use diagnostics::{Diag, Sink, codes::verification};
@@ -160,31 +160,26 @@ pub(super) fn deepest(
     let stage = stage.into();
     let symmetry = Symmetry::of(sweeps, cover.part);
     let error = symmetry.error();
-    let mut found: Vec<Option<Deepest>> = vec![None; cover.surfaces.len()];
-    let prove = |found: &mut Vec<Option<Deepest>>, which: &dyn Fn(&Covered<'_>) -> bool, limits: &[f64]| {
-        let open = found.iter().zip(&cover.surfaces).enumerate();
-        let these: Vec<usize> = open.filter(|(_, (f, c))| f.is_none() && which(c)).map(|(k, _)| k).collect();
-        let surfaces: Vec<&Covered<'_>> = these.iter().map(|k| &cover.surfaces[*k]).collect();
-        let proved = prove_deepest(&surfaces, &cover.grids, sweeps, cutoff, limits, progress, stage.clone());
-        these.iter().zip(proved).for_each(|(k, deepest)| found[*k] = Some(deepest));
+    let prove = |surfaces: &[&Covered<'_>], limits: &[f64]| {
+        prove_deepest(surfaces, &cover.grids, sweeps, cutoff, limits, progress, stage.clone())
     };
-    if symmetry.is_any() {
-        prove(&mut found, &|c| c.surface.id.sector == symmetry.first, &[limit - error, limit]);
-        let follow = |(c, own): (&Covered<'_>, &Option<Deepest>)| {
-            let mut firsts = cover.surfaces.iter().zip(&found);
-            let (first, proved) = firsts.find(|(first, proved)| {
-                proved.is_some() && own.is_none() && first.surface.id.kind == c.surface.id.kind
-            })?;
-            let grids: Vec<&Grid> = c.grids.iter().map(|grid| &cover.grids[*grid]).collect();
-            let follows = symmetry.follows([&first.surface, &c.surface], &grids, cutoff + MIN_SLACK);
-            // The rounding between sectors may not take a bound over the limit.
-            let keeps = |first: &Deepest| first.low < -limit || first.low - error >= -limit;
-            proved.filter(|first| follows && keeps(first)).map(|first| Deepest { low: first.low - error, ..first })
+    let found: Vec<Option<Deepest>> = if symmetry.is_any() {
+        let ids: Vec<SurfaceId> = cover.surfaces.iter().map(|c| c.surface.id).collect();
+        let prove_these = |these: &[usize]| {
+            prove(&these.iter().map(|k| &cover.surfaces[*k]).collect::<Vec<_>>(), &[limit - error, limit])
         };
-        let following: Vec<Option<Deepest>> = cover.surfaces.par_iter().zip(&found).map(follow).collect();
-        found.iter_mut().zip(following).for_each(|(own, follows)| *own = own.or(follows));
-    }
-    prove(&mut found, &|_| true, &[limit]);
+        let follow = |step: Step, first: &Deepest| {
+            let [beside, to] = [step.beside, step.to].map(|k| &cover.surfaces[k]);
+            let grids: Vec<&Grid> = to.grids.iter().map(|grid| &cover.grids[*grid]).collect();
+            // The rounding between sectors may not take a bound over the limit.
+            let keeps = first.low < -limit || first.low - error >= -limit;
+            let follows = keeps && symmetry.follows([&beside.surface, &to.surface], &grids, cutoff + MIN_SLACK);
+            follows.then_some(Deepest { low: first.low - error, ..*first })
+        };
+        symmetry.prove(&ids, prove_these, follow)
+    } else {
+        prove(&cover.surfaces.iter().collect::<Vec<_>>(), &[limit]).into_iter().map(Some).collect()
+    };
     // A cancelled run has no value that anybody sees.
     found.into_iter().flatten().map(|deepest| Deepest { low: deepest.low.min(cutoff), ..deepest }).collect()
 }

@@ -208,8 +208,8 @@ pub fn reports<'a>(
 /// Points that are asked in turn, each near the one before.
 const POINTS_IN_TURN: usize = 64;
 
-/// Lowers what is left at the samples of all sectors to the distance of the cutter: in the first proved sector, and from there in the
-/// others.
+/// Lowers what is left at the samples of all sectors to the distance of the cutter: in the first proved sector, and from there from
+/// sector to sector.
 fn cut(sweep: &Sweep<'_>, symmetry: &Symmetry<'_>, samples: &[&Sample], left: &mut [f64], work: &Work) {
     let direct = |samples: &[&Sample], left: &mut [f64]| {
         left.par_chunks_mut(POINTS_IN_TURN).zip(samples.par_chunks(POINTS_IN_TURN)).for_each(|(left, samples)| {
@@ -217,30 +217,34 @@ fn cut(sweep: &Sweep<'_>, symmetry: &Symmetry<'_>, samples: &[&Sample], left: &m
             work.advance(samples.len() - 1);
         });
     };
-    let sector = |sample: &&Sample| sample.surface.sector;
-    let Some(from) = samples.iter().position(|s| sector(s) == symmetry.first) else { return direct(samples, left) };
-    let count = samples[from..].iter().take_while(|s| sector(s) == symmetry.first).count();
-    let firsts = &samples[from..from + count];
-    let before = left[from..from + count].to_vec();
-    direct(firsts, &mut left[from..from + count]);
-    let after = left[from..from + count].to_vec();
-    for (left, samples) in left.chunks_mut(count).zip(samples.chunks(count)) {
-        let Some(other) = samples.first().map(sector).filter(|other| *other != symmetry.first) else { continue };
-        let unshared = symmetry.unshared_in(sweep, other).filter(|_| samples.len() == count);
-        let Some(unshared) = unshared else {
-            direct(samples, left);
-            continue;
-        };
-        let places = firsts.par_iter().zip(samples).map(|(first, sample)| [first.position, sample.position]);
-        let values = before.par_iter().zip(&after).map(|(before, after)| [*before, *after]);
-        left.par_iter_mut().zip(places).zip(values).for_each(|((left, places), values)| {
-            work.do_step(|| follow(sweep, unshared, places, values, symmetry.error(), left));
-        });
+    let sectors: Vec<&[&Sample]> = samples.chunk_by(|a, b| a.surface.sector == b.surface.sector).collect();
+    let count = sectors.first().map_or(0, |samples| samples.len());
+    let is_whole = sectors.len() == symmetry.vanes as usize && sectors.iter().all(|samples| samples.len() == count);
+    let Some(unshared) = symmetry.unshared_in(sweep).filter(|_| is_whole) else {
+        return direct(samples, left);
+    };
+    let mut last: Option<(&[&Sample], Vec<[f64; 2]>)> = None;
+    for own in (0..sectors.len()).map(|k| (symmetry.first as usize + k) % sectors.len()) {
+        let (samples, left) = (sectors[own], &mut left[own * count..(own + 1) * count]);
+        let before = left.to_vec();
+        match &last {
+            Some((places, values)) => {
+                let places = places.par_iter().zip(samples).map(|(last, sample)| [last.position, sample.position]);
+                left.par_iter_mut().zip(places).zip(values).for_each(|((left, places), values)| {
+                    work.do_step(|| follow(sweep, unshared, places, *values, symmetry.error(), left));
+                });
+            }
+            None => direct(samples, left),
+        }
+        last = Some((
+            samples,
+            before.into_iter().zip(left.iter().copied()).map(|(before, after)| [before, after]).collect(),
+        ));
     }
 }
 
 /// Lowers what is left at a place to the distance of the cutter. `values` are what was left before and after the sweep at the same
-/// place of the first sector, where all pieces that both sectors share are as far away.
+/// place of the sector before, where all pieces that both sectors share are as far away.
 fn follow(
     sweep: &Sweep<'_>,
     [ahead, behind]: [Option<&Sweep<'_>>; 2],
@@ -250,7 +254,7 @@ fn follow(
     left: &mut f64,
 ) {
     let is_shared = ahead.is_none_or(|ahead| ahead.nearest(&first, after + error).is_none());
-    // Where the sweep left nothing less in the first sector, its pieces are only known to be no nearer than that.
+    // Where the sweep left nothing less in the sector before, its pieces are only known to be no nearer than that.
     let shared = if after < before { Some(after) } else { (*left <= before).then_some(*left) };
     let by = |sweep: &Sweep<'_>, cutoff: f64| sweep.nearest(&place, cutoff).map_or(cutoff, |n| n.distance);
     *left = match shared.filter(|_| is_shared) {

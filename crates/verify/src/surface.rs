@@ -14,7 +14,7 @@ use super::proof::cells::{CellFigures, Extreme, Goals, PatchTask, Proved, Sample
 use super::proof::grid::{Grid, PlacedSurface};
 use super::proof::piece::At;
 use super::proof::sweep::Sweep;
-use super::symmetry::Symmetry;
+use super::symmetry::{Step, Symmetry};
 use base::progress::{Progress, Work};
 use base::units::{Mm, Mm2};
 use nalgebra::{Point3, Rotation3, Vector3};
@@ -117,11 +117,12 @@ impl SurfaceReport {
         if self.area.get() > 0.0 { self.not_reached.get() / self.area.get() } else { 0.0 }
     }
 
-    /// The figures of the same surface in another sector, if they follow from these. Deep cuts do not: their depth is measured
-    /// beyond the reach of the bounds; nor do bounds that the rounding between sectors would take over a limit.
+    /// The figures of the same surface in another sector, if they follow from these, by a sector `beside` it in which they hold. Deep
+    /// cuts do not: their depth is measured beyond the reach of the bounds; nor do bounds that the rounding between sectors would
+    /// take over a limit.
     fn in_sector(
         &self,
-        [own, other]: [&PlacedSurface<'_>; 2],
+        [own, beside, other]: [&PlacedSurface<'_>; 3],
         grids: &[&Grid],
         symmetry: &Symmetry<'_>,
         limits: &Limits,
@@ -134,13 +135,13 @@ impl SurfaceReport {
             return None;
         }
         let reach = self.excess_bound.get() + CORNER_SLACK;
-        if reach >= FAR || self.gouge.value.get() < -MIN_DEEP_CUT || !symmetry.follows([own, other], grids, reach) {
+        if reach >= FAR || self.gouge.value.get() < -MIN_DEEP_CUT || !symmetry.follows([beside, other], grids, reach) {
             return None;
         }
         let turn = other.turn * own.turn.inverse();
         let turned = |worst: &Worst| Worst {
             point: (turn * Point3::from(worst.point)).into(),
-            at: worst.at.and_then(|at| symmetry.partner(at, other.id.sector)),
+            at: worst.at.and_then(|at| symmetry.partner(at, [self.id.sector, other.id.sector])),
             ..worst.clone()
         };
         let widened = |bound: Mm| Mm(bound.get() + symmetry.error());
@@ -187,27 +188,19 @@ pub fn certify(
     if !symmetry.is_any() {
         return prove(&surfaces, sweeps, limits, progress);
     }
-    // The first sector, what follows from it, and the rest by itself.
-    let is_first = |(_, s): &&(&[Grid], PlacedSurface<'_>)| s.id.sector == symmetry.first;
-    let firsts: Vec<_> = surfaces.iter().filter(is_first).copied().collect();
-    // Down to a limit less the rounding where that is possible, so that the others keep the limit.
+    // Down to a limit less the rounding where that is possible, so that those that follow keep the limit.
     let goals = limits.clone().narrowed(symmetry.error()).and(limits);
-    let proved = prove(&firsts, sweeps, &goals, progress);
-    let follow = |(grids, surface): &(&[Grid], PlacedSurface<'_>)| {
-        let (first, report) = firsts.iter().zip(&proved).find(|((_, first), _)| first.id.kind == surface.id.kind)?;
-        let grids: Vec<&Grid> = grids.iter().collect();
-        (first.1.id != surface.id).then(|| report.in_sector([&first.1, surface], &grids, &symmetry, limits)).flatten()
+    let ids: Vec<SurfaceId> = surfaces.iter().map(|(_, surface)| surface.id).collect();
+    let prove_these = |these: &[usize]| {
+        let these: Vec<_> = these.iter().map(|k| surfaces[*k]).collect();
+        prove(&these, sweeps, &goals, progress)
     };
-    let following: Vec<Option<SurfaceReport>> = surfaces.par_iter().map(follow).collect();
-    let is_open = |((_, s), follows): &(&(&[Grid], PlacedSurface<'_>), &Option<SurfaceReport>)| {
-        follows.is_none() && s.id.sector != symmetry.first
+    let follow = |step: Step, report: &SurfaceReport| {
+        let grids: Vec<&Grid> = surfaces[step.to].0.iter().collect();
+        let of = [step.proved, step.beside, step.to].map(|k| &surfaces[k].1);
+        report.in_sector(of, &grids, &symmetry, limits)
     };
-    let rest: Vec<_> = surfaces.iter().zip(&following).filter(is_open).map(|(surface, _)| *surface).collect();
-    let mut all: Vec<SurfaceReport> = prove(&rest, sweeps, limits, progress);
-    all.extend(proved);
-    all.extend(following.into_iter().flatten());
-    all.sort_by_key(|report| report.id);
-    all
+    symmetry.prove(&ids, prove_these, follow).into_iter().flatten().collect()
 }
 
 /// Figures of a single shape.
