@@ -182,7 +182,7 @@ function setMove(i, share) {
   if (show.follow) { flight++; camera.target = poseOn(show.move, show.share).tip; }
   if (bodyNow() !== before) describeStock();
   redraw();
-  redrawPlots();
+  showNow();
 }
 function setTime(t) {
   const i = moveAt(t), before = i ? moves.end[i - 1] : 0, size = moves.end[i] - before;
@@ -325,7 +325,7 @@ $('theme').addEventListener('click', () => {
   const dark = root.dataset.theme ? root.dataset.theme === 'dark' : matchMedia('(prefers-color-scheme: dark)').matches;
   root.dataset.theme = dark ? 'light' : 'dark';
   drawScale();
-  drawPlots();
+  redrawPlots();
 });
 
 // Begin: first the part alone, then what follows in the file.
@@ -353,9 +353,9 @@ async function loadRest() {
   setMove(0, 1);
   redraw();
   placeButtonsOfTables();
-  drawPlots();
+  redrawPlots();
   drawProgram();
-  addEventListener('resize', () => { resize(); drawScale(); fitPlaces(); drawPlots(); drawProgram(); });
+  addEventListener('resize', () => { resize(); drawScale(); fitPlaces(); redrawPlots(); drawProgram(); });
   document.documentElement.dataset.drawn = 'yes';
 }
 const loaded = new Promise(done => {

@@ -257,15 +257,16 @@ function drawPlots() {
   pen.fillStyle = tones[1];
   pen.textAlign = 'center';
   for (const t of times) pen.fillText(clockFine(t, step), Math.min(Math.max(x(t), LEFT), LEFT + width - 24), plots.clientHeight - BOTTOM / 2);
-  if (!moves.count) return;
-  const at = x(timeOf(show.move, show.share));
-  if (at < LEFT || at > LEFT + width) return;
-  pen.strokeStyle = tones[0];
-  pen.lineWidth = 1;
-  pen.beginPath();
-  pen.moveTo(at, 2);
-  pen.lineTo(at, plots.clientHeight - BOTTOM);
-  pen.stroke();
+  plotsStale = false;
+  showNow();
+}
+
+/** Puts the mark of the time where the tool is. It is an element of its own, since the lines take long to draw. */
+function showNow() {
+  if (!plotsSeen) return;
+  const { width, x } = layout(), at = moves.count ? x(timeOf(show.move, show.share)) : -1;
+  $('plots-now').hidden = at < LEFT || at > LEFT + width;
+  $('plots-now').style.transform = `translateX(${at - 0.5}px)`;
 }
 
 /** Time at a share of a move. */
@@ -287,12 +288,19 @@ function zoomSpan(factor, share) {
   setSpan(at - size * factor * share, at + size * factor * (1 - share));
 }
 
-let plotsWaiting = false;
+let plotsWaiting = false, plotsStale = false, plotsSeen = false;
+/** Draws the plots in the next frame, or when they come into the window. */
 function redrawPlots() {
-  if (plotsWaiting) return;
+  plotsStale = true;
+  if (plotsWaiting || !plotsSeen) return;
   plotsWaiting = true;
-  requestAnimationFrame(() => { plotsWaiting = false; drawPlots(); });
+  requestAnimationFrame(() => { plotsWaiting = false; if (plotsStale) drawPlots(); });
 }
+new IntersectionObserver(entries => {
+  plotsSeen = entries[entries.length - 1].isIntersecting;
+  if (plotsStale) redrawPlots(); else showNow();
+}).observe(plots);
+addEventListener('beforeprint', () => { if (plotsStale) drawPlots(); });
 
 /** Joints, speed and removal rate of a move in words. */
 function figuresOf(i, share) {
