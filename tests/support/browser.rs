@@ -217,8 +217,15 @@ impl Page {
         self.call("Runtime.evaluate", &json!({ "expression": frames, "awaitPromise": true }));
     }
 
-    /// A screenshot of the page.
+    /// A screenshot of the page, when the picture of the part is the whole one: a slow machine first draws a coarse one.
     pub(crate) fn screenshot(&mut self) -> Picture {
+        self.settle();
+        let start = Instant::now();
+        while self.evaluate("document.documentElement.dataset.picture") == "unfinished" {
+            assert!(start.elapsed() < PATIENCE, "the picture is never whole; the page said {:?}", self.complaints);
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        self.settle();
         let result = self.call("Page.captureScreenshot", &json!({ "format": "png" }));
         let bytes = base64(result["data"].as_str().unwrap());
         Picture::from_png(&bytes)

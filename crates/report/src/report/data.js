@@ -34,7 +34,8 @@ function loadPart() {
   const { low, size } = data.part.frame;
   const place = new Float32Array(positions.length);
   for (let i = 0; i < positions.length; i++) place[i] = low[i % 3] + positions[i] / 65535 * size[i % 3];
-  const surface = new Uint8Array(count), rows = [];
+  const surface = new Uint8Array(count), rows = [], middle = [0, 0];
+  for (let i = 0; i < place.length; i++) if (i % 3 < 2) middle[i % 3] += place[i] / count;
   let start = 0;
   data.part.surfaces.forEach((s, number) => {
     rows.push(s.rows.map(([n, from, to]) => {
@@ -43,7 +44,7 @@ function loadPart() {
       return { start: start - n, n, from, to };
     }));
   });
-  return { positions, normals, deviations, surface, count, place, rows };
+  return { positions, normals, deviations, surface, count, place, rows, middle };
 }
 
 /** Numbers below n in steps, with the last. */

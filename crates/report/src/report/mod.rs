@@ -33,11 +33,13 @@ const ROUND_NUMBER_EXCESS: f64 = 1e-9;
 
 const TEMPLATE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
-/// In order: data, drawing, plots, NC text, mouse and keys, then what the reader chooses and the start.
-const SCRIPTS: [&str; 7] = [
+/// In order: data, drawing, when it is drawn, places under the pointer, plots, NC text, mouse and keys, then what the reader chooses and the start.
+const SCRIPTS: [&str; 9] = [
     include_str!("data.js"),
     include_str!("shaders.js"),
     include_str!("scene.js"),
+    include_str!("frames.js"),
+    include_str!("pick.js"),
     include_str!("plots.js"),
     include_str!("nc.js"),
     include_str!("pointer.js"),

@@ -242,9 +242,13 @@ function play(on) {
   let last = performance.now();
   const frame = now => {
     if (!playing) return;
+    // The tool goes on when its last picture is drawn.
+    if (frames.busy) { requestAnimationFrame(frame); return; }
     const t = timeOf(show.move, show.share) + (now - last) / 1e3 * Number($('pace').value);
     last = now;
     setTime(Math.min(t, moves.total));
+    // In this frame, not in the next one.
+    drawNow();
     if (t < moves.total) requestAnimationFrame(frame); else play(false);
   };
   requestAnimationFrame(frame);

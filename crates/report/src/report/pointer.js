@@ -105,7 +105,7 @@ function setMeasuring(on) {
 }
 $('measure').addEventListener('click', () => setMeasuring(!measuring));
 function measureAt(at) {
-  const point = pick(...at, true);
+  const point = pointAt(...at);
   if (!point) return;
   show.measured = show.measured.length === 1 ? [show.measured[0], point] : [point];
   held = true;
@@ -121,7 +121,7 @@ function measureAt(at) {
 }
 canvas.addEventListener('dblclick', event => {
   if (measuring) return;
-  const target = pick(...place(event), true);
+  const target = pointAt(...place(event));
   if (target) fly({ ...camera, target, distance: camera.distance * 0.6 });
 });
 canvas.addEventListener('keydown', event => {
@@ -143,14 +143,14 @@ function look(at) {
   looking = at;
   if (!first) return;
   requestAnimationFrame(() => {
-    const found = pick(...looking, false);
+    const found = surfaceAt(...looking);
     looking = null;
     if (held) return;
     if (!found) { $('readout').textContent = ''; return; }
     const surface = data.part.surfaces[found.surface];
     const name = `${surface ? surface.name : 'surface'} ${found.sector}`;
-    const value = found.code === NOT_REACHED ? 'not reached' : found.code === NOT_MILLED ? 'turned, not milled'
-      : `${decode(found.code) < 0 ? 'cut' : 'left'} ${Math.abs(decode(found.code)).toFixed(2)} µm`;
+    const value = found.without === NOT_REACHED ? 'not reached' : found.without === NOT_MILLED ? 'turned, not milled'
+      : `${found.deviation < 0 ? 'cut' : 'left'} ${Math.abs(found.deviation).toFixed(2)} µm`;
     $('readout').textContent = `${name}: ${value}`;
   });
 }

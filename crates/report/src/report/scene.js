@@ -9,7 +9,7 @@ const COLOUR = {
 const BEYOND = 4;
 
 const canvas = $('scene');
-const gl = canvas.getContext('webgl2', { antialias: true, alpha: true, preserveDrawingBuffer: true });
+const gl = canvas.getContext('webgl2', { antialias: false, alpha: true, preserveDrawingBuffer: true });
 const RADIUS = Math.max(...data.blank.map(([r, z]) => Math.hypot(r, z)), 1) || 1;
 // Lower than half way: from above and near, the front of the part looks larger than its back.
 const HOME = { target: middle(0.15), azimuth: -1.15, elevation: 0.80, distance: 3.9 * outline() };
@@ -66,45 +66,41 @@ function frameOf({ azimuth, elevation }) {
 
 const FIELD = Math.tan(15 * Math.PI / 180);
 
-/** Camera to clip space, column by column; `zoomTo` narrows it to one place of the picture (x, y in -1..1). */
-function projection(zoomTo) {
+/** Camera to clip space, column by column. */
+function projection() {
   const { back, right, up } = frameOf(camera);
   const eye = camera.target.map((t, k) => t + back[k] * camera.distance);
   const aspect = canvas.width / Math.max(canvas.height, 1);
   const near = Math.max(camera.distance - 5 * RADIUS, camera.distance * 0.02), farEnd = camera.distance + 6 * RADIUS;
   const wide = aspect < 1 ? FIELD / aspect : FIELD;
-  let sx = 1 / (wide * aspect), sy = 1 / wide, ox = 0, oy = 0;
-  if (zoomTo) {
-    const n = [canvas.width, canvas.height];
-    sx *= n[0]; sy *= n[1]; ox = zoomTo[0] * n[0]; oy = zoomTo[1] * n[1];
-  }
+  const sx = 1 / (wide * aspect), sy = 1 / wide;
   const depth = -(farEnd + near) / (farEnd - near), shift = -2 * farEnd * near / (farEnd - near);
   const m = new Float32Array(16);
   const e = [right, up, back].map(v => -dot(v, eye));
   for (let k = 0; k < 3; k++) {
-    m[4 * k] = sx * right[k] + ox * back[k];
-    m[4 * k + 1] = sy * up[k] + oy * back[k];
+    m[4 * k] = sx * right[k];
+    m[4 * k + 1] = sy * up[k];
     m[4 * k + 2] = depth * back[k];
     m[4 * k + 3] = -back[k];
   }
-  m[12] = sx * e[0] + ox * e[2];
-  m[13] = sy * e[1] + oy * e[2];
+  m[12] = sx * e[0];
+  m[13] = sy * e[1];
   m[14] = depth * e[2] + shift;
   m[15] = -e[2];
   return { m, eye, near, farEnd, plane: sectionPlane() };
 }
 
 const PROGRAMS = {
-  part: [PART_VERTEX, PART_COLOUR], pick: [PART_VERTEX, PICK_COLOUR], plain: [PLAIN_VERTEX, PLAIN_COLOUR],
+  part: [PART_VERTEX, PART_COLOUR], plain: [PLAIN_VERTEX, PLAIN_COLOUR],
   line: [LINE_VERTEX, LINE_COLOUR], mark: [MARK_VERTEX, MARK_COLOUR],
 };
-/** Programs of the picture that are used, by name. The graphics card compiles them while the page reads the part. */
+/** Programs of the picture that are used, by name; those with a section have a longer one. The graphics card compiles them while the page reads the part. */
 const started = {};
-function start(name) {
+function start(name, opened) {
   const program = gl.createProgram(), shaders = [];
   PROGRAMS[name].forEach((text, k) => {
     const shader = gl.createShader(k ? gl.FRAGMENT_SHADER : gl.VERTEX_SHADER);
-    gl.shaderSource(shader, text);
+    gl.shaderSource(shader, opened ? text.replace('\n', '\n#define OPENED\n') : text);
     gl.compileShader(shader);
     gl.attachShader(program, shader);
     shaders.push(shader);
@@ -127,9 +123,12 @@ function finish({ program, shaders }) {
   return { program, uniforms };
 }
 
-/** A program, ready for use. */
-const programOf = name => scene.programs[name] ??= finish(started[name] ??= start(name));
-if (gl) for (const name of ['part', 'plain']) started[name] = start(name);
+/** A program, ready for use, with a section or without one. */
+function programOf(name, opened) {
+  const key = opened ? `${name} opened` : name;
+  return scene.programs[key] ??= finish(started[key] ??= start(name, opened));
+}
+if (gl) for (const name of ['part', 'plain']) started[name] = start(name, false);
 const part = loadPart();
 
 function buffer(array, target) {
@@ -184,17 +183,17 @@ function outward(line) {
 let scene = null;
 
 function plainMesh(floats) {
-  return { array: vertexArray([[buffer(floats, gl.ARRAY_BUFFER), 0, 3, gl.FLOAT, false]]), count: floats.length / 3 };
+  return { array: vertexArray([[buffer(floats, gl.ARRAY_BUFFER), 0, 3, gl.FLOAT, false]]), count: floats.length / 3, place: floats };
 }
 
-/** Every which row and point the first picture of the part has; all of them follow. */
+/** Every which row and point the first picture of the part has, and a coarse one. */
 const FIRST_STEP = 4;
 
 /** Makes what the first picture needs on the graphics card. */
 function build() {
   const place = buffer(part.positions, gl.ARRAY_BUFFER), normal = buffer(part.normals, gl.ARRAY_BUFFER);
   const code = buffer(part.deviations, gl.ARRAY_BUFFER), surface = buffer(part.surface, gl.ARRAY_BUFFER);
-  const first = triangles(FIRST_STEP), indices = buffer(first, gl.ELEMENT_ARRAY_BUFFER);
+  const first = triangles(FIRST_STEP), coarse = { indices: buffer(first, gl.ELEMENT_ARRAY_BUFFER), count: first.length };
   const sectors = [];
   for (let s = 0; s < data.part.sectors; s++) {
     const angle = 2 * Math.PI * s / data.part.sectors;
@@ -203,33 +202,35 @@ function build() {
       array: vertexArray([
         [place, 0, 3, gl.UNSIGNED_SHORT, true], [normal, 1, 2, gl.SHORT, true],
         [code, 2, 1, gl.SHORT, false, 2 * s * part.count], [surface, 3, 1, gl.UNSIGNED_BYTE, false],
-      ], indices),
+      ]),
     });
   }
-  const pick = gl.createFramebuffer();
-  gl.bindFramebuffer(gl.FRAMEBUFFER, pick);
-  const colours = gl.createRenderbuffer(), depths = gl.createRenderbuffer();
-  gl.bindRenderbuffer(gl.RENDERBUFFER, colours);
-  gl.renderbufferStorage(gl.RENDERBUFFER, gl.RGBA8, 1, 1);
-  gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.RENDERBUFFER, colours);
-  gl.bindRenderbuffer(gl.RENDERBUFFER, depths);
-  gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT24, 1, 1);
-  gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, depths);
-  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
   return {
-    programs: {}, sectors, indices, count: first.length, pick, lines: [], tools: [], stock: [], ruler: gl.createBuffer(), blank: null,
+    programs: {}, sectors, coarse, whole: coarse, lines: [], tools: [], stock: [], ruler: gl.createBuffer(), blank: null,
     turned: plainMesh(lathe(data.part.turned.map(outward), 180)),
   };
 }
 
-/** All triangles of the part in the place of those of the first picture. */
+/** Adds all triangles of the part. */
 function refine() {
-  const all = triangles(1);
+  part.indices = triangles(1);
   gl.bindVertexArray(null);
-  gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, scene.indices);
-  gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, all, gl.STATIC_DRAW);
-  scene.count = all.length;
+  scene.whole = { indices: buffer(part.indices, gl.ELEMENT_ARRAY_BUFFER), count: part.indices.length };
 }
+
+/** Ends of the moves of a kind in an operation, two by two: of all, or of every `step`th move of each run of moves. */
+function pairsOf(o, kind, step) {
+  const list = [], end = o.first + o.count;
+  for (let from = o.first, i = from + 1; i < end; i++) {
+    if (moves.kinds[i] !== kind) { from = i; continue; }
+    const last = i + 1 === end || moves.kinds[i + 1] !== kind;
+    if (i - from >= step || last) { list.push(from, i); from = i; }
+  }
+  return Uint32Array.from(list);
+}
+
+/** Every which move the paths have in a coarse picture. */
+const PATH_STEP = 4;
 
 /** Adds paths and tools, when the moves are read. */
 function buildMoves() {
@@ -240,13 +241,12 @@ function buildMoves() {
     way[i] = (moves.kinds[i] === moves.kinds[i - 1] ? way[i - 1] : 0) + Math.hypot(...d);
   }
   const tips = buffer(moves.tips, gl.ARRAY_BUFFER), ways = buffer(way, gl.ARRAY_BUFFER);
+  const line = pairs => {
+    const b = buffer(pairs, gl.ELEMENT_ARRAY_BUFFER);
+    return { array: vertexArray([[tips, 0, 3, gl.FLOAT, false], [ways, 1, 1, gl.FLOAT, false]], b), pairs };
+  };
   scene.lines = data.paths.operations.map(o => [0, 1, 2].map(kind => {
-    const list = [];
-    for (let i = o.first + 1; i < o.first + o.count; i++) if (moves.kinds[i] === kind) list.push(i - 1, i);
-    const pairs = Uint32Array.from(list), b = buffer(pairs, gl.ELEMENT_ARRAY_BUFFER);
-    return {
-      array: vertexArray([[tips, 0, 3, gl.FLOAT, false], [ways, 1, 1, gl.FLOAT, false]], b), count: pairs.length, pairs,
-    };
+    return { whole: line(pairsOf(o, kind, 1)), coarse: line(pairsOf(o, kind, PATH_STEP)) };
   }));
   scene.tools = data.tools.map(t => ({
     name: t.name, cutter: plainMesh(lathe([t.cutter], 48)), shank: plainMesh(lathe([t.shank], 48)),
@@ -262,12 +262,13 @@ async function buildStock() {
     if (!scene) return;
     const array = vertexArray([[buffer(positions, gl.ARRAY_BUFFER), 0, 3, gl.UNSIGNED_SHORT, true]],
       buffer(indices, gl.ELEMENT_ARRAY_BUFFER));
-    scene.stock[i] = { array, count: 3 * data.stock[i].triangles, frame: data.stock[i].frame };
+    scene.stock[i] = { array, count: 3 * data.stock[i].triangles, frame: data.stock[i].frame, positions, indices };
   }
 }
 
-/** Sets what all programs that shade share. */
-function use({ program, uniforms }, view) {
+/** Sets what all programs that shade share; returns the uniforms. `whole` leaves out the section. */
+function use(name, view, whole) {
+  const { program, uniforms } = programOf(name, !!show.section && !whole);
   gl.useProgram(program);
   const { up, right } = frameOf(camera);
   if (uniforms.camera) gl.uniformMatrix4fv(uniforms.camera, false, view.m);
@@ -275,25 +276,32 @@ function use({ program, uniforms }, view) {
   if (uniforms.upward) gl.uniform3fv(uniforms.upward, up);
   if (uniforms.rightward) gl.uniform3fv(uniforms.rightward, right);
   if (uniforms.plane) gl.uniform4fv(uniforms.plane, view.plane);
-  if (uniforms.opened) gl.uniform1f(uniforms.opened, show.section ? 1 : 0);
-  if (uniforms.wantDepth) gl.uniform1f(uniforms.wantDepth, 0);
+  if (uniforms.grain) gl.uniform1f(uniforms.grain, view.grain);
   return uniforms;
 }
 
-/** Draws the part by a program; returns the triangles drawn. */
-function drawPart(which, view, perSector) {
-  const u = use(programOf(which), view);
+/** Draws the part, a sector a piece. Near sectors come first: what they hide is not shaded. */
+function* drawPart(view) {
+  const u = use('part', view), { indices, count } = view.coarse ? scene.coarse : scene.whole;
   gl.uniform3fv(u.low, data.part.frame.low);
   gl.uniform3fv(u.size, data.part.frame.size);
   gl.uniform2f(u.law, data.part.law[0] * 1e3, data.part.law[1]);
-  perSector(u, -1);
-  scene.sectors.forEach((s, k) => {
-    gl.uniform2fv(u.turn, s.turn);
-    perSector(u, k);
-    gl.bindVertexArray(s.array);
-    gl.drawElements(gl.TRIANGLES, scene.count, gl.UNSIGNED_INT, 0);
-  });
-  return scene.sectors.length * scene.count / 3;
+  gl.uniform2fv(u.scale, show.scale);
+  gl.uniform2fv(u.shaded, shaded());
+  gl.uniform3fv(u.outside, [...COLOUR.gouge, ...COLOUR.excess].flatMap(rgb));
+  gl.uniform3fv(u.shades, COLOUR.shades.flatMap(rgb));
+  gl.uniform3fv(u.special, [COLOUR.neutral, COLOUR.unreached, COLOUR.unmilled].flatMap(rgb));
+  gl.uniform1f(u.bands, show.bands ? 1 : 0);
+  gl.uniform1f(u.beyond, BEYOND);
+  const [x, y] = part.middle;
+  const near = ({ turn: [c, s] }) => (c * x - s * y) * view.eye[0] + (s * x + c * y) * view.eye[1];
+  for (const sector of [...scene.sectors].sort((a, b) => near(b) - near(a))) {
+    gl.uniform2fv(u.turn, sector.turn);
+    gl.bindVertexArray(sector.array);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, indices);
+    gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 0);
+    yield;
+  }
 }
 
 function drawPlain(u, mesh, tint, model, frame, indexed) {
@@ -304,7 +312,6 @@ function drawPlain(u, mesh, tint, model, frame, indexed) {
   gl.bindVertexArray(mesh.array);
   if (indexed) gl.drawElements(gl.TRIANGLES, mesh.count, gl.UNSIGNED_SHORT, 0);
   else gl.drawArrays(gl.TRIANGLES, 0, mesh.count);
-  return mesh.count / 3;
 }
 
 /** Model matrix of a tool at a tip along an axis. */
@@ -317,53 +324,38 @@ function toolModel({ tip, axis }) {
 const MATERIAL = [0.80, 0.66, 0.50, 1];
 
 /** Draws the body that is chosen. */
-function drawBody(view) {
+function* drawBody(view) {
   const body = bodyNow();
-  if (body === 'part') {
-    return drawPart('part', view, (u, sector) => {
-      if (sector >= 0) return;
-      gl.uniform2fv(u.scale, show.scale);
-      gl.uniform2fv(u.shaded, shaded());
-      gl.uniform3fv(u.outside, [...COLOUR.gouge, ...COLOUR.excess].flatMap(rgb));
-      gl.uniform3fv(u.shades, COLOUR.shades.flatMap(rgb));
-      gl.uniform3fv(u.special, [COLOUR.neutral, COLOUR.unreached, COLOUR.unmilled].flatMap(rgb));
-      gl.uniform1f(u.bands, show.bands ? 1 : 0);
-      gl.uniform1f(u.beyond, BEYOND);
-    }) + drawPlain(use(programOf('plain'), view), scene.turned, [...rgb(COLOUR.unmilled), 1]);
-  }
-  return drawStock(use(programOf('plain'), view), body);
+  if (body === 'part') yield* drawPart(view);
+  const mesh = meshOf(body === 'part' ? 'turned' : body);
+  if (mesh) drawPlain(use('plain', view), mesh, body === 'part' ? [...rgb(COLOUR.unmilled), 1] : MATERIAL, null, mesh.frame, mesh.indices);
 }
 
-/** Draws the blank or a stock. */
-function drawStock(u, body) {
-  if (body === 'blank') {
-    scene.blank ??= plainMesh(lathe([outward([...data.blank, data.blank[0]])], 180));
-    return drawPlain(u, scene.blank, MATERIAL);
-  }
-  const s = scene.stock[body];
-  return s ? drawPlain(u, s, MATERIAL, null, s.frame, true) : 0;
+/** Mesh of the turned surfaces, of the blank or of a stock. */
+function meshOf(body) {
+  if (body === 'turned') return scene.turned;
+  if (body === 'blank') return scene.blank ??= plainMesh(lathe([outward([...data.blank, data.blank[0]])], 180));
+  return scene.stock[body];
 }
 
 /** Draws the paths that are chosen; of the operation that the stock follows only what is cut so far. */
 function drawPaths(view) {
-  let segments = 0;
-  if (!scene.lines.length) return segments;
-  const u = use(programOf('line'), view);
+  if (!scene.lines.length) return;
+  const u = use('line', view);
   gl.uniform1f(u.lift, 0.0004 * 3 * outline() / camera.distance);
   scene.lines.forEach((kinds, k) => {
     const running = show.body === 'follow' && show.tool && moves.operation[show.move] === k;
     if (!show.operations[k] && !running) return;
-    kinds.forEach((line, kind) => {
-      const count = running ? 2 * before(line.pairs, show.move) : line.count;
+    kinds.forEach(({ whole, coarse }, kind) => {
+      const line = view.coarse ? coarse : whole;
+      const count = running ? 2 * before(line.pairs, show.move) : line.pairs.length;
       if (!show.kinds[kind] || !count) return;
       gl.uniform4fv(u.tint, [...rgb(colourOf(k)), kind === 1 ? 0.5 : 1]);
       gl.uniform1f(u.dash, kind === 2 ? 4 : 0);
       gl.bindVertexArray(line.array);
       gl.drawElements(gl.LINES, count, gl.UNSIGNED_INT, 0);
-      segments += count / 2;
     });
   });
-  return segments;
 }
 
 /** Number of pairs that end before a move. */
@@ -380,7 +372,7 @@ function before(pairs, move) {
 function drawMarks(view) {
   gl.disable(gl.DEPTH_TEST);
   if (show.measured.length === 2) {
-    const u = use(programOf('line'), { ...view, plane: [0, 0, 0, 1] });
+    const u = use('line', view, true);
     gl.uniform1f(u.lift, 0);
     gl.uniform1f(u.dash, 0);
     gl.uniform4fv(u.tint, [0, 0, 0, 1]);
@@ -395,106 +387,48 @@ function drawMarks(view) {
   }
   const marks = [...(show.mark ? [[show.mark, 34, [0.85, 0.05, 0.35, 1]]] : []), ...show.measured.map(p => [p, 20, [0, 0, 0, 1]])];
   for (const [place, size, tint] of marks) {
-    const u = use(programOf('mark'), view);
+    const u = use('mark', view, true);
     gl.uniform3fv(u.place, place);
-    gl.uniform1f(u.points, size * ratio());
+    gl.uniform1f(u.points, size * ratio() / view.grain);
     gl.uniform4fv(u.tint, tint);
     gl.bindVertexArray(null);
     gl.drawArrays(gl.POINTS, 0, 1);
   }
 }
 
-/** Draws everything that is to be shown; returns what was drawn. */
-function draw() {
-  const drawn = { triangles: 0, segments: 0 };
-  waiting = false;
-  if (!scene) return drawn;
-  const view = projection();
-  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-  gl.viewport(0, 0, canvas.width, canvas.height);
+/** Draws everything that is to be shown, piece by piece. */
+function* pieces(view) {
   gl.clearColor(0, 0, 0, 0);
   gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
   gl.enable(gl.DEPTH_TEST);
   gl.disable(gl.BLEND);
-  drawn.triangles += drawBody(view);
+  yield* drawBody(view);
+  yield;
   gl.enable(gl.BLEND);
   gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-  drawn.segments += drawPaths(view);
-  if (show.tool && moves.count) drawn.triangles += drawTool(view);
+  drawPaths(view);
+  if (show.tool && moves.count) drawTool(view);
   drawMarks(view);
-  return drawn;
 }
 
 function drawTool(view) {
   const o = data.paths.operations[moves.operation[show.move]];
   const tool = scene.tools.find(t => t.name === o.tool);
-  if (!tool) return 0;
+  if (!tool) return;
   // The section leaves the tool whole.
-  const u = use(programOf('plain'), { ...view, plane: [0, 0, 0, 1] });
-  if (u.opened) gl.uniform1f(u.opened, 0);
+  const u = use('plain', view, true);
   const model = toolModel(poseOn(show.move, show.share));
   // Through a tool near a marked place the place stays in sight.
   const alpha = show.mark ? 0.42 : 0.9;
-  let triangles = 0;
   for (const [mesh, tint] of [[tool.cutter, [0.93, 0.75, 0.25]], [tool.shank, [0.62, 0.66, 0.72]], [tool.holder, [0.30, 0.36, 0.46]]]) {
     // Depth first, so that only the front of a translucent tool is seen.
     gl.colorMask(false, false, false, false);
     drawPlain(u, mesh, [...tint, alpha], model);
     gl.colorMask(true, true, true, true);
     gl.depthFunc(gl.LEQUAL);
-    triangles += drawPlain(u, mesh, [...tint, alpha], model);
+    drawPlain(u, mesh, [...tint, alpha], model);
     gl.depthFunc(gl.LESS);
   }
-  return triangles;
-}
-
-/** What lies at a place of the picture (pixels): surface, sector, deviation code; or the point on whatever body there is. */
-function pick(x, y, wantDepth) {
-  const body = bodyNow();
-  if (!scene || (body !== 'part' && !wantDepth)) return null;
-  const at = [2 * x / canvas.clientWidth - 1, 1 - 2 * y / canvas.clientHeight];
-  const view = projection(at);
-  gl.bindFramebuffer(gl.FRAMEBUFFER, scene.pick);
-  gl.viewport(0, 0, 1, 1);
-  gl.clearColor(0, 0, 0, 0);
-  gl.disable(gl.BLEND);
-  gl.enable(gl.DEPTH_TEST);
-  gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-  if (body === 'part') {
-    drawPart('pick', view, (u, sector) => {
-      if (sector < 0) gl.uniform1f(u.wantDepth, wantDepth ? 1 : 0); else gl.uniform1f(u.sector, sector);
-    });
-  }
-  if (wantDepth) {
-    const u = use(programOf('plain'), view);
-    gl.uniform1f(u.wantDepth, 1);
-    if (body === 'part') drawPlain(u, scene.turned, MATERIAL); else drawStock(u, body);
-  }
-  const found = new Uint8Array(4);
-  gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, found);
-  gl.bindFramebuffer(gl.FRAMEBUFFER, null);
-  if (!found[3]) return null;
-  if (!wantDepth) return { code: found[0] + 256 * found[1] - 32768, surface: found[2], sector: found[3] - 1 };
-  const z = 2 * (found[0] + 256 * found[1] + 65536 * found[2]) / 16777215 - 1;
-  const along = 2 * view.farEnd * view.near / (view.farEnd + view.near - z * (view.farEnd - view.near));
-  const { back, right, up } = frameOf(camera);
-  const aspect = canvas.width / canvas.height, wide = aspect < 1 ? FIELD / aspect : FIELD;
-  return view.eye.map((e, k) => e + along * (at[0] * wide * aspect * right[k] + at[1] * wide * up[k] - back[k]));
-}
-
-const ratio = () => Math.min(window.devicePixelRatio || 1, 2);
-
-let waiting = false;
-function redraw() {
-  if (waiting) return;
-  waiting = true;
-  requestAnimationFrame(() => { if (waiting) draw(); });
-}
-
-function resize() {
-  const w = Math.max(1, Math.round(canvas.clientWidth * ratio())), h = Math.max(1, Math.round(canvas.clientHeight * ratio()));
-  if (canvas.width !== w || canvas.height !== h) { canvas.width = w; canvas.height = h; }
-  draw();
 }
 
 /** True when something of the part stands between a point and an eye in a direction from it. */
@@ -541,7 +475,7 @@ function fly(to) {
     camera.elevation = from.elevation + (to.elevation - from.elevation) * t;
     camera.distance = from.distance * (to.distance / from.distance) ** t;
     camera.target = from.target.map((v, k) => v + (to.target[k] - v) * t);
-    draw();
+    redraw();
     if (raw < 1) requestAnimationFrame(step);
   };
   step(start);

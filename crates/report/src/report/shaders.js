@@ -21,14 +21,20 @@ void main() {
   gl_Position = camera * vec4(position, 1.0);
 }`;
 
-/** Leaves out what lies beyond the section plane, and shows the inner side of what it opens as cut material. */
+/** Leaves out what lies beyond the section plane, and shows the inner side of what it opens as cut material. A program without a
+ * section is another one: where a fragment may be left out, hidden ones cannot be told before they are shaded. */
 const SECTION = `
-uniform vec4 plane; uniform float opened;
+uniform float grain;
+#ifdef OPENED
+uniform vec4 plane;
 void section(vec3 p) { if (dot(plane.xyz, p) > plane.w) discard; }
 vec3 cutMaterial() {
-  float stripe = step(0.5, fract((gl_FragCoord.x - gl_FragCoord.y) / 10.0));
+  float stripe = step(0.5, fract(grain * (gl_FragCoord.x - gl_FragCoord.y) / 10.0));
   return mix(vec3(0.46, 0.52, 0.44), vec3(0.56, 0.62, 0.53), stripe);
-}`;
+}
+#else
+void section(vec3 p) { }
+#endif`;
 
 const LIGHT = `
 vec3 lit(vec3 base, vec3 n, vec3 position) {
@@ -63,10 +69,12 @@ vec3 ramp(float t) {
 void main() {
   section(position);
   vec3 n = normalize(normal);
-  if (opened > 0.5 && dot(n, eye - position) < 0.0) { colour = vec4(cutMaterial(), 1.0); return; }
+#ifdef OPENED
+  if (dot(n, eye - position) < 0.0) { colour = vec4(cutMaterial(), 1.0); return; }
+#endif
   vec3 base;
   if (state > 0.02) {
-    float stripe = step(0.5, fract((gl_FragCoord.x + gl_FragCoord.y) / 9.0));
+    float stripe = step(0.5, fract(grain * (gl_FragCoord.x + gl_FragCoord.y) / 9.0));
     base = special[1] * (0.7 + 0.6 * stripe);
   } else if (state < -0.5) {
     base = special[2];
@@ -74,27 +82,6 @@ void main() {
     base = ramp(deviation < 0.0 ? deviation / scale.x : deviation / scale.y);
   }
   colour = vec4(lit(base, n, position), 1.0);
-}`;
-
-const DEPTH = `
-vec4 depthCode() {
-  float d = floor(gl_FragCoord.z * 16777215.0);
-  return vec4(mod(d, 256.0), mod(floor(d / 256.0), 256.0), floor(d / 65536.0), 255.0) / 255.0;
-}`;
-
-const PICK_COLOUR = `#version 300 es
-precision highp float;
-centroid in vec3 normal, position; centroid in float deviation, state, kind;
-uniform float sector; uniform vec2 law; uniform float wantDepth;
-out vec4 colour;
-${SECTION}
-${DEPTH}
-void main() {
-  section(position);
-  if (wantDepth > 0.5) { colour = depthCode(); return; }
-  float code = state > 0.02 ? 32767.0 : state < -0.5 ? -32768.0 : floor(asinh(deviation / law.x) * law.y + 0.5);
-  code += 32768.0;
-  colour = vec4(mod(code, 256.0), floor(code / 256.0), floor(kind + 0.5), sector + 1.0) / 255.0;
 }`;
 
 const PLAIN_VERTEX = `#version 300 es
@@ -111,15 +98,15 @@ void main() {
 const PLAIN_COLOUR = `#version 300 es
 precision highp float;
 in vec3 position;
-uniform vec3 eye, upward, rightward; uniform vec4 tint; uniform float wantDepth;
+uniform vec3 eye, upward, rightward; uniform vec4 tint;
 out vec4 colour;
 ${SECTION}
-${DEPTH}
 ${LIGHT}
 void main() {
   section(position);
-  if (wantDepth > 0.5) { colour = depthCode(); return; }
-  if (opened > 0.5 && !gl_FrontFacing) { colour = vec4(cutMaterial(), 1.0); return; }
+#ifdef OPENED
+  if (!gl_FrontFacing) { colour = vec4(cutMaterial(), 1.0); return; }
+#endif
   vec3 n = normalize(cross(dFdx(position), dFdy(position)));
   colour = vec4(lit(tint.rgb, n, position) * tint.a, tint.a);
 }`;
