@@ -2,7 +2,7 @@
 const LINE_HEIGHT = 18;
 /** Tallest list in pixels that every browser scrolls; a longer text scrolls by more lines to the pixel. */
 const TALLEST = 8e6;
-const program = { bytes: new Uint8Array(0), starts: [], count: 0, runs: [], line: 0 };
+const program = { bytes: new Uint8Array(0), starts: [], count: 0, runs: [], line: 0, window: '' };
 
 async function loadProgram() {
   program.bytes = new Uint8Array(await inflated('nc-text'));
@@ -57,17 +57,28 @@ function windowOfLines() {
 function drawProgram() {
   if (!program.count) return;
   const { top, shown } = windowOfLines(), first = Math.floor(top / LINE_HEIGHT), shift = $('nc').scrollTop - top;
+  const window = [first, shown, shift].join();
+  if (program.window === window) { markLine(); return; }
+  program.window = window;
   const rows = [];
   for (let line = first + 1; line <= Math.min(first + shown + 1, program.count); line++) {
     const block = blockOf(line), row = make('div', lineText(line), block && block.moves ? '' : 'frame');
     row.dataset.line = line;
     row.setAttribute('role', 'option');
-    row.setAttribute('aria-selected', String(line === program.line));
     row.style.top = `${shift + (line - 1) * LINE_HEIGHT}px`;
     row.title = row.textContent;
     rows.push(row);
   }
   $('nc-lines').replaceChildren(...rows);
+  markLine();
+}
+
+/** Marks the row of the line at which the tool is. */
+function markLine() {
+  for (const row of $('nc-lines').children) {
+    const selected = String(Number(row.dataset.line) === program.line);
+    if (row.getAttribute('aria-selected') !== selected) row.setAttribute('aria-selected', selected);
+  }
 }
 
 /** Marks a line and brings it into the window. */

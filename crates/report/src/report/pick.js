@@ -24,7 +24,7 @@ function boxesOf(place, indices) {
 function meets(boxes, at, from, way, most) {
   let near = 0, end = most;
   for (let k = 0; k < 3; k++) {
-    const a = (boxes[at + k] - from[k]) / way[k], b = (boxes[at + 3 + k] - from[k]) / way[k];
+    const slope = way[k] || 1e-30, a = (boxes[at + k] - from[k]) / slope, b = (boxes[at + 3 + k] - from[k]) / slope;
     near = Math.max(near, Math.min(a, b));
     end = Math.min(end, Math.max(a, b));
   }
@@ -69,7 +69,7 @@ function solid(mesh) {
 /** Ray through a place of the picture (pixels), and whether a distance on it is in sight: beyond the near plane, inside of the section. */
 function rayAt(x, y) {
   const { eye, near, plane } = projection(), { back, right, up } = frameOf(camera);
-  const aspect = canvas.width / canvas.height, wide = aspect < 1 ? FIELD / aspect : FIELD;
+  const aspect = frames.size[0] / frames.size[1], wide = aspect < 1 ? FIELD / aspect : FIELD;
   const across = (2 * x / canvas.clientWidth - 1) * wide * aspect, upward = (1 - 2 * y / canvas.clientHeight) * wide;
   // Along the ray the distance is that from the plane of the eye.
   const way = back.map((b, k) => across * right[k] + upward * up[k] - b);

@@ -70,7 +70,7 @@ const FIELD = Math.tan(15 * Math.PI / 180);
 function projection() {
   const { back, right, up } = frameOf(camera);
   const eye = camera.target.map((t, k) => t + back[k] * camera.distance);
-  const aspect = canvas.width / Math.max(canvas.height, 1);
+  const aspect = frames.size[0] / frames.size[1];
   const near = Math.max(camera.distance - 5 * RADIUS, camera.distance * 0.02), farEnd = camera.distance + 6 * RADIUS;
   const wide = aspect < 1 ? FIELD / aspect : FIELD;
   const sx = 1 / (wide * aspect), sy = 1 / wide;
@@ -325,6 +325,8 @@ const MATERIAL = [0.80, 0.66, 0.50, 1];
 
 /** Draws the body that is chosen. */
 function* drawBody(view) {
+  gl.enable(gl.DEPTH_TEST);
+  gl.disable(gl.BLEND);
   const body = bodyNow();
   if (body === 'part') yield* drawPart(view);
   const mesh = meshOf(body === 'part' ? 'turned' : body);
@@ -396,19 +398,28 @@ function drawMarks(view) {
   }
 }
 
-/** Draws everything that is to be shown, piece by piece. */
-function* pieces(view) {
+/** Begins a picture. */
+function begin() {
   gl.clearColor(0, 0, 0, 0);
   gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+}
+
+/** Draws what is over the body: paths, tool, marks. */
+function drawMoving(view) {
   gl.enable(gl.DEPTH_TEST);
-  gl.disable(gl.BLEND);
-  yield* drawBody(view);
-  yield;
   gl.enable(gl.BLEND);
   gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
   drawPaths(view);
   if (show.tool && moves.count) drawTool(view);
   drawMarks(view);
+}
+
+/** Draws everything that is to be shown, piece by piece. */
+function* pieces(view) {
+  begin();
+  yield* drawBody(view);
+  yield;
+  drawMoving(view);
 }
 
 function drawTool(view) {
