@@ -3,6 +3,7 @@
 mod before_planning;
 mod certificate_figures;
 mod certificate_text;
+mod chosen_job;
 mod emit;
 mod emitted;
 mod file_form;
@@ -34,6 +35,7 @@ mod stages;
 mod written;
 
 pub use before_planning::check_frames;
+pub use chosen_job::{FromPart, new_from};
 pub use emit::{Emit, EmitForm};
 pub use file_stamps::FileStamps;
 pub use front::front;

@@ -280,6 +280,27 @@ pub(super) enum Command {
         /// vanes, roughed with three tools; `turbo`, a compressor wheel with splitters, written by angles and thicknesses
         #[arg(long, value_name = "KIND", default_value = BEGINNINGS[0].name, value_parser = beginnings())]
         kind: String,
+
+        /// Choose tools, methods and operations for the part of this job, which has none; machine, tools, stock, contracts and post
+        /// that it does not state are added
+        #[arg(long, value_name = "JOB", conflicts_with = "kind")]
+        from: Option<PathBuf>,
+
+        /// Machine of the library for a part that names none
+        #[arg(long, value_name = "NAME", requires = "from")]
+        machine: Option<String>,
+
+        /// Material of the stock for a part without stock: aluminium, steel, stainless, titanium or nickel
+        #[arg(long, value_name = "NAME", requires = "from")]
+        material: Option<String>,
+
+        /// Search this folder first for machine, tool and post files (subfolders `machines`, `tools` and `posts`)
+        #[arg(long, value_name = "DIR", requires = "from")]
+        library: Option<PathBuf>,
+
+        /// Print all that was tried, with what was in the way
+        #[arg(long, requires = "from")]
+        explain_choices: bool,
     },
     /// Writes jobs in their usual form: indentation and blanks; words, numbers and comments stay as they are
     #[command(after_help = TEXT_CODES)]

@@ -14,7 +14,9 @@ use clap::{CommandFactory, Parser};
 use impellerc::diagnostics::junit::junit;
 use impellerc::diagnostics::sarif::sarif;
 use impellerc::diagnostics::{Code, Exit, render};
-use impellerc::driver::{self, BEGINNINGS, Format, LibraryKind, NcCheck, NcDiff, Options, Outcome, RunOptions, Stages};
+use impellerc::driver::{
+    self, BEGINNINGS, Format, FromPart, LibraryKind, NcCheck, NcDiff, Options, Outcome, RunOptions, Stages,
+};
 use impellerc::job::vocabulary;
 use impellerc::output::interrupt;
 use std::ffi::OsString;
@@ -55,7 +57,11 @@ fn commanded(command: Command) -> ExitCode {
     match command {
         Command::Explain { reference: true, .. } => printed(vocabulary::reference().as_bytes()),
         Command::Explain { words, .. } => explain(&words.join(" ")),
-        Command::New { file, kind } => {
+        Command::New { file, from: Some(part), machine, material, library, explain_choices: explain, .. } => {
+            let options = FromPart { file, part, machine, material, library, explain };
+            finish(Display::HUMAN, |stages| driver::new_from(&options, stages))
+        }
+        Command::New { file, kind, .. } => {
             let kind = BEGINNINGS.iter().find(|b| b.name == kind).unwrap_or(&BEGINNINGS[0]);
             finish(Display::HUMAN, |_| driver::new_job(&file, kind))
         }

@@ -17,6 +17,7 @@ mod bull_noses;
 mod carried;
 mod certificate;
 mod channel_floor;
+mod chosen_jobs;
 mod circles;
 mod command_line;
 mod contracts;

@@ -146,7 +146,10 @@ pub mod shipped {
         ("linuxcnc-xyzbc-trt", include_str!("../../../jobs/_lib/machines/linuxcnc-xyzbc-trt.toml")),
     ];
     /// Tool libraries by name.
-    pub const TOOLS: &[(&str, &str)] = &[("carbide", include_str!("../../../jobs/_lib/tools/carbide.toml"))];
+    pub const TOOLS: &[(&str, &str)] = &[
+        ("carbide", include_str!("../../../jobs/_lib/tools/carbide.toml")),
+        ("five-axis", include_str!("../../../jobs/_lib/tools/five-axis.toml")),
+    ];
     /// Post files by name.
     pub const POSTS: &[(&str, &str)] = &[
         ("apt-cl", include_str!("../../../jobs/_lib/posts/apt-cl.toml")),

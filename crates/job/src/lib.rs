@@ -18,7 +18,7 @@ mod resolve;
 pub mod vocabulary;
 
 pub use files::{Fault, Files, InMemory, MissingFile};
-pub use library::{LibraryFile, library_schema, read_library_file, shipped_post};
+pub use library::{LibraryFile, library_schema, library_tools, read_library_file, shipped_post};
 pub use model::{Job, PartialJob};
 pub use part::curve_file;
 pub use property::quantity;

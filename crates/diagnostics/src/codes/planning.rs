@@ -62,5 +62,11 @@ floor.\n\nExample: a ball of 12 mm diameter between vanes that are 11 mm apart.\
 reach or a slimmer holder, or leave the tool out of the list.";
     OVER_MEMORY = "IMP0420", "the plan needs too much memory", include_str!("pages/IMP0420.md");
     TOOL_TOO_LARGE = "IMP0450", "tool too large for the channel", include_str!("pages/IMP0450.md");
+    NO_TOOL = "IMP0452", "no tool of the library serves",
+        "`impellerc new --from` chooses tools, methods and operations for a part. For each kind of surface it tries the balls of \
+the libraries of the job that fit, the largest first, and takes the first one with which all of the surface has free and smooth \
+tool axes. With none of them it has.\n\nExample: fillets of 0.5 mm, and a library whose smallest ball has 1 mm of radius.\n\nRemedy: \
+the notes say what was tried and what is in the way. Add a ball of a smaller radius, or one with longer flutes or a slimmer \
+holder, to a library of your own (`use tools \"mine\"`), or write the operation by hand.";
     EXCLUDED = "IMP0451", "a requirement that other values of the job exclude", include_str!("pages/IMP0451.md");
 }

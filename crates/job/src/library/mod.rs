@@ -13,3 +13,4 @@ pub(crate) mod tool_file;
 pub use check::read_library_file;
 pub use post_file::shipped as shipped_post;
 pub use schema::{LibraryFile, library_schema};
+pub use tool_file::library_tools;

@@ -43,6 +43,16 @@ pub(crate) fn tools(source: SourceId, sources: &SourceMap, used: Span, into: &mu
     into.faulty |= whole.is_none();
 }
 
+/// Names of the tools of tool files, by name, each once. Faults of a file are those
+/// that a job which uses it has.
+pub fn library_tools(files: &[SourceId], sources: &SourceMap) -> Vec<String> {
+    let mut library = ToolLibrary::default();
+    for file in files {
+        tools(*file, sources, Span::default(), &mut library, &mut Sink::default());
+    }
+    library.tools.into_keys().collect()
+}
+
 fn library_holder(name: &str, holder: FileTable<'_, '_>, into: &mut ToolLibrary, reader: &mut LibraryReader<'_>) {
     let sections = reader.sections(holder, ["length", "lower", "upper"]);
     if let [first, .., last] = &sections[..]

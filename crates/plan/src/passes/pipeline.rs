@@ -89,8 +89,22 @@ fn contacts(cx: &mut PassContext<'_>) -> Result<CcPlan, Aborted> {
     Ok(cc)
 }
 
-/// Tool positions at the contacts, in all sectors.
-fn locations(cx: &mut PassContext<'_>, cc: &CcPlan) -> Result<ClPlan, Aborted> {
+/// Plans the contacts and tool axes of all operations in one sector, and nothing else: a trial of what has no answer there. What has
+/// one may still be refused by links, by limits of the machine, or by the verifier.
+///
+/// # Errors
+/// As [`run`].
+pub fn axes(program: &Program, progress: &Progress, sink: &mut Sink) -> Result<(), Aborted> {
+    budget::check_size(program, sink)?;
+    let obstacles = Obstacles::of(program);
+    let mut cx = PassContext { program, obstacles: &obstacles, progress, sink, stations: Stations::default() };
+    cx.holds("lower", validate::program)?;
+    let cc = contacts(&mut cx)?;
+    smooth_axes(&mut cx, &cc).map(|_| ())
+}
+
+/// Tool positions at the contacts with smooth axes, in one sector.
+fn smooth_axes(cx: &mut PassContext<'_>, cc: &CcPlan) -> Result<ClPlan, Aborted> {
     let mut cl = cx.pass("orient-tool", |cx| orient_tool::run(cx, cc))?;
     cx.holds("orient-tool", |program| validate::cl(program, &cl, ClStage::Oriented))?;
     // A machine that is too small is reported before the axes of finishing are planned.
@@ -100,6 +114,12 @@ fn locations(cx: &mut PassContext<'_>, cc: &CcPlan) -> Result<ClPlan, Aborted> {
     cx.holds("avoid-collision", |program| validate::cl(program, &cl, ClStage::Oriented))?;
     cx.pass("smooth-axis", |cx| smooth_axis::run(cx, cc, &mut cl))?;
     cx.holds("smooth-axis", |program| validate::cl(program, &cl, ClStage::Oriented))?;
+    Ok(cl)
+}
+
+/// Tool positions at the contacts, in all sectors.
+fn locations(cx: &mut PassContext<'_>, cc: &CcPlan) -> Result<ClPlan, Aborted> {
+    let mut cl = smooth_axes(cx, cc)?;
     cx.pass("sample-to-tolerance", |cx| sample_to_tolerance::run(cx, &mut cl));
     cx.holds("sample-to-tolerance", |program| validate::cl(program, &cl, ClStage::Oriented))?;
     // The blank is the same in all sectors.

@@ -1,0 +1,175 @@
+//! What the job leaves open: which tools of the library, operations, methods and cutting data make a part.
+//!
+//! What is chosen is text in the language, with the reason of each choice beside it: a person can read and edit it, and the
+//! compiler takes it as any other job. Candidates follow from sizes of the part ([`sizes`]) in the order of their cost; a trial
+//! plans each on the text that would be written, until one has free and smooth axes ([`trial`]).
+
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+#![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking"))]
+
+mod candidates;
+mod cutting_data;
+mod finishing;
+mod roughing;
+mod sizes;
+mod text;
+mod trial;
+
+pub use trial::Tried;
+
+use base::progress::Progress;
+use base::units::trim;
+use diagnostics::{Aborted, Diag, Sink, codes::planning};
+use ir::{ContractKind, Program};
+use sizes::Sizes;
+use std::fmt::Write;
+use trial::Trials;
+use wheel::contract::Guarded;
+use wheel::material::Material;
+
+/// From the text of a job to its program; faults go to the sink.
+pub type Front<'f> = dyn FnMut(&str, &mut Sink) -> Result<Program, Aborted> + 'f;
+
+/// A stock in the head of a job that stands for one that is chosen: it ends with a blank, and a material may follow. Its back
+/// is below every part.
+pub const STOCK: &str = "stock turned { over shroud 0 mm  bore 0 mm  back -5000 mm";
+
+/// What was chosen.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Chosen {
+    /// The stock in the place of [`STOCK`].
+    pub stock: String,
+    /// Contracts that the job does not state, tools and operations: items to write behind those of the job.
+    pub items: String,
+    /// The operations in a line each: kind, tools, why.
+    pub summary: Vec<String>,
+    /// What was tried, in its order.
+    pub tried: Vec<Tried>,
+}
+
+/// What the choice needs to know of a part and its job.
+pub(crate) struct Part<'a> {
+    pub(crate) wheel: &'a wheel::part::Part,
+    pub(crate) sizes: Sizes,
+    pub(crate) material: Material,
+    /// Speeds of the spindle, rpm.
+    pub(crate) spindle: [f64; 2],
+    /// Largest excess, mm.
+    pub(crate) excess: f64,
+    /// Stock that roughing leaves, mm.
+    pub(crate) allowance: f64,
+    /// Way before and behind passes, mm.
+    pub(crate) lead: f64,
+}
+
+/// Contracts on gouge and excess of a wheel of up to this diameter; larger ones have more, as their size is more.
+const LIMITS: [f64; 2] = [0.005, 0.02];
+const LIMITS_UP_TO: f64 = 200.0;
+
+/// Contract on the clearance, as a share of the diameter, and its largest value, mm.
+const CLEARANCE_SHARE: f64 = 0.0075;
+const MAX_CLEARANCE: f64 = 0.5;
+
+/// Allowance as a share of the diameter of the ball that finishes the floor, with its least and largest value, mm.
+const ALLOWANCE_SHARE: f64 = 0.1;
+const ALLOWANCES: [f64; 2] = [0.1, 0.4];
+
+/// Leads as a share of the diameter of the wheel, with their least and largest value, mm.
+const LEAD_SHARE: f64 = 0.02;
+const LEADS: [f64; 2] = [1.5, 6.0];
+
+/// Chooses tools and operations for the job `head`, which has none, from tools of its libraries.
+///
+/// # Errors
+/// The job has a fault, the run was cancelled, or no tool serves; the reasons are in the sink.
+pub fn choose(
+    head: &str,
+    library: &[String],
+    front: &mut Front<'_>,
+    progress: &Progress,
+    sink: &mut Sink,
+) -> Result<Chosen, Aborted> {
+    if library.is_empty() {
+        let diag = Diag::error(planning::NO_TOOL, "the libraries of the job have no tools");
+        sink.push(diag.help("write `use tools \"five-axis\"` for the tools that ship with the compiler"));
+        return Err(Aborted);
+    }
+    let mut first = Sink::default();
+    let program = front(&format!("{head}\n{}", text::all_tools(library)), &mut first);
+    let program = program.inspect_err(|_| sink.append(first))?;
+    let all = candidates::candidates(&program, library);
+    let sizes = Sizes::of(&program);
+    let (contracts, excess) = contracts(&program, &sizes);
+    let fillet_ball = sizes.fillet.unwrap_or(0.5 * sizes.throat).min(0.5 * sizes.throat);
+    let part = Part {
+        wheel: &program.part,
+        material: program.stock.material.unwrap_or(Material::Aluminium),
+        spindle: program.machine.spindle,
+        excess,
+        allowance: (ALLOWANCE_SHARE * 2.0 * fillet_ball).clamp(ALLOWANCES[0], ALLOWANCES[1]),
+        lead: (LEAD_SHARE * sizes.diameter).clamp(LEADS[0], LEADS[1]),
+        sizes,
+    };
+    let stock = stock(&program, &sizes);
+    let head = head.replace(STOCK, &stock);
+    let mut trials = Trials { head: format!("{head}\n{contracts}"), front, progress, tried: Vec::new() };
+    let mut operations = finishing::finishing(&part, &all, &mut trials, sink)?;
+    let floor = operations.iter().find(|operation| operation.keyword == "channel");
+    let last = floor.and_then(|floor| all.iter().find(|candidate| floor.tools.contains(&candidate.name)));
+    if let Some(last) = last {
+        operations.splice(0..0, roughing::roughing(&part, &all, last));
+    }
+    let line = |o: &text::ChosenOperation| format!("{:<8} {:<32} {}", o.keyword, o.tools.join(", "), o.why);
+    let summary = operations.iter().map(line).collect();
+    Ok(Chosen {
+        stock,
+        summary,
+        items: format!("{}\n{contracts}", text::items(&operations, &all)),
+        tried: trials.tried,
+    })
+}
+
+/// Way from the lowest place of the hub down to the back of the stock, where it is clamped, as a share of the diameter, and at least,
+/// mm: room for shank and holder.
+const BACK_SHARE: f64 = 0.1;
+const LEAST_BACK: f64 = 3.0;
+
+/// Diameter of the clamping as a share of that of the wheel.
+const CLAMPING_SHARE: f64 = 0.5;
+
+/// The start of a stock about a part: solid, with its back below the hub, clamped below its back.
+fn stock(program: &Program, sizes: &Sizes) -> String {
+    let hub = &program.part.hub;
+    let lowest = (0..=HUB_PLACES).map(|k| hub.point(k as f64 / HUB_PLACES as f64, 0.0).z).fold(f64::INFINITY, f64::min);
+    let back = trim((lowest - (BACK_SHARE * sizes.diameter).max(LEAST_BACK)).floor(), 0);
+    let clamping = trim((CLAMPING_SHARE * sizes.diameter).ceil(), 0);
+    format!(
+        "stock turned {{ over shroud 0 mm  bore 0 mm  back {back} mm  clamping {{ below {back} mm  diameter {clamping} mm }}"
+    )
+}
+
+/// Places along the hub at which its height is measured.
+const HUB_PLACES: usize = 100;
+
+/// The contracts that a job does not state, and the largest excess that then holds, mm.
+fn contracts(program: &Program, sizes: &Sizes) -> (String, f64) {
+    let stated = |is: &dyn Fn(ContractKind) -> bool| {
+        let of_kind = program.contracts.iter().filter(|contract| !contract.default && is(contract.kind));
+        of_kind.map(|contract| contract.bound.value()).reduce(f64::min)
+    };
+    let scale = (sizes.diameter / LIMITS_UP_TO).max(1.0);
+    let [gouge, excess] = LIMITS.map(|limit| cutting_data::rounded(1000.0 * scale * limit));
+    let clearance = cutting_data::rounded((CLEARANCE_SHARE * sizes.diameter).min(MAX_CLEARANCE));
+    let mut text = String::new();
+    if stated(&|kind| kind == ContractKind::Gouge).is_none() {
+        let _ = writeln!(text, "require gouge     <= {} um", trim(gouge, 1));
+    }
+    let stated_excess = stated(&|kind| kind == ContractKind::Excess);
+    if stated_excess.is_none() {
+        let _ = writeln!(text, "require excess    <= {} um", trim(excess, 1));
+    }
+    if stated(&|kind| matches!(kind, ContractKind::Clearance(Guarded::Body))).is_none() {
+        let _ = writeln!(text, "require clearance >= {} mm", trim(clearance, 3));
+    }
+    (text, stated_excess.unwrap_or(excess / 1000.0))
+}

@@ -1,0 +1,79 @@
+//! Roughing: tools of falling size, from the largest that enters the channel to the ball that finishes the floor, so that the
+//! finishing tools find an even allowance.
+
+use crate::Part;
+use crate::candidates::Candidate;
+use crate::cutting_data::{cutting_data, rounded};
+use crate::text::ChosenOperation;
+use base::units::trim;
+
+/// Largest diameter of a roughing tool as a share of the width between the tips.
+const TOP_SHARE: f64 = 0.75;
+
+/// A tool is smaller than the one before it by at least this factor.
+const FALL: f64 = 0.8;
+
+/// Step down and distance of lines as shares of the diameter of a ball.
+const STEPS: [f64; 2] = [0.33, 0.4];
+
+/// Share of the largest depth of a tool that a step takes.
+const DEPTH_SHARE: f64 = 0.9;
+
+/// Largest number of tools.
+const MAX_TOOLS: usize = 4;
+
+/// The roughing before an operation that finishes the floor with a tool: an operation for each tool, with cutting data of its own.
+pub(crate) fn roughing(part: &Part<'_>, all: &[Candidate], last: &Candidate) -> Vec<ChosenOperation> {
+    let tools = ladder(part, all, last);
+    let count = tools.len();
+    tools.into_iter().enumerate().map(|(k, tool)| operation(part, tool, [k, count])).collect()
+}
+
+/// The roughing with one of several tools.
+fn operation(part: &Part<'_>, tool: &Candidate, [k, count]: [usize; 2]) -> ChosenOperation {
+    let diameter = 2.0 * tool.ball().unwrap_or_else(|| tool.tool.solid.radius());
+    let depth = rounded((STEPS[0] * diameter).min(DEPTH_SHARE * tool.tool.max_depth.get()));
+    let stepover = rounded(STEPS[1] * diameter);
+    let data = cutting_data(&tool.tool, part.material, part.spindle);
+    let allowance = trim(part.allowance, 2);
+    let (feed, lead) = (trim(data.rough, 2), trim(part.lead, 1));
+    let properties = format!(
+        "speed {} rpm  feed {feed} mm/min  link-feed {feed} mm/min  depth {} mm  stepover {} mm\n  allowance vane {allowance} mm, hub {allowance} mm  lead-in {lead} mm  lead-out {lead} mm",
+        trim(data.speed, 0),
+        trim(depth, 3),
+        trim(stepover, 3),
+    );
+    let top = trim(part.sizes.top, 2);
+    let why = match (k, k + 1 == count) {
+        (0, true) => format!(
+            "roughing with the ball that finishes the floor: no larger one enters between the tips, {top} mm apart"
+        ),
+        (0, false) => format!("roughing with the largest ball that enters between the tips, {top} mm apart"),
+        (_, false) => "roughing where the larger ball does not go".to_owned(),
+        (_, true) => "roughing with the ball that finishes the floor, so that it finds an even allowance".to_owned(),
+    };
+    ChosenOperation { keyword: "rough", tools: vec![tool.name.clone()], properties, why }
+}
+
+/// The tools, the largest first.
+fn ladder<'a>(part: &Part<'_>, all: &'a [Candidate], last: &'a Candidate) -> Vec<&'a Candidate> {
+    let radius = |tool: &Candidate| tool.ball().unwrap_or(0.0);
+    let mut tools: Vec<&Candidate> = Vec::new();
+    let mut most = 0.5 * TOP_SHARE * part.sizes.top;
+    while tools.len() + 1 < MAX_TOOLS {
+        let fits = |c: &&Candidate| {
+            let ball = radius(c);
+            ball > 0.0 && ball <= most && FALL * ball > radius(last) && c.flute() >= part.sizes.height
+        };
+        // Of equal balls the straight one with the shortest reach: a taper takes away more of the channel than is wanted.
+        let best = all.iter().filter(fits).max_by(|a, b| {
+            let straight = a.is_straight().cmp(&b.is_straight()).then(b.reach().total_cmp(&a.reach()));
+            radius(a).total_cmp(&radius(b)).then(straight)
+        });
+        let Some(best) = best else { break };
+        most = FALL * radius(best);
+        tools.push(best);
+    }
+    tools.push(last);
+    tools
+}

@@ -1,0 +1,62 @@
+//! What was chosen as items of a job, each with its reason.
+
+use crate::candidates::Candidate;
+use base::units::trim;
+use std::fmt::Write;
+
+/// An operation that was chosen.
+#[derive(Clone, Debug)]
+pub(crate) struct ChosenOperation {
+    /// Its kind.
+    pub(crate) keyword: &'static str,
+    /// Names of its tools in the library.
+    pub(crate) tools: Vec<String>,
+    /// Its other properties, one after the other.
+    pub(crate) properties: String,
+    /// Why, in a line.
+    pub(crate) why: String,
+}
+
+/// Items that declare all tools of the library, and an operation: the front end makes no program without one.
+pub(crate) fn all_tools(names: &[String]) -> String {
+    let mut text = String::new();
+    for (k, name) in names.iter().enumerate() {
+        let _ = writeln!(text, "tool t{} = \"{name}\"", k + 1);
+    }
+    text + "operation channel { tool t1  speed 1000 rpm  feed 1 mm/min  link-feed 1 mm/min  scallop 10 um }\n"
+}
+
+/// The tools of operations, each once, in the order in which they are needed.
+fn tools(operations: &[ChosenOperation]) -> Vec<&str> {
+    let mut names: Vec<&str> = Vec::new();
+    for name in operations.iter().flat_map(|operation| &operation.tools) {
+        if !names.contains(&name.as_str()) {
+            names.push(name);
+        }
+    }
+    names
+}
+
+/// Tools and operations as items of a job.
+pub(crate) fn items(operations: &[ChosenOperation], all: &[Candidate]) -> String {
+    let tools = tools(operations);
+    let number = |name: &String| tools.iter().position(|tool| tool == name).map_or(0, |k| k + 1);
+    let mut text = String::new();
+    for (k, name) in tools.iter().enumerate() {
+        let reach = all.iter().find(|candidate| candidate.name == *name).map_or(0.0, Candidate::reach);
+        let _ = writeln!(text, "tool t{} = \"{name}\"  // sticks out by {} mm", k + 1, trim(reach, 1));
+    }
+    for operation in operations {
+        let names: Vec<String> = operation.tools.iter().map(|name| format!("t{}", number(name))).collect();
+        let word = if operation.keyword == "rough" { "tools" } else { "tool" };
+        let _ = writeln!(
+            text,
+            "\n// {}\noperation {} {{\n  {word} {}  {}\n}}",
+            operation.why,
+            operation.keyword,
+            names.join(", "),
+            operation.properties
+        );
+    }
+    text
+}

@@ -1,0 +1,86 @@
+//! `impellerc new --from`: a part without tools and operations becomes a job, or the reason is told.
+
+use crate::support::bounded;
+use std::path::Path;
+use std::process::Output;
+use tempfile::TempDir;
+
+/// A folder with the part of `jobs/small` in `part.imp`, and some items behind it.
+fn part(items: &str) -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    let job = std::fs::read_to_string("jobs/small/small.imp").unwrap();
+    let part = job.split("\nstock ").next().unwrap().replace("use tools   \"carbide\"\n", "");
+    assert!(!part.contains("use tools"), "{part}");
+    std::fs::write(folder.path().join("part.imp"), format!("{part}\n{items}")).unwrap();
+    std::fs::copy("jobs/small/vane_curves.csv", folder.path().join("vane_curves.csv")).unwrap();
+    folder
+}
+
+fn run(folder: &Path, words: &[&str]) -> Output {
+    bounded::program().current_dir(folder).args(words).output().unwrap()
+}
+
+fn said(run: &Output) -> String {
+    String::from_utf8_lossy(&run.stdout).into_owned() + &String::from_utf8_lossy(&run.stderr)
+}
+
+/// What is chosen is a job without a fault: tools of the library, roughing and all that finishes the part, each with its reason.
+/// The contracts that the part states stay as they are, the others are added.
+#[test]
+fn a_part_becomes_a_job() {
+    let folder = part("require excess <= 0.2 mm\n");
+    let made =
+        run(folder.path(), &["new", "wheel", "--from", "part.imp", "--explain-choices"]);
+    let text = said(&made);
+    assert!(made.status.success(), "{text}");
+    assert!(
+        text.contains("tried fillet with ball-2x24, corridor: holds") && text.contains("wrote wheel.imp"),
+        "{text}"
+    );
+    let job = std::fs::read_to_string(folder.path().join("wheel.imp")).unwrap();
+    println!("{job}");
+    let operations: Vec<&str> = job.lines().filter_map(|line| line.strip_prefix("operation ")).collect();
+    let (roughing, finishing) = operations.split_at(operations.len() - 3);
+    assert!(!roughing.is_empty() && roughing.iter().all(|operation| *operation == "rough {"), "{operations:?}");
+    assert_eq!(finishing, ["point {", "fillet {", "channel {"]);
+    // A reason for each operation; one line is the comment of the part.
+    assert_eq!(job.matches("\n// ").count(), operations.len() + 1);
+    assert_eq!((job.matches("require excess").count(), job.matches("require gouge").count()), (1, 1));
+    assert!(job.contains("scallop 100 um"), "{job}");
+    let checked = run(folder.path(), &["check", "wheel.imp"]);
+    assert!(checked.status.success(), "{}", said(&checked));
+    let again = run(folder.path(), &["new", "other.imp", "--from", "part.imp"]);
+    assert!(again.status.success(), "{}", said(&again));
+    assert_eq!(std::fs::read_to_string(folder.path().join("other.imp")).unwrap(), job);
+}
+
+/// A library of a single ball that is wider than the fillet: nothing is written, and the reason is told.
+#[test]
+fn a_library_without_a_tool_that_serves_is_told() {
+    let folder = part("use tools \"large\"\n");
+    let tools = folder.path().join("_lib").join("tools");
+    std::fs::create_dir_all(&tools).unwrap();
+    let ball = "about = \"one ball\"\n[tool.ball]\nkind = \"ball\"\ndiameter = \"6 mm\"\nflutes = 2\nflute = \"30 mm\"\nreach = \"40 mm\"\n";
+    std::fs::write(tools.join("large.toml"), ball).unwrap();
+    let refused = run(folder.path(), &["new", "wheel", "--from", "part.imp"]);
+    let text = said(&refused);
+    assert_eq!(refused.status.code(), Some(2), "{text}");
+    assert!(text.contains("IMP0452") && text.contains("no tool of the library finishes the fillets"), "{text}");
+    assert!(text.contains("at most 1.2 mm of radius"), "{text}");
+    assert!(!folder.path().join("wheel.imp").exists());
+}
+
+/// A file that exists stays, and a job with operations of its own has nothing to choose.
+#[test]
+fn nothing_is_replaced() {
+    let folder = part("");
+    let exists = run(folder.path(), &["new", "part.imp", "--from", "part.imp"]);
+    assert!(exists.status.code() == Some(3) && said(&exists).contains("exists already"), "{}", said(&exists));
+    let whole = part("tool t1 = \"ball-2x24\"\n");
+    let refused = run(whole.path(), &["new", "wheel", "--from", "part.imp"]);
+    assert_eq!(refused.status.code(), Some(2), "{}", said(&refused));
+    assert!(said(&refused).contains("nothing is left to choose"), "{}", said(&refused));
+    let missing = run(whole.path(), &["new", "wheel", "--from", "none.imp"]);
+    assert_eq!(missing.status.code(), Some(3), "{}", said(&missing));
+    assert_eq!(run(whole.path(), &["new", "wheel", "--machine", "5mc850-c"]).status.code(), Some(2));
+}
