@@ -549,3 +549,14 @@ fn the_whole_contract_bounds_kept_surfaces() {
     assert_eq!(measured(&program, &motion).allowed.get(), 0.02);
     assert!((FRAC_PI_2 - Chain::tilting_table().nearest(&Vector3::x(), 0.0)[0][0]).abs() < 1e-12);
 }
+
+/// Who finishes the edges at the inlet leaves to the lathe those that it makes at the outlet; an edge inside of the part is no edge of
+/// the lathe.
+#[test]
+fn edges_of_the_lathe_are_kept_where_the_others_are_milled() {
+    for (job, edges) in [("small/small", [false; 2]), ("splitter/splitter", [true, false]), ("blisk/blisk", [true; 2])]
+    {
+        let program = support::jobs::program_at(&format!("jobs/{job}.imp"));
+        assert_eq!(program.milled_turned().edges, edges, "{job}");
+    }
+}

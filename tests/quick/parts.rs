@@ -253,7 +253,7 @@ fn the_verifier_measures_the_splitter() {
     let part = &SPLITTER.part;
     let reports = surface::certify(
         part,
-        kept::MilledTurned { edges: true, tips: false },
+        kept::MilledTurned { edges: [true; 2], tips: false },
         &sweeps,
         0.5,
         &Limits::default(),

@@ -306,13 +306,24 @@ impl Program {
         solids.fold(stock, |most, solid| if solid.1 > most.1 { solid } else { most })
     }
 
-    /// The turned surfaces of the blades that operations finish; the lathe makes the others.
+    /// The edges and tips of the blades that operations finish: edges at the inlet and at the outlet by themselves. The lathe makes the
+    /// others, but no edge inside of the part.
     pub fn milled_turned(&self) -> MilledTurned {
-        let edge = |s: &SurfaceKind| matches!(s, SurfaceKind::InletEdge(_) | SurfaceKind::OutletEdge(_));
-        let edges =
-            |o: &Operation| matches!(&o.kind, OperationKind::Point { surfaces, .. } if surfaces.iter().any(edge));
-        let operations = || self.operations.iter().map(|(_, o)| o);
-        MilledTurned { edges: operations().any(edges), tips: operations().any(|o| !o.kind.tips().is_empty()) }
+        let end = |s: SurfaceKind| match s {
+            SurfaceKind::InletEdge(_) => Some(0),
+            SurfaceKind::OutletEdge(_) => Some(1),
+            _ => None,
+        };
+        let finishes = |o: &Operation, wanted: usize| {
+            let at_end = |s: &SurfaceKind| end(*s) == Some(wanted);
+            matches!(&o.kind, OperationKind::Point { surfaces, .. } if surfaces.iter().any(at_end))
+        };
+        let finished = |wanted: usize| self.operations.iter().any(|(_, o)| finishes(o, wanted));
+        let any = [0, 1].map(finished);
+        // Where some edges are milled, so are those that no lathe can make.
+        let inside = |end: usize| self.part.blade_ids().any(|blade| self.part.ends_inside(blade, end));
+        let edges = [0, 1].map(|end| any[end] || (any[1 - end] && inside(end)));
+        MilledTurned { edges, tips: self.operations.iter().any(|(_, o)| !o.kind.tips().is_empty()) }
     }
 
     /// Sectors, from 0, whose channels an operation enters but the roughing of the job leaves full; with the operation that

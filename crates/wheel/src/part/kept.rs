@@ -43,11 +43,11 @@ enum KeptForm<'a> {
     Root { patch: TurnedPatch, normal: Vector2<f64> },
 }
 
-/// Turned surfaces of the blades that operations finish: these are design surfaces. The lathe makes the others.
+/// Edges and tips of the blades that milling makes: these are design surfaces. The lathe makes the others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct MilledTurned {
-    /// The edges at inlet and outlet.
-    pub edges: bool,
+    /// The edges at the inlet, and those at the outlet.
+    pub edges: [bool; 2],
     /// The tips.
     pub tips: bool,
 }
@@ -55,9 +55,12 @@ pub struct MilledTurned {
 impl MilledTurned {
     /// Charts of these surfaces, or of the others.
     pub fn charts(self, part: &Part, milled: bool) -> impl Iterator<Item = Chart<'_>> {
-        let edges = (self.edges == milled).then(|| chart::edges(part));
+        let edges = chart::edges(part).filter(move |edge| {
+            let end = usize::from(matches!(edge.kind, SurfaceKind::OutletEdge(_)));
+            self.edges[end] == milled
+        });
         let tips = (self.tips == milled).then(|| chart::tips(part));
-        tips.into_iter().flatten().chain(edges.into_iter().flatten())
+        tips.into_iter().flatten().chain(edges)
     }
 }
 
