@@ -9,6 +9,7 @@ use choose::{Chosen, Tried};
 use diagnostics::codes::{files as file_codes, job as job_codes};
 use diagnostics::{Aborted, Diag, Sink};
 use ir::Program;
+use ir::program::DEFAULT_MEMORY;
 use job::Files;
 use std::path::{Path, PathBuf};
 
@@ -160,9 +161,11 @@ fn said(file: &Path, chosen: &Chosen, explain: bool) -> String {
     for line in &chosen.summary {
         text += &format!("{line}\n");
     }
+    let gigabytes = (chosen.memory / 1e9).ceil();
+    let memory = if chosen.memory > DEFAULT_MEMORY { format!(" --memory {gigabytes}GB") } else { String::new() };
     text + &format!(
         "\nwrote {job}; {} trials, which `--explain-choices` lists\n\
-         impellerc {job} -o {}    plans all of it, verifies it and writes the NC program\n",
+         impellerc {job}{memory} -o {}    plans all of it, verifies it and writes the NC program\n",
         chosen.tried.len(),
         shown_path(&file.with_extension("nc")),
     )

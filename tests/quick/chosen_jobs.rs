@@ -29,8 +29,7 @@ fn said(run: &Output) -> String {
 #[test]
 fn a_part_becomes_a_job() {
     let folder = part("require excess <= 0.2 mm\n");
-    let made =
-        run(folder.path(), &["new", "wheel", "--from", "part.imp", "--explain-choices"]);
+    let made = run(folder.path(), &["new", "wheel", "--from", "part.imp", "--explain-choices"]);
     let text = said(&made);
     assert!(made.status.success(), "{text}");
     assert!(
@@ -66,7 +65,7 @@ fn a_library_without_a_tool_that_serves_is_told() {
     let text = said(&refused);
     assert_eq!(refused.status.code(), Some(2), "{text}");
     assert!(text.contains("IMP0452") && text.contains("no tool of the library finishes the fillets"), "{text}");
-    assert!(text.contains("at most 1.2 mm of radius"), "{text}");
+    assert!(text.contains("at most 1.15 mm of radius"), "{text}");
     assert!(!folder.path().join("wheel.imp").exists());
 }
 

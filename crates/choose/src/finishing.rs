@@ -1,10 +1,10 @@
 //! Finishing: for each kind of surface the largest ball that reaches all of it with free and smooth axes.
 
-use crate::Part;
 use crate::candidates::{Candidate, balls};
 use crate::cutting_data::cutting_data;
 use crate::text::{ChosenOperation, items};
 use crate::trial::Trials;
+use crate::{ALLOWANCES, Part};
 use base::units::trim;
 use diagnostics::{Aborted, Diag, Sink, codes::planning};
 use wheel::method::AxisMethod;
@@ -35,7 +35,9 @@ struct Finish {
 fn kinds(part: &Part<'_>) -> Vec<Finish> {
     let sizes = &part.sizes;
     let open = 0.45 * sizes.throat;
-    let most = sizes.fillet.unwrap_or(open).min(open).min(sizes.concave);
+    // The same ball roughs, and leaves an allowance in the fillet.
+    let fillet = sizes.fillet.map_or(f64::INFINITY, |fillet| fillet - ALLOWANCES[0]);
+    let most = fillet.min(open).min(sizes.concave);
     let [ridge, floor] = [SCALLOP_SHARE, FLOOR_SHARE].map(|share| share * part.excess);
     let kind = |keyword, surfaces: String, of, scallop| Finish { keyword, surfaces, of, most, scallop };
     let edges: Vec<&str> = ["inlet", "outlet"]

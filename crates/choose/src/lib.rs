@@ -19,8 +19,10 @@ pub use trial::Tried;
 
 use base::progress::Progress;
 use base::units::trim;
+use candidates::Candidate;
 use diagnostics::{Aborted, Diag, Sink, codes::planning};
 use ir::{ContractKind, Program};
+use plan::budget;
 use sizes::Sizes;
 use std::fmt::Write;
 use trial::Trials;
@@ -35,7 +37,7 @@ pub type Front<'f> = dyn FnMut(&str, &mut Sink) -> Result<Program, Aborted> + 'f
 pub const STOCK: &str = "stock turned { over shroud 0 mm  bore 0 mm  back -5000 mm";
 
 /// What was chosen.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Chosen {
     /// The stock in the place of [`STOCK`].
     pub stock: String,
@@ -43,6 +45,8 @@ pub struct Chosen {
     pub items: String,
     /// The operations in a line each: kind, tools, why.
     pub summary: Vec<String>,
+    /// Estimated memory of the compile, bytes.
+    pub memory: f64,
     /// What was tried, in its order.
     pub tried: Vec<Tried>,
 }
@@ -56,8 +60,6 @@ pub(crate) struct Part<'a> {
     pub(crate) spindle: [f64; 2],
     /// Largest excess, mm.
     pub(crate) excess: f64,
-    /// Stock that roughing leaves, mm.
-    pub(crate) allowance: f64,
     /// Way before and behind passes, mm.
     pub(crate) lead: f64,
 }
@@ -72,7 +74,15 @@ const MAX_CLEARANCE: f64 = 0.5;
 
 /// Allowance as a share of the diameter of the ball that finishes the floor, with its least and largest value, mm.
 const ALLOWANCE_SHARE: f64 = 0.1;
-const ALLOWANCES: [f64; 2] = [0.1, 0.4];
+const ALLOWANCES: [f64; 2] = [0.05, 0.4];
+
+/// Stock that roughing leaves, mm: in a fillet a ball keeps it only where its radius is as much smaller than the fillet.
+fn allowance(sizes: &Sizes, last: &Candidate) -> f64 {
+    let radius = last.ball().unwrap_or(0.0);
+    let room = sizes.fillet.map_or(f64::INFINITY, |fillet| fillet - radius);
+    let [least, most] = ALLOWANCES;
+    (2.0 * ALLOWANCE_SHARE * radius).clamp(least, most).min(room.max(least))
+}
 
 /// Leads as a share of the diameter of the wheel, with their least and largest value, mm.
 const LEAD_SHARE: f64 = 0.02;
@@ -100,13 +110,11 @@ pub fn choose(
     let all = candidates::candidates(&program, library);
     let sizes = Sizes::of(&program);
     let (contracts, excess) = contracts(&program, &sizes);
-    let fillet_ball = sizes.fillet.unwrap_or(0.5 * sizes.throat).min(0.5 * sizes.throat);
     let part = Part {
         wheel: &program.part,
         material: program.stock.material.unwrap_or(Material::Aluminium),
         spindle: program.machine.spindle,
         excess,
-        allowance: (ALLOWANCE_SHARE * 2.0 * fillet_ball).clamp(ALLOWANCES[0], ALLOWANCES[1]),
         lead: (LEAD_SHARE * sizes.diameter).clamp(LEADS[0], LEADS[1]),
         sizes,
     };
@@ -117,16 +125,15 @@ pub fn choose(
     let floor = operations.iter().find(|operation| operation.keyword == "channel");
     let last = floor.and_then(|floor| all.iter().find(|candidate| floor.tools.contains(&candidate.name)));
     if let Some(last) = last {
-        operations.splice(0..0, roughing::roughing(&part, &all, last));
+        operations.splice(0..0, roughing::roughing(&part, &all, last, allowance(&part.sizes, last)));
     }
     let line = |o: &text::ChosenOperation| format!("{:<8} {:<32} {}", o.keyword, o.tools.join(", "), o.why);
     let summary = operations.iter().map(line).collect();
-    Ok(Chosen {
-        stock,
-        summary,
-        items: format!("{}\n{contracts}", text::items(&operations, &all)),
-        tried: trials.tried,
-    })
+    let items = format!("{}\n{contracts}", text::items(&operations, &all));
+    let mut faults = Sink::default();
+    let program = (trials.front)(&format!("{head}\n{items}"), &mut faults);
+    let program = program.inspect_err(|_| sink.append(faults))?;
+    Ok(Chosen { stock, items, summary, memory: budget::needed(&program), tried: trials.tried })
 }
 
 /// Way from the lowest place of the hub down to the back of the stock, where it is clamped, as a share of the diameter, and at least,

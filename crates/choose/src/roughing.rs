@@ -19,26 +19,35 @@ const STEPS: [f64; 2] = [0.33, 0.4];
 /// Share of the largest depth of a tool that a step takes.
 const DEPTH_SHARE: f64 = 0.9;
 
+/// A later tool cuts where more than this share of its diameter stands, at most so much, mm: as the later tools of one `rough` do.
+const REST_SHARE: f64 = 0.1;
+const MAX_REST: f64 = 0.2;
+
 /// Largest number of tools.
 const MAX_TOOLS: usize = 4;
 
 /// The roughing before an operation that finishes the floor with a tool: an operation for each tool, with cutting data of its own.
-pub(crate) fn roughing(part: &Part<'_>, all: &[Candidate], last: &Candidate) -> Vec<ChosenOperation> {
+pub(crate) fn roughing(part: &Part<'_>, all: &[Candidate], last: &Candidate, allowance: f64) -> Vec<ChosenOperation> {
     let tools = ladder(part, all, last);
     let count = tools.len();
-    tools.into_iter().enumerate().map(|(k, tool)| operation(part, tool, [k, count])).collect()
+    tools.into_iter().enumerate().map(|(k, tool)| operation(part, tool, [k, count], allowance)).collect()
 }
 
 /// The roughing with one of several tools.
-fn operation(part: &Part<'_>, tool: &Candidate, [k, count]: [usize; 2]) -> ChosenOperation {
+fn operation(part: &Part<'_>, tool: &Candidate, [k, count]: [usize; 2], allowance: f64) -> ChosenOperation {
     let diameter = 2.0 * tool.ball().unwrap_or_else(|| tool.tool.solid.radius());
     let depth = rounded((STEPS[0] * diameter).min(DEPTH_SHARE * tool.tool.max_depth.get()));
     let stepover = rounded(STEPS[1] * diameter);
     let data = cutting_data(&tool.tool, part.material, part.spindle);
-    let allowance = trim(part.allowance, 2);
+    let allowance = trim(allowance, 3);
+    let rest = if k > 0 {
+        format!("  rest over {} mm", trim((REST_SHARE * diameter).min(MAX_REST), 3))
+    } else {
+        String::new()
+    };
     let (feed, lead) = (trim(data.rough, 2), trim(part.lead, 1));
     let properties = format!(
-        "speed {} rpm  feed {feed} mm/min  link-feed {feed} mm/min  depth {} mm  stepover {} mm\n  allowance vane {allowance} mm, hub {allowance} mm  lead-in {lead} mm  lead-out {lead} mm",
+        "speed {} rpm  feed {feed} mm/min  link-feed {feed} mm/min  depth {} mm  stepover {} mm\n  allowance vane {allowance} mm, hub {allowance} mm  lead-in {lead} mm  lead-out {lead} mm{rest}",
         trim(data.speed, 0),
         trim(depth, 3),
         trim(stepover, 3),
