@@ -1,8 +1,8 @@
 //! What the job leaves open: which tools of the library, operations, methods and cutting data make a part.
 //!
 //! What is chosen is text in the language, with the reason of each choice beside it: a person can read and edit it, and the
-//! compiler takes it as any other job. Candidates follow from sizes of the part ([`sizes`]) in the order of their cost; a trial
-//! plans each on the text that would be written, until one has free and smooth axes ([`trial`]).
+//! compiler takes it as any other job. Candidates follow from sizes of the part (`sizes`) in the order of their cost; a trial
+//! plans each on the text that would be written, until one has free and smooth axes (`trial`).
 
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking"))]
