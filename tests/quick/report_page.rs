@@ -339,6 +339,19 @@ fn a_section_opens_the_part_and_two_points_give_a_distance() {
     assert!((found[0] - found[1]).abs() < 0.002, "{found:?}: the way back is another one");
     page.key("Escape");
     assert_eq!(text(&mut page, "readout"), "");
+
+    // What lies under the pointer has the number of its sector that tables and contracts have, from 1.
+    let count = data["part"]["sectors"].as_u64().unwrap();
+    let mut sectors = std::collections::BTreeSet::new();
+    for (k, sign) in (1..8).flat_map(|k| [(k, 1), (k, -1)]) {
+        let across = k * scene[3] / 16;
+        page.mouse("mouseMoved", if sign > 0 { x + across } else { x - across }, y + across / 2);
+        page.settle();
+        let readout = text(&mut page, "readout");
+        sectors
+            .extend(readout.split_once(", sector ").and_then(|(_, rest)| rest.split(':').next()?.parse::<u64>().ok()));
+    }
+    assert!(sectors.len() > 1 && sectors.iter().all(|sector| (1..=count).contains(sector)), "{sectors:?} of {count}");
 }
 
 #[test]

@@ -148,7 +148,7 @@ function look(at) {
     if (held) return;
     if (!found) { $('readout').textContent = ''; return; }
     const surface = data.part.surfaces[found.surface];
-    const name = `${surface ? surface.name : 'surface'} ${found.sector}`;
+    const name = `${surface ? surface.name : 'surface'}, sector ${found.sector + 1}`;
     const value = found.without === NOT_REACHED ? 'not reached' : found.without === NOT_MILLED ? 'turned, not milled'
       : `${found.deviation < 0 ? 'cut' : 'left'} ${Math.abs(found.deviation).toFixed(2)} µm`;
     $('readout').textContent = `${name}: ${value}`;
