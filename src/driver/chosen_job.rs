@@ -61,10 +61,17 @@ fn run(options: &FromPart, stages: &mut Stages, outcome: &mut Outcome) -> Result
     or_reported(open(&ast), sink)?;
     let head = head(&text, &ast, options);
     let library = tool_names(&head, options, sources, sink)?;
+    // Places of faults are those in the text with what was added.
+    *sources = SourceMap::default();
+    let source = sources.add_file(SourceFile::text(shown_path(&options.part), head.clone()));
+    let mut found = Sink::default();
     let chosen = stages.watched("choose", |progress| {
         let mut front = |text: &str, sink: &mut Sink| program(text, options, sink);
-        choose::choose(&head, &library, &mut front, progress, sink)
-    })?;
+        choose::choose(&head, &library, &mut front, progress, &mut found)
+    });
+    found.change_all(|diag| placed_in(source, head.len(), diag));
+    sink.append(found);
+    let chosen = chosen?;
     stages.go_on()?;
     let job = job_text(&head, &chosen);
     let mut outputs = Outputs::default();
@@ -72,6 +79,13 @@ fn run(options: &FromPart, stages: &mut Stages, outcome: &mut Outcome) -> Result
     or_reported(save(outputs, std::iter::once(("new", file.as_path(), job.as_bytes()))), sink)?;
     *emitted = Some(said(&file, &chosen, options.explain));
     Ok(())
+}
+
+/// A diagnostic with those of its places that lie in a text; others are in what is chosen, or in files that it names.
+fn placed_in(source: SourceId, length: usize, mut diag: Diag) -> Diag {
+    diag.labels.retain(|label| label.span.source == source && label.span.range().end <= length);
+    diag.fix = None;
+    diag
 }
 
 /// Refuses a job whose tools and operations are there.

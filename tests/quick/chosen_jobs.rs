@@ -83,3 +83,19 @@ fn nothing_is_replaced() {
     assert_eq!(missing.status.code(), Some(3), "{}", said(&missing));
     assert_eq!(run(whole.path(), &["new", "wheel", "--machine", "5mc850-c"]).status.code(), Some(2));
 }
+
+/// A fault of the part or of what is added to it has its place in the text with both.
+#[test]
+fn a_fault_has_its_place() {
+    let folder = part("");
+    let path = folder.path().join("part.imp");
+    let text = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, text.replace("use machine \"5mc850-c\"\n", "")).unwrap();
+    let refused = run(folder.path(), &["new", "wheel", "--from", "part.imp", "--machine", "nope"]);
+    let text = said(&refused);
+    assert!(!refused.status.success(), "{text}");
+    let line = text.lines().position(|line| line.ends_with("use machine \"nope\"")).unwrap_or_else(|| panic!("{text}"));
+    let mark = text.lines().nth(line + 1).unwrap_or_default();
+    assert!(mark.contains("──"), "{text}");
+    assert!(!folder.path().join("wheel.imp").exists());
+}
