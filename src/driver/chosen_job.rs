@@ -1,12 +1,12 @@
 //! `impellerc new FILE --from PART`: the tools and operations for a part that has none, as a job.
 
 use super::front::read_job;
-use super::{DiskFiles, Outcome, Stages, or_reported, save, shown_path};
-use crate::output::Outputs;
+use super::new_job::{new_file, write_new};
+use super::{DiskFiles, Outcome, Stages, or_reported, shown_path};
 use ::syntax::ast::{File, Item, ItemKind};
 use base::source::{SourceFile, SourceId, SourceMap};
 use choose::{Chosen, Tried};
-use diagnostics::codes::{files as file_codes, job as job_codes};
+use diagnostics::codes::job as codes;
 use diagnostics::{Aborted, Diag, Sink};
 use ir::Program;
 use ir::program::DEFAULT_MEMORY;
@@ -25,7 +25,7 @@ pub struct FromPart {
     pub file: PathBuf,
     /// A job with a part, and without tools and operations.
     pub part: PathBuf,
-    /// Machine instead of that of the part.
+    /// Machine of a part that names none.
     pub machine: Option<String>,
     /// Material of the stock, for a part without stock.
     pub material: Option<String>,
@@ -45,13 +45,7 @@ pub fn new_from(options: &FromPart, stages: &mut Stages) -> Outcome {
 
 fn run(options: &FromPart, stages: &mut Stages, outcome: &mut Outcome) -> Result<(), Aborted> {
     let Outcome { sources, sink, emitted, .. } = outcome;
-    let file =
-        if options.file.extension().is_none() { options.file.with_extension("imp") } else { options.file.clone() };
-    if std::fs::symlink_metadata(&file).is_ok() {
-        let diag = Diag::error(file_codes::CANNOT_WRITE, format!("{} exists already", shown_path(&file)));
-        sink.push(diag.note("nothing was written; no file was changed").help("give a name that no file has"));
-        return Err(Aborted);
-    }
+    let file = or_reported(new_file(&options.file), sink)?;
     let text = read_job(&options.part, sink)?;
     let source = sources.add_file(SourceFile::text(shown_path(&options.part), text.clone()));
     let ast = ::syntax::parse(&text, source, sink);
@@ -60,7 +54,7 @@ fn run(options: &FromPart, stages: &mut Stages, outcome: &mut Outcome) -> Result
     }
     or_reported(open(&ast), sink)?;
     let head = head(&text, &ast, options);
-    let library = tool_names(&head, options, sources, sink)?;
+    let library = tool_names(&head, options, sink)?;
     // Places of faults are those in the text with what was added.
     *sources = SourceMap::default();
     let source = sources.add_file(SourceFile::text(shown_path(&options.part), head.clone()));
@@ -73,10 +67,9 @@ fn run(options: &FromPart, stages: &mut Stages, outcome: &mut Outcome) -> Result
     sink.append(found);
     let chosen = chosen?;
     stages.go_on()?;
-    let job = job_text(&head, &chosen);
-    let mut outputs = Outputs::default();
-    or_reported(outputs.announce("new", &file), sink)?;
-    or_reported(save(outputs, std::iter::once(("new", file.as_path(), job.as_bytes()))), sink)?;
+    // A text that was read without a fault has a usual form.
+    let usual = ::syntax::format(&chosen.job, SourceId::default(), &mut Sink::default());
+    or_reported(write_new(&file, usual.as_deref().unwrap_or(&chosen.job)), sink)?;
     *emitted = Some(said(&file, &chosen, options.explain));
     Ok(())
 }
@@ -92,7 +85,7 @@ fn placed_in(source: SourceId, length: usize, mut diag: Diag) -> Diag {
 fn open(ast: &File) -> Result<(), Diag> {
     let is_chosen = |item: &&Item| matches!(item.kind, ItemKind::Tool { .. } | ItemKind::Operation { .. });
     let Some(item) = ast.items.iter().find(is_chosen) else { return Ok(()) };
-    Err(Diag::error(job_codes::GIVEN_TWICE, "the job of the part has tools or operations of its own")
+    Err(Diag::error(codes::GIVEN_TWICE, "the job of the part has tools or operations of its own")
         .label(item.span, "nothing is left to choose")
         .help("give a file with the part alone: remove its tools and operations, or compile it as it is"))
 }
@@ -128,12 +121,8 @@ fn disk(options: &FromPart) -> Result<DiskFiles, Diag> {
 }
 
 /// Names of the tools in the libraries of a job.
-fn tool_names(
-    head: &str,
-    options: &FromPart,
-    sources: &mut SourceMap,
-    sink: &mut Sink,
-) -> Result<Vec<String>, Aborted> {
+fn tool_names(head: &str, options: &FromPart, sink: &mut Sink) -> Result<Vec<String>, Aborted> {
+    let mut sources = SourceMap::default();
     let ast = ::syntax::parse(head, SourceId::default(), &mut Sink::default());
     let mut disk = or_reported(disk(options), sink)?;
     let used = ast.items.iter().filter_map(|item| match &item.kind {
@@ -143,7 +132,7 @@ fn tool_names(
     // One that is missing is reported with its place where the job is resolved.
     let found: Vec<SourceId> =
         used.filter_map(|name| disk.tools(name).ok()).map(|file| sources.add_file(file)).collect();
-    Ok(job::library_tools(&found, sources))
+    Ok(job::library_tools(&found, &sources))
 }
 
 /// The program of a text.
@@ -154,12 +143,6 @@ fn program(text: &str, options: &FromPart, sink: &mut Sink) -> Result<Program, A
     let mut files = or_reported(disk(options), sink)?;
     let job = job::resolve(&ast, &mut files, &mut sources, sink)?;
     lower::lower(&job, sink)
-}
-
-/// The job in its usual form.
-fn job_text(head: &str, chosen: &Chosen) -> String {
-    let text = format!("{}\n{}", head.replace(choose::STOCK, &chosen.stock), chosen.items);
-    ::syntax::format(&text, SourceId::default(), &mut Sink::default()).unwrap_or(text)
 }
 
 /// What was chosen, for people.

@@ -44,22 +44,31 @@ pub fn new_job(file: &Path, kind: &Beginning) -> Outcome {
 }
 
 fn run(file: &Path, kind: &Beginning, outcome: &mut Outcome) -> Result<(), Aborted> {
-    let file = if file.extension().is_none() { file.with_extension("imp") } else { file.to_path_buf() };
-    if std::fs::symlink_metadata(&file).is_ok() {
-        outcome.sink.push(
-            Diag::error(files::CANNOT_WRITE, format!("{} exists already", shown_path(&file)))
-                .note("nothing was written; no file was changed")
-                .help("give a name that no file has"),
-        );
-        return Err(Aborted);
-    }
-    let text = named(kind.text, &file);
-    let mut outputs = Outputs::default();
-    or_reported(outputs.announce("new", &file), &mut outcome.sink)?;
-    let written = save(outputs, std::iter::once(("new", file.as_path(), text.as_bytes())));
-    or_reported(written, &mut outcome.sink)?;
+    let file = or_reported(new_file(file), &mut outcome.sink)?;
+    or_reported(write_new(&file, &named(kind.text, &file)), &mut outcome.sink)?;
     outcome.emitted = Some(next_steps(&file, kind));
     Ok(())
+}
+
+/// The file of a new job, with the ending of a job where it has none.
+///
+/// # Errors
+/// A file that exists.
+pub(super) fn new_file(file: &Path) -> Result<PathBuf, Diag> {
+    let file = if file.extension().is_none() { file.with_extension("imp") } else { file.to_path_buf() };
+    if std::fs::symlink_metadata(&file).is_err() {
+        return Ok(file);
+    }
+    Err(Diag::error(files::CANNOT_WRITE, format!("{} exists already", shown_path(&file)))
+        .note("nothing was written; no file was changed")
+        .help("give a name that no file has"))
+}
+
+/// Writes a job to a file that does not exist.
+pub(super) fn write_new(file: &Path, text: &str) -> Result<(), Diag> {
+    let mut outputs = Outputs::default();
+    outputs.announce("new", file)?;
+    save(outputs, std::iter::once(("new", file, text.as_bytes())))
 }
 
 /// The job with the stem of the file as the name of its part, where the stem is a name of the language.

@@ -1,23 +1,18 @@
-//! Tools of the library that may be taken.
+//! Tools of the library that may be taken: those that end in a ball.
 
 use ir::{Program, Tool};
-use tool_stock::collide::Section;
 
-/// A tool of the library.
+/// A tool of the library that ends in a ball.
 #[derive(Clone, Debug)]
 pub(crate) struct Candidate {
     /// Its name in the library.
     pub(crate) name: String,
+    /// Radius of the ball, mm.
+    pub(crate) ball: f64,
     pub(crate) tool: Tool,
 }
 
 impl Candidate {
-    /// Radius of its ball, mm; `None` where its end is no ball.
-    pub(crate) fn ball(&self) -> Option<f64> {
-        let cutter = &self.tool.solid.cutter;
-        cutter.ends_in_ball().then(|| cutter.tip_radius())
-    }
-
     /// Whether its flutes have one diameter.
     pub(crate) fn is_straight(&self) -> bool {
         !self.tool.solid.cutter.widens()
@@ -25,7 +20,7 @@ impl Candidate {
 
     /// Distance from the tip to the holder, mm.
     pub(crate) fn reach(&self) -> f64 {
-        self.tool.solid.holder.first().map_or_else(|| self.tool.length(), |holder: &Section| holder.from)
+        self.tool.solid.holder.first().map_or_else(|| self.tool.length(), |holder| holder.from)
     }
 
     /// Length of the flutes, mm.
@@ -34,10 +29,20 @@ impl Candidate {
     }
 }
 
-/// The tools of a program as candidates, with their names in the library.
+/// The tools of a program that end in a ball, with their names in the library, in the order in which they are taken: the largest ball
+/// first; of equal ones the straight one, since a taper needs more of the channel, and then the stiffest.
 pub(crate) fn candidates(program: &Program, names: &[String]) -> Vec<Candidate> {
+    let with_ball = |(name, tool): (&String, &Tool)| {
+        let cutter = &tool.solid.cutter;
+        cutter.ends_in_ball().then(|| Candidate { name: name.clone(), ball: cutter.tip_radius(), tool: tool.clone() })
+    };
     let tools = program.tools.iter().map(|(_, tool)| tool);
-    names.iter().zip(tools).map(|(name, tool)| Candidate { name: name.clone(), tool: tool.clone() }).collect()
+    let mut all: Vec<Candidate> = names.iter().zip(tools).filter_map(with_ball).collect();
+    all.sort_by(|a, b| {
+        let stiff = b.is_straight().cmp(&a.is_straight()).then(a.reach().total_cmp(&b.reach()));
+        b.ball.total_cmp(&a.ball).then(stiff)
+    });
+    all
 }
 
 /// Least radius of a ball that is tried, as a share of the largest one that may fit.
@@ -46,18 +51,8 @@ const LEAST_SHARE: f64 = 0.3;
 /// Number of tools that are tried for an operation.
 const MAX_TRIED: usize = 10;
 
-/// Balls of at most a radius whose flutes are as long as a channel is deep, in the order in which they are tried: the largest
-/// first; of these the straight ones, since a taper needs more of the channel, and then the stiffest.
+/// The first candidates with a ball of at most a radius, mm, whose flutes are as long as a channel is deep.
 pub(crate) fn balls(all: &[Candidate], most: f64, depth: f64) -> Vec<&Candidate> {
-    let fits =
-        |c: &&Candidate| c.ball().is_some_and(|r| r <= most + 1e-9 && r >= LEAST_SHARE * most) && c.flute() >= depth;
-    let mut balls: Vec<&Candidate> = all.iter().filter(fits).collect();
-    let radius = |c: &Candidate| c.ball().unwrap_or(0.0);
-    let order = |a: &&Candidate, b: &&Candidate| {
-        let stiff = b.is_straight().cmp(&a.is_straight()).then(a.reach().total_cmp(&b.reach()));
-        radius(b).total_cmp(&radius(a)).then(stiff)
-    };
-    balls.sort_by(order);
-    balls.truncate(MAX_TRIED);
-    balls
+    let fits = |c: &&Candidate| c.ball <= most + 1e-9 && c.ball >= LEAST_SHARE * most && c.flute() >= depth;
+    all.iter().filter(fits).take(MAX_TRIED).collect()
 }

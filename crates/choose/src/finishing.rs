@@ -1,10 +1,11 @@
 //! Finishing: for each kind of surface the largest ball that reaches all of it with free and smooth axes.
 
+use crate::Part;
 use crate::candidates::{Candidate, balls};
 use crate::cutting_data::cutting_data;
+use crate::roughing::ALLOWANCES;
 use crate::text::{ChosenOperation, items};
 use crate::trial::Trials;
-use crate::{ALLOWANCES, Part};
 use base::units::trim;
 use diagnostics::{Aborted, Diag, Sink, codes::planning};
 use wheel::method::AxisMethod;
@@ -77,7 +78,7 @@ pub(crate) fn finishing(
         let mut tools = balls(all, kind.most, part.sizes.height);
         // `channel` takes no tapered ball.
         tools.retain(|tool| kind.keyword != "channel" || tool.is_straight());
-        tools.sort_by_key(|tool| !chosen.iter().any(|operation| operation.tools.contains(&tool.name)));
+        tools.sort_by_key(|tool| !chosen.iter().any(|operation| operation.tool == tool.name));
         let found = tools.iter().find_map(|tool| {
             METHODS.into_iter().find_map(|method| {
                 if trials.progress.is_cancelled() {
@@ -102,7 +103,6 @@ pub(crate) fn finishing(
 
 fn operation(part: &Part<'_>, kind: &Finish, tool: &Candidate, method: AxisMethod) -> ChosenOperation {
     let data = cutting_data(&tool.tool, part.material, part.spindle);
-    let radius = tool.ball().unwrap_or(0.0);
     let (feed, lead) = (trim(data.finish, 2), trim(part.lead, 1));
     let properties = format!(
         "speed {} rpm  feed {feed} mm/min  link-feed {feed} mm/min  {}scallop {} um  method {}\n  lead-in {lead} mm  lead-out {lead} mm",
@@ -111,12 +111,12 @@ fn operation(part: &Part<'_>, kind: &Finish, tool: &Candidate, method: AxisMetho
         trim(1000.0 * kind.scallop, 1),
         method.name(),
     );
-    let [radius, most] = [radius, kind.most].map(|radius| trim(radius, 2));
+    let [radius, most] = [tool.ball, kind.most].map(|radius| trim(radius, 2));
     let why = format!(
         "{} with a ball of {radius} mm of radius, of at most {most} mm that fit: the largest that has free and smooth axes",
         kind.of
     );
-    ChosenOperation { keyword: kind.keyword, tools: vec![tool.name.clone()], properties, why }
+    ChosenOperation { keyword: kind.keyword, tool: tool.name.clone(), properties, why }
 }
 
 fn none_finishes(kind: &Finish, tools: &[&Candidate], trials: &Trials<'_, '_>) -> Diag {

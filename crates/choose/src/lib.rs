@@ -19,7 +19,6 @@ pub use trial::Tried;
 
 use base::progress::Progress;
 use base::units::trim;
-use candidates::Candidate;
 use diagnostics::{Aborted, Diag, Sink, codes::planning};
 use ir::{ContractKind, Program};
 use plan::budget;
@@ -39,10 +38,8 @@ pub const STOCK: &str = "stock turned { over shroud 0 mm  bore 0 mm  back -5000 
 /// What was chosen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chosen {
-    /// The stock in the place of [`STOCK`].
-    pub stock: String,
-    /// Contracts that the job does not state, tools and operations: items to write behind those of the job.
-    pub items: String,
+    /// The whole job: its head, with a stock in the place of [`STOCK`], then tools, operations and the contracts that it does not state.
+    pub job: String,
     /// The operations in a line each: kind, tools, why.
     pub summary: Vec<String>,
     /// Estimated memory of the compile, bytes.
@@ -71,18 +68,6 @@ const LIMITS_UP_TO: f64 = 200.0;
 /// Contract on the clearance, as a share of the diameter, and its largest value, mm.
 const CLEARANCE_SHARE: f64 = 0.0075;
 const MAX_CLEARANCE: f64 = 0.5;
-
-/// Allowance as a share of the diameter of the ball that finishes the floor, with its least and largest value, mm.
-const ALLOWANCE_SHARE: f64 = 0.1;
-const ALLOWANCES: [f64; 2] = [0.05, 0.4];
-
-/// Stock that roughing leaves, mm: in a fillet a ball keeps it only where its radius is as much smaller than the fillet.
-fn allowance(sizes: &Sizes, last: &Candidate) -> f64 {
-    let radius = last.ball().unwrap_or(0.0);
-    let room = sizes.fillet.map_or(f64::INFINITY, |fillet| fillet - radius);
-    let [least, most] = ALLOWANCES;
-    (2.0 * ALLOWANCE_SHARE * radius).clamp(least, most).min(room.max(least))
-}
 
 /// Leads as a share of the diameter of the wheel, with their least and largest value, mm.
 const LEAD_SHARE: f64 = 0.02;
@@ -118,22 +103,21 @@ pub fn choose(
         lead: (LEAD_SHARE * sizes.diameter).clamp(LEADS[0], LEADS[1]),
         sizes,
     };
-    let stock = stock(&program, &sizes);
-    let head = head.replace(STOCK, &stock);
+    let head = head.replace(STOCK, &stock(&program, &sizes));
     let mut trials = Trials { head: format!("{head}\n{contracts}"), front, progress, tried: Vec::new() };
     let mut operations = finishing::finishing(&part, &all, &mut trials, sink)?;
     let floor = operations.iter().find(|operation| operation.keyword == "channel");
-    let last = floor.and_then(|floor| all.iter().find(|candidate| floor.tools.contains(&candidate.name)));
+    let last = floor.and_then(|floor| all.iter().find(|candidate| floor.tool == candidate.name));
     if let Some(last) = last {
-        operations.splice(0..0, roughing::roughing(&part, &all, last, allowance(&part.sizes, last)));
+        operations.splice(0..0, roughing::roughing(&part, &all, last));
     }
-    let line = |o: &text::ChosenOperation| format!("{:<8} {:<32} {}", o.keyword, o.tools.join(", "), o.why);
+    let line = |o: &text::ChosenOperation| format!("{:<8} {:<32} {}", o.keyword, o.tool, o.why);
     let summary = operations.iter().map(line).collect();
-    let items = format!("{}\n{contracts}", text::items(&operations, &all));
+    let job = format!("{head}\n{}\n{contracts}", text::items(&operations, &all));
     let mut faults = Sink::default();
-    let program = (trials.front)(&format!("{head}\n{items}"), &mut faults);
+    let program = (trials.front)(&job, &mut faults);
     let program = program.inspect_err(|_| sink.append(faults))?;
-    Ok(Chosen { stock, items, summary, memory: budget::needed(&program), tried: trials.tried })
+    Ok(Chosen { job, summary, memory: budget::needed(&program), tried: trials.tried })
 }
 
 /// Way from the lowest place of the hub down to the back of the stock, where it is clamped, as a share of the diameter, and at least,

@@ -4,6 +4,7 @@
 use crate::Part;
 use crate::candidates::Candidate;
 use crate::cutting_data::{cutting_data, rounded};
+use crate::sizes::Sizes;
 use crate::text::ChosenOperation;
 use base::units::trim;
 
@@ -23,19 +24,31 @@ const DEPTH_SHARE: f64 = 0.9;
 const REST_SHARE: f64 = 0.1;
 const MAX_REST: f64 = 0.2;
 
+/// Allowance as a share of the diameter of the ball that finishes the floor, with its least and largest value, mm.
+const ALLOWANCE_SHARE: f64 = 0.1;
+pub(crate) const ALLOWANCES: [f64; 2] = [0.05, 0.4];
+
 /// Largest number of tools.
 const MAX_TOOLS: usize = 4;
 
 /// The roughing before an operation that finishes the floor with a tool: an operation for each tool, with cutting data of its own.
-pub(crate) fn roughing(part: &Part<'_>, all: &[Candidate], last: &Candidate, allowance: f64) -> Vec<ChosenOperation> {
+pub(crate) fn roughing(part: &Part<'_>, all: &[Candidate], last: &Candidate) -> Vec<ChosenOperation> {
+    let allowance = allowance(&part.sizes, last);
     let tools = ladder(part, all, last);
     let count = tools.len();
     tools.into_iter().enumerate().map(|(k, tool)| operation(part, tool, [k, count], allowance)).collect()
 }
 
+/// Stock that roughing leaves, mm: in a fillet a ball keeps it only where its radius is as much smaller than the fillet.
+fn allowance(sizes: &Sizes, last: &Candidate) -> f64 {
+    let room = sizes.fillet.map_or(f64::INFINITY, |fillet| fillet - last.ball);
+    let [least, most] = ALLOWANCES;
+    (2.0 * ALLOWANCE_SHARE * last.ball).clamp(least, most).min(room.max(least))
+}
+
 /// The roughing with one of several tools.
 fn operation(part: &Part<'_>, tool: &Candidate, [k, count]: [usize; 2], allowance: f64) -> ChosenOperation {
-    let diameter = 2.0 * tool.ball().unwrap_or_else(|| tool.tool.solid.radius());
+    let diameter = 2.0 * tool.ball;
     let depth = rounded((STEPS[0] * diameter).min(DEPTH_SHARE * tool.tool.max_depth.get()));
     let stepover = rounded(STEPS[1] * diameter);
     let data = cutting_data(&tool.tool, part.material, part.spindle);
@@ -61,26 +74,17 @@ fn operation(part: &Part<'_>, tool: &Candidate, [k, count]: [usize; 2], allowanc
         (_, false) => "roughing where the larger ball does not go".to_owned(),
         (_, true) => "roughing with the ball that finishes the floor, so that it finds an even allowance".to_owned(),
     };
-    ChosenOperation { keyword: "rough", tools: vec![tool.name.clone()], properties, why }
+    ChosenOperation { keyword: "rough", tool: tool.name.clone(), properties, why }
 }
 
 /// The tools, the largest first.
 fn ladder<'a>(part: &Part<'_>, all: &'a [Candidate], last: &'a Candidate) -> Vec<&'a Candidate> {
-    let radius = |tool: &Candidate| tool.ball().unwrap_or(0.0);
     let mut tools: Vec<&Candidate> = Vec::new();
     let mut most = 0.5 * TOP_SHARE * part.sizes.top;
     while tools.len() + 1 < MAX_TOOLS {
-        let fits = |c: &&Candidate| {
-            let ball = radius(c);
-            ball > 0.0 && ball <= most && FALL * ball > radius(last) && c.flute() >= part.sizes.height
-        };
-        // Of equal balls the straight one with the shortest reach: a taper takes away more of the channel than is wanted.
-        let best = all.iter().filter(fits).max_by(|a, b| {
-            let straight = a.is_straight().cmp(&b.is_straight()).then(b.reach().total_cmp(&a.reach()));
-            radius(a).total_cmp(&radius(b)).then(straight)
-        });
-        let Some(best) = best else { break };
-        most = FALL * radius(best);
+        let fits = |c: &&Candidate| c.ball <= most && FALL * c.ball > last.ball && c.flute() >= part.sizes.height;
+        let Some(best) = all.iter().find(fits) else { break };
+        most = FALL * best.ball;
         tools.push(best);
     }
     tools.push(last);

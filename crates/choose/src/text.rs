@@ -9,8 +9,8 @@ use std::fmt::Write;
 pub(crate) struct ChosenOperation {
     /// Its kind.
     pub(crate) keyword: &'static str,
-    /// Names of its tools in the library.
-    pub(crate) tools: Vec<String>,
+    /// Name of its tool in the library.
+    pub(crate) tool: String,
     /// Its other properties, one after the other.
     pub(crate) properties: String,
     /// Why, in a line.
@@ -29,7 +29,7 @@ pub(crate) fn all_tools(names: &[String]) -> String {
 /// The tools of operations, each once, in the order in which they are needed.
 fn tools(operations: &[ChosenOperation]) -> Vec<&str> {
     let mut names: Vec<&str> = Vec::new();
-    for name in operations.iter().flat_map(|operation| &operation.tools) {
+    for name in operations.iter().map(|operation| &operation.tool) {
         if !names.contains(&name.as_str()) {
             names.push(name);
         }
@@ -47,14 +47,13 @@ pub(crate) fn items(operations: &[ChosenOperation], all: &[Candidate]) -> String
         let _ = writeln!(text, "tool t{} = \"{name}\"  // sticks out by {} mm", k + 1, trim(reach, 1));
     }
     for operation in operations {
-        let names: Vec<String> = operation.tools.iter().map(|name| format!("t{}", number(name))).collect();
         let word = if operation.keyword == "rough" { "tools" } else { "tool" };
         let _ = writeln!(
             text,
-            "\n// {}\noperation {} {{\n  {word} {}  {}\n}}",
+            "\n// {}\noperation {} {{\n  {word} t{}  {}\n}}",
             operation.why,
             operation.keyword,
-            names.join(", "),
+            number(&operation.tool),
             operation.properties
         );
     }
