@@ -106,6 +106,36 @@ fn the_lofted_face_goes_through_its_sections() {
     assert!((0.1..0.2).contains(&bulge), "{bulge}");
 }
 
+/// A fillet has a sample within 0.71 spacings of each of its places, up to the rim that it leaves at an oblique angle. A row of
+/// points that ended before the rim left up to a spacing without one.
+#[test]
+fn samples_reach_all_places_of_a_fillet() {
+    const SPACING: f64 = 0.4;
+    const PLACES: [usize; 2] = [400, 24];
+    for job in ["pump", "splitter"] {
+        let program = crate::support::jobs::program(job, None);
+        let part = &program.part;
+        for chart in chart::charts(part).into_iter().filter(|c| matches!(c.kind, SurfaceKind::Fillet(_))) {
+            let samples = sample::sample(part, SPACING);
+            let own: Vec<Point3<f64>> = samples
+                .iter()
+                .filter(|s| s.surface.sector == 0 && s.surface.kind == chart.kind)
+                .map(|s| s.position)
+                .collect();
+            let mut farthest = 0.0_f64;
+            for (i, j) in (0..=PLACES[0]).flat_map(|i| (0..=PLACES[1]).map(move |j| (i, j))) {
+                let xy = [i as f64 / PLACES[0] as f64, j as f64 / PLACES[1] as f64];
+                let place = chart.place(xy[0], xy[1]).position;
+                if chart.is_milled(xy, &place) {
+                    farthest = farthest.max(own.iter().map(|s| (s - place).norm()).fold(f64::INFINITY, f64::min));
+                }
+            }
+            println!("{job} {:?}: {farthest:.4} mm", chart.kind);
+            assert!(farthest < 0.71 * SPACING, "{job} {:?}: {farthest} mm", chart.kind);
+        }
+    }
+}
+
 /// Every sample lies on its surface and outside of all blades, by distances to the surfaces themselves.
 #[test]
 fn samples_lie_on_the_part() {
@@ -179,8 +209,9 @@ fn flux(shape: &dyn Shape, times: f64) -> [f64; 2] {
         for j in 0..N {
             let corner = |a: usize, b: usize| shape.place(at(a), at(b)).position;
             let (p, q) = (corner(i + 1, j + 1) - corner(i, j), corner(i, j + 1) - corner(i + 1, j));
-            let middle = shape.place((i as f64 + 0.5) / N as f64, (j as f64 + 0.5) / N as f64);
-            if !shape.is_milled(&middle.position) {
+            let xy = [(i as f64 + 0.5) / N as f64, (j as f64 + 0.5) / N as f64];
+            let middle = shape.place(xy[0], xy[1]);
+            if !shape.is_milled(xy, &middle.position) {
                 continue;
             }
             let area = 0.5 * p.cross(&q);

@@ -111,6 +111,26 @@ fn moved_surfaces_are_as_thick_as_proved() {
     }
 }
 
+/// An allowance belongs to the part where the surface below it does. At the rim of this pump the normal of the fillet leans out of
+/// the part or into it, so that the outside of the allowance ends elsewhere.
+#[test]
+fn an_allowance_ends_where_its_surface_ends() {
+    let program = jobs::program("pump", None);
+    let part = &program.part;
+    let mut others = 0;
+    for chart in chart::charts(part) {
+        let SurfaceKind::Fillet(side) = chart.kind else { continue };
+        let extent = part.extent(side.blade);
+        let shape = Moved { chart, part, vane: VaneAllowance::growing(Mm(0.3), Mm(0.3)).unwrap() };
+        for (i, j) in (0..=200).flat_map(|i| (0..=12).map(move |j| (f64::from(i) / 200.0, f64::from(j) / 12.0))) {
+            let [below, above] = [shape.chart.place(i, j).position, shape.place(i, j).position];
+            assert_eq!(shape.is_milled([i, j], &above), extent.holds(&below), "{:?} {i} {j}", shape.chart.kind);
+            others += usize::from(extent.holds(&below) != extent.holds(&above));
+        }
+    }
+    assert!(others > 20, "{others}");
+}
+
 /// The constants of the bound are the largest deviations of functions whose derivative jumps anywhere.
 #[test]
 fn constants_of_the_bound_are_sharp() {

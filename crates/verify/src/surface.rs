@@ -396,7 +396,7 @@ pub(super) fn extreme(surface: &PlacedSurface<'_>, found: Extreme, sign: f64, sw
     let mut known = Known { sweeps, last: None };
     let measure = |xy: [f64; 2]| {
         let Place { position: p, normal, .. } = place(surface, xy);
-        if !surface.holds(&p) {
+        if !surface.holds(xy, &p) {
             f64::NEG_INFINITY
         } else if deep {
             depth(&p, &normal, sweeps)

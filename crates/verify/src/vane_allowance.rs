@@ -73,8 +73,11 @@ impl Shape for Moved<'_> {
         if self.vane.growth() == 0.0 { even } else { even.plus(self.growth_thickness(rectangle, &middle)) }
     }
 
-    fn is_milled(&self, position: &Point3<f64>) -> bool {
-        self.chart.is_milled(position)
+    /// What counts is the surface of the part: where its normal leans over an end of the part, the moved surface reaches
+    /// over the end, or ends before it.
+    fn is_milled(&self, xy: [f64; 2], _: &Point3<f64>) -> bool {
+        let on_surface = || self.chart.place(xy[0], xy[1]).position;
+        matches!(self.chart.kind, SurfaceKind::Face(_)) || self.chart.is_milled(xy, &on_surface())
     }
 }
 

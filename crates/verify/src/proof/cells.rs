@@ -208,14 +208,13 @@ impl PatchTask<'_> {
         Hull::new(&std::array::from_fn(at), cell.thickness.most)
     }
 
-    fn lies(&self, hull: &Hull) -> Lies {
-        Lies::by(hull.corners.iter().chain([&hull.centre]).filter(|p| self.surface.holds(p)).count())
-    }
-
     /// True for a cell that may be divided when its bounds are not sufficient.
     fn divides(&self, cell: &Cell, hull: &Hull, lies: Lies) -> bool {
-        let deepest =
-            if lies == Lies::Inside || self.surface.holds(&hull.centre) { MAX_HALVINGS } else { MAX_BORDER_HALVINGS };
+        let deepest = if lies == Lies::Inside || self.surface.holds(cell.middle, &hull.centre) {
+            MAX_HALVINGS
+        } else {
+            MAX_BORDER_HALVINGS
+        };
         cell.depth < deepest
     }
 
@@ -229,7 +228,7 @@ impl PatchTask<'_> {
             let hull = self.hull(cell);
             let keeps =
                 |c: PieceCandidate| self.sweeps[c.sweep as usize].below(c.piece, &hull, distance).bound >= distance;
-            near.iter().all(|near| keeps(near.candidate)) || self.lies(&hull) == Lies::Outside
+            near.iter().all(|near| keeps(near.candidate)) || self.surface.lies(&self.cell(cell), &hull) == Lies::Outside
         };
         far.is_empty()
             || blocks.all(|block| {
@@ -267,7 +266,7 @@ impl PatchTask<'_> {
             sampled.inside.fill(false);
             return sampled;
         }
-        let milled = |i: usize, j: usize| self.surface.shape.is_milled(&self.grid.point(i, j));
+        let milled = |i: usize, j: usize| self.surface.shape.is_milled(self.grid.xy(i, j), &self.grid.point(i, j));
         for i in 0..=patch.columns {
             for j in 0..=patch.rows {
                 sampled.inside[i * (patch.rows + 1) + j] = milled(2 * i, 2 * j);
@@ -516,12 +515,12 @@ impl PatchTask<'_> {
             }
         }
         let goal = lower_goal(goal, proved.least);
-        if low >= goal || (cell.depth >= MAX_HALVINGS && self.surface.holds(&hull.centre)) {
+        if low >= goal || (cell.depth >= MAX_HALVINGS && self.surface.holds(cell.middle, &hull.centre)) {
             proved.low = proved.low.min(low);
         } else if self.divides(cell, hull, lies) {
             for quarter in cell.quarters(self.surface.shape) {
                 let hull = self.hull_of(&quarter);
-                self.below_cell(&quarter, &hull, self.lies(&hull), &left, goal, proved);
+                self.below_cell(&quarter, &hull, self.surface.lies(&quarter, &hull), &left, goal, proved);
             }
         }
     }
@@ -540,7 +539,7 @@ impl PatchTask<'_> {
     ) {
         let goal = higher_goal(goal, proved.most);
         let high = self.over(hull, &corners, goal);
-        if high <= goal || (cell.depth >= MAX_HALVINGS && self.surface.holds(&hull.centre)) {
+        if high <= goal || (cell.depth >= MAX_HALVINGS && self.surface.holds(cell.middle, &hull.centre)) {
             proved.high = proved.high.max(high);
             return;
         }
@@ -550,7 +549,7 @@ impl PatchTask<'_> {
         let at = |i: f64, j: f64| {
             let place = cell.at(i, j);
             let p = self.surface.point(place);
-            (self.corner(&p, near), place, self.surface.holds(&p))
+            (self.corner(&p, near), place, self.surface.holds(place, &p))
         };
         let between = [at(-1.0, 0.0), at(0.0, -1.0), at(0.0, 0.0), at(0.0, 1.0), at(1.0, 0.0)];
         for (corner, place, inside) in &between {
@@ -569,7 +568,7 @@ impl PatchTask<'_> {
         ];
         for (quarter, corners) in cell.quarters(self.surface.shape).iter().zip(parts) {
             let hull = self.hull_of(quarter);
-            let lies = if lies == Lies::Inside { lies } else { self.lies(&hull) };
+            let lies = if lies == Lies::Inside { lies } else { self.surface.lies(quarter, &hull) };
             if lies != Lies::Outside {
                 self.above(quarter, &hull, lies, corners, near, goal, proved);
             }

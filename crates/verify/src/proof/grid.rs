@@ -29,8 +29,16 @@ impl PlacedSurface<'_> {
         self.turn * self.shape.place(x, y).position
     }
 
-    pub(crate) fn holds(&self, p: &Point3<f64>) -> bool {
-        self.shape.is_milled(&(self.turn.inverse() * p))
+    /// True when the place `xy` of the chart, which lies at `p`, belongs to the part.
+    pub(crate) fn holds(&self, xy: [f64; 2], p: &Point3<f64>) -> bool {
+        self.shape.is_milled(xy, &(self.turn.inverse() * p))
+    }
+
+    /// How a cell with this hull lies to the part, by its corners and its middle.
+    pub(crate) fn lies(&self, cell: &Cell, hull: &Hull) -> Lies {
+        let places = Cell::CORNERS.iter().chain([&[0.0; 2]]).map(|[i, j]| cell.at(*i, *j));
+        let points = hull.corners.iter().chain([&hull.centre]);
+        Lies::by(places.zip(points).filter(|(xy, p)| self.holds(*xy, p)).count())
     }
 }
 
@@ -88,6 +96,12 @@ impl Grid {
             .collect();
         let whole = over(shape, &patch, &CellBlock { x: [0, patch.columns], y: [0, patch.rows] });
         Self { patch, points, whole, parts: OnceLock::new() }
+    }
+
+    /// Place in the chart of point i along x and j along y.
+    pub(crate) fn xy(&self, i: usize, j: usize) -> [f64; 2] {
+        let Patch { x, y, columns, rows } = self.patch;
+        [mix(x, i, 2 * columns), mix(y, j, 2 * rows)]
     }
 
     /// Point i along x and j along y; neighbouring corners are two points apart.
@@ -175,10 +189,13 @@ pub(crate) struct Cell {
 }
 
 impl Cell {
+    /// Its corners in half sides from the middle, in the order of the corners of a hull.
+    const CORNERS: [[f64; 2]; 4] = [[-1.0, -1.0], [-1.0, 1.0], [1.0, -1.0], [1.0, 1.0]];
+
     /// Its quarters, on a surface.
     pub(crate) fn quarters(self, shape: &dyn Shape) -> [Self; 4] {
         let half = self.half.map(|h| 0.5 * h);
-        [(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)].map(|(i, j)| {
+        Self::CORNERS.map(|[i, j]| {
             let middle = [self.middle[0] + i * half[0], self.middle[1] + j * half[1]];
             let range = |k: usize| [middle[k] - half[k], middle[k] + half[k]];
             let thickness = self.thickness.halved().unwrap_or_else(|| shape.thickness([range(0), range(1)]));

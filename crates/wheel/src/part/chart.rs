@@ -85,8 +85,8 @@ pub trait Shape: Sync {
     /// The place of (x, y), both in [0, 1].
     fn place(&self, x: f64, y: f64) -> Place;
 
-    /// True when a place belongs to the part.
-    fn is_milled(&self, _position: &Point3<f64>) -> bool {
+    /// True when the place of (x, y), which lies at `position`, belongs to the part.
+    fn is_milled(&self, _xy: [f64; 2], _position: &Point3<f64>) -> bool {
         true
     }
 
@@ -289,7 +289,7 @@ impl Shape for Chart<'_> {
     }
 
     /// Fillets end at the inlet cone and the outlet cylinder.
-    fn is_milled(&self, position: &Point3<f64>) -> bool {
+    fn is_milled(&self, _: [f64; 2], position: &Point3<f64>) -> bool {
         !matches!(self.form, ChartForm::Fillet { .. } | ChartForm::VariedFillet { .. }) || self.extent.holds(position)
     }
 }

@@ -201,7 +201,7 @@ impl Shape for Kept<'_> {
         chart::thickness(rectangle, |along| self.jets(along, rectangle))
     }
 
-    fn is_milled(&self, position: &Point3<f64>) -> bool {
-        if let KeptForm::Chart(chart) = &self.form { chart.is_milled(position) } else { true }
+    fn is_milled(&self, xy: [f64; 2], position: &Point3<f64>) -> bool {
+        if let KeptForm::Chart(chart) = &self.form { chart.is_milled(xy, position) } else { true }
     }
 }

@@ -34,6 +34,17 @@ impl FilletArc {
         let [from, to] = &self.ends;
         self.tilt + great_arc(from, to, share) * self.level
     }
+
+    /// Place of the fillet at a share of the arc.
+    pub(super) fn point(&self, share: f64) -> Point3<f64> {
+        self.centre + self.direction(share) * self.radius
+    }
+
+    /// Angle of the arc, rad.
+    pub(super) fn angle(&self) -> f64 {
+        let [from, to] = &self.ends;
+        libm::acos(from.dot(to).clamp(-1.0, 1.0))
+    }
 }
 
 impl Part {

@@ -8,8 +8,10 @@
 //! | tip, edge | turned surfaces of the vanes: obstacles, not milled |
 
 use super::borders::{Opening, arc_between};
+use super::rolling_ball::FilletArc;
 use super::{BladeId, FaceId, Part, Passage, Surface, SurfaceId, SurfaceKind};
 use nalgebra::{Point3, Vector3};
+use nurbs::bracket::Bracket;
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::TAU;
 use tool_stock::collide::CloudPoint;
@@ -25,7 +27,7 @@ pub struct Sample {
     pub normal: Vector3<f64>,
     /// Parameters: (u, v) of a face, (u, share of the arc) of a fillet, (u, share across) of the hub.
     pub parameters: [f64; 2],
-    /// Area that the sample represents, mm2.
+    /// Area that the sample represents, mm2; none for points on the border of a fillet.
     pub area: f64,
 }
 
@@ -142,34 +144,68 @@ fn end_weight(i: usize, n: usize) -> f64 {
     if i == 0 || i == n { 0.5 } else { 1.0 }
 }
 
+/// Samples of the fillet of a face: rows of points on the arcs of the rolling ball. A row at an oblique end of the blade is
+/// in the part with some of its points alone; where the fillet leaves the part between two rows it has a point on the
+/// border, as every other surface has. Beside a border without points the distance to the surface would be wrong to the
+/// first order in the spacing.
 fn sample_fillet(part: &Part, id: FaceId, spacing: f64, out: &mut Vec<Sample>) {
-    let nu = steps(guide_length(part, id) * UNEVEN, spacing);
+    /// Distance of a point on the border to the border, in rows.
+    const BORDER_ROWS: f64 = 1e-4;
+    let ends = part.fillet_ends(id, |u| part.fillet_radius(id, u).unwrap_or(0.0));
+    let rows = |nu: usize| -> Vec<(f64, Option<FilletArc>)> {
+        let [first, last] = ends.map(|u| u * nu as f64);
+        let row = |row: i64| (row as f64, part.fillet_arc(id, row as f64 / nu as f64));
+        (first.floor() as i64..=last.ceil() as i64).map(row).collect()
+    };
+    let mut nu = steps(guide_length(part, id) * UNEVEN, spacing);
+    let mut arcs = rows(nu);
+    let widest = widest_step(&arcs);
+    if widest > spacing {
+        // Round an edge the contacts with the hub lie on a wider arc than those with the edge.
+        nu = (nu as f64 * widest / spacing).ceil() as usize;
+        arcs = rows(nu);
+    }
     let extent = part.extent(id.blade);
-    let [first, last] = part.fillet_ends(id, |u| part.fillet_radius(id, u).unwrap_or(0.0)).map(|u| u * nu as f64);
-    for i in first.floor() as i64..=last.ceil() as i64 {
-        let u = i as f64 / nu as f64;
-        let Some(arc) = part.fillet_arc(id, u) else { continue };
-        let [to_face, to_hub] = &arc.ends;
-        let angle = libm::acos(to_face.dot(to_hub).clamp(-1.0, 1.0));
-        let radius = arc.radius;
-        let n = steps(angle * radius, spacing);
-        let width = guide_length_at(part, id, nu);
+    let width = guide_length_at(part, id, nu);
+    let at = |row: f64| part.fillet_arc(id, row / nu as f64);
+    let within = |arc: &FilletArc, share: f64| extent.holds(&arc.point(share));
+    let sample = |row: f64, arc: &FilletArc, share: f64, area: f64| Sample {
+        surface: SurfaceId { kind: SurfaceKind::Fillet(id), sector: 0 },
+        position: arc.point(share),
+        normal: -arc.direction(share),
+        parameters: [row / nu as f64, share],
+        area,
+    };
+    for (i, (row, arc)) in arcs.iter().enumerate() {
+        let Some(arc) = arc else { continue };
+        // From the face contact to the hub contact.
+        let length = arc.angle() * arc.radius;
+        let n = steps(length, spacing);
         for j in 0..=n {
             let share = j as f64 / n as f64;
-            // From the face contact to the hub contact.
-            let direction = arc.direction(share);
-            let position = arc.centre + direction * radius;
-            if extent.holds(&position) {
-                out.push(Sample {
-                    surface: SurfaceId { kind: SurfaceKind::Fillet(id), sector: 0 },
-                    position,
-                    normal: -direction,
-                    parameters: [u, share],
-                    area: width * angle * radius / n as f64 * end_weight(j, n),
-                });
+            if !within(arc, share) {
+                continue;
+            }
+            out.push(sample(*row, arc, share, width * length / n as f64 * end_weight(j, n)));
+            for (beyond, next) in [i.checked_sub(1), Some(i + 1)].into_iter().flatten().filter_map(|k| arcs.get(k)) {
+                if next.as_ref().is_none_or(|next| within(next, share)) {
+                    continue;
+                }
+                let border = Bracket { holds: *row, fails: *beyond }
+                    .narrowed(BORDER_ROWS, |row| at(row).is_some_and(|arc| within(&arc, share)));
+                out.extend(at(border.holds).map(|arc| sample(border.holds, &arc, share, 0.0)));
             }
         }
     }
+}
+
+/// Largest distance between places of neighbouring rows of a fillet at the same share of their arcs, mm.
+fn widest_step(rows: &[(f64, Option<FilletArc>)]) -> f64 {
+    let step = |pair: &[(f64, Option<FilletArc>)]| {
+        let (Some(a), Some(b)) = (&pair[0].1, &pair[1].1) else { return 0.0 };
+        [0.0, 0.5, 1.0].map(|share| (a.point(share) - b.point(share)).norm()).into_iter().fold(0.0, f64::max)
+    };
+    rows.windows(2).map(step).fold(0.0, f64::max)
 }
 
 /// Mean distance of the rows of a fillet.

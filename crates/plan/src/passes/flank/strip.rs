@@ -129,7 +129,7 @@ impl<'a> Strip<'a> {
             let [columns, rows] = self.counts(chart.kind).map(|n| (n as f64 * fineness).round().max(2.0) as usize);
             let mut add = |x: f64, y: f64| out.push(self.placed(chart, x, y));
             let goes_on = chart.kind == SurfaceKind::Fillet(self.side);
-            let milled = |x: f64, y: f64| chart.is_milled(&chart.place(x, y).position);
+            let milled = |x: f64, y: f64| chart.is_milled([x, y], &chart.place(x, y).position);
             let mut heights: Vec<f64> = (0..=rows).map(|j| j as f64 / rows as f64).collect();
             if matches!(chart.kind, SurfaceKind::Hub(_)) {
                 // The points are densest where the ball leaves the hub: the ball has a curvature of its own there.
@@ -214,7 +214,7 @@ impl<'a> Strip<'a> {
             }
             // The targets continue beyond the part, so that the pass is as smooth at its ends as in the middle.
             SurfaceKind::Fillet(side) if side == self.side => {
-                touched(self.makes_fillet() && chart.is_milled(&place.position))
+                touched(self.makes_fillet() && chart.is_milled([x, y], &place.position))
             }
             SurfaceKind::Hub(_) => Target::clear(part.sector_rotation(to_channel) * place.position, 0.0),
             _ => Target::clear(part.sector_rotation(to_vane) * place.position, SIDE_CLEARANCE),
@@ -234,7 +234,7 @@ impl<'a> Strip<'a> {
             for p in placed.iter().filter(|p| p.kind == chart.kind) {
                 let about = offsets().map(|[i, j]| [moved(p.at[0], i, step[0]), moved(p.at[1], j, step[1])]);
                 let points = about.map(|[x, y]| self.placed(chart, x, y));
-                out.extend(points.filter(|p| chart.kind == fillet || chart.is_milled(&p.target.point)));
+                out.extend(points.filter(|p| chart.kind == fillet || chart.is_milled(p.at, &p.target.point)));
             }
         }
         out
