@@ -309,6 +309,36 @@ fn each_form_of_levels_reaches_the_floor() {
     }
 }
 
+/// The blades of this wheel lean by up to 65 deg against its levels: a step down is more than twice as long along the tool, and levels
+/// leave strips beside the flutes. Parts over the lines keep the load within the limit, a slot of half of the diameter.
+#[test]
+fn cuts_keep_within_the_limit_of_the_tool_where_blades_lean() {
+    let changes = [
+        ("max-depth 4 mm", "max-depth 2 mm"),
+        ("tools t1, t2, t3  speed", "tools t1  speed"),
+        ("depth 1.5 mm  stepover 1 mm", "depth 1.3 mm  stepover 1.6 mm"),
+        ("lead-out 4 mm  sectors 1, 5\n", "lead-out 4 mm  sectors 1\n"),
+    ];
+    let mut program = jobs::program_with("jobs/splitter/splitter.imp", &changes);
+    let mut operations = PrimaryMap::new();
+    for (_, operation) in program.operations.iter().filter(|(_, o)| o.kind.roughing().is_some()) {
+        operations.push(operation.clone());
+    }
+    program.operations = operations;
+    let compiled = Compiled::new(program);
+    let lifted: Vec<&str> = compiled.plan.cl.operations[0]
+        .passes
+        .iter()
+        .map(|pass| pass.label.as_str())
+        .filter(|label| label.contains(" lifted "))
+        .collect();
+    println!("{lifted:#?}");
+    assert!(lifted.len() > 5, "{lifted:?}");
+    let load = compiled.certificate.stock.as_ref().expect("a stock").operations[0].slot_depth.expect("a cut");
+    println!("load of a slot {:.3} mm deep of 2 mm", load.value.get());
+    assert!(load.value.get() <= 2.0, "{load:?}");
+}
+
 /// Every contract of a wheel that is roughed from one item holds, no island stands, and no link removes more than a cut.
 fn is_roughed_from_one_item(program: Program) {
     let compiled = Compiled::new(program);

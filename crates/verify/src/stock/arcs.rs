@@ -91,6 +91,13 @@ impl Circle {
         std::f64::consts::SQRT_2 * self.cell + END_ERROR
     }
 
+    /// The arc that loads the cutter in a slice, degrees: that between the outermost chips on the rays, of an arc `found`,
+    /// without what is free about the axis wherever material may lie that meets no ray.
+    fn loaded(&self, found: f64, free: Option<[f64; 2]>) -> f64 {
+        let Some([from, to]) = free.map(|[from, to]| [from + self.unseen(), to - self.unseen()]) else { return found };
+        if from < to { found - self.arc([from, to]) } else { found }
+    }
+
     /// Arc between two distances from the tool axis, across the direction of feed, degrees.
     fn arc(&self, side: [f64; 2]) -> f64 {
         let angle = |side: f64| libm::asin((side / self.radius).clamp(-1.0, 1.0));
@@ -198,8 +205,9 @@ impl StepArc {
                 let found = circle.arc([from, to]);
                 let [low, high] = [circle.slices.edge(k).max(heights[0]), circle.slices.edge(k + 1).min(heights[1])];
                 let thickness = (high - low).max(0.0);
-                arc.load += found / SLOT_ARC * thickness;
-                arc.full_depth += if found >= MIN_FULL_ARC { thickness } else { 0.0 };
+                let loaded = circle.loaded(found, sides.free_between(k));
+                arc.load += loaded / SLOT_ARC * thickness;
+                arc.full_depth += if loaded >= MIN_FULL_ARC { thickness } else { 0.0 };
                 arc.found = arc.found.max(found);
                 arc.full |= rim > 0.0 && from <= -rim && to >= rim;
             }

@@ -8,6 +8,7 @@ mod cleared;
 mod direct_link;
 pub(crate) mod fast_leads;
 pub(crate) mod first_travel;
+mod lifted_lines;
 mod like_sectors;
 pub(crate) mod link_moves;
 mod pieces;

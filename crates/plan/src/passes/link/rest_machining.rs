@@ -16,7 +16,7 @@ use super::clearance_surface::ClearanceSurface;
 use super::cleared::Cleared;
 use super::direct_link::DirectLinks;
 use super::like_sectors::LikeSectors;
-use super::stock_steps::{PathPoint, error_between_rays, path_length, rounding, stations, steps};
+use super::stock_steps::{PathPoint, error_between_rays, leaves_along_axis, path_length, rounding, stations, steps};
 use super::{stock_links, stock_order, strokes};
 use crate::passes::context::Obstacles;
 use crate::spacing;
@@ -240,13 +240,6 @@ fn reduce(
     ));
     planned.passes = kept;
     Ok(())
-}
-
-/// True when nothing above the cutter is thinner: a tool that leaves along its axis then sweeps only the space it
-/// occupies.
-fn leaves_along_axis(solid: &ToolSolid) -> bool {
-    let widest = solid.cutter.widest_below(solid.flute_length);
-    solid.shank.iter().chain(&solid.holder).all(|s| s.radius_from.min(s.radius_to) >= widest)
 }
 
 /// Where the tool may leave and enter a pass.

@@ -19,6 +19,7 @@
 use super::clearance_sphere::ClearanceSphere;
 use super::cleared::Cleared;
 use super::direct_link::DirectLinks;
+use super::lifted_lines::{LiftedLines, Line, MAX_LIFTS, is_lifted};
 use super::like_sectors::{LikeSectors, turned};
 use super::stock_steps::{self, PathPoint, path_length, stations};
 use super::through_air::ThroughAir;
@@ -61,6 +62,7 @@ struct Reduction<'a> {
     /// Stock that is no deeper in the tool is left to the next operation, mm.
     thickness: f64,
     cutter: ToolSolid,
+    lifted: LiftedLines<'a>,
     cleared: &'a mut Cleared,
     /// Radius of the middle of the end without teeth, mm.
     middle: f64,
@@ -94,6 +96,7 @@ pub(super) fn reduce(
         sphere: ClearanceSphere::new(program, solid),
         thickness: operation.rest.map_or(0.0, |t| t.get()),
         cutter: solid.cutter_alone(0.0),
+        lifted: LiftedLines::new(&program.machine, tool),
         cleared,
         middle: tool.toothless_radius().unwrap_or(0.0),
     };
@@ -131,6 +134,13 @@ pub(super) fn reduce(
         kept.len(),
         field.cell()
     ));
+    let lifted = kept.iter().filter(|pass| is_lifted(pass)).count();
+    if lifted > 0 {
+        planned.notes.push(format!(
+            "{lifted} of these passes lie over others along the tool axis: those would load the tool as a slot deeper than its {}",
+            tool.max_depth
+        ));
+    }
     planned.passes = kept;
 }
 
@@ -150,7 +160,7 @@ impl Reduction<'_> {
                 break;
             }
             let reduced = match group {
-                [pass] => work.step(self.reduced(pass, before, field)),
+                [pass] => work.step(self.within_load(&Line::whole(pass), before, field)),
                 loops => self.slots(loops, before, field, work),
             };
             before = reduced.last().and_then(|r| r.pass.points.last()).copied().or(before);
@@ -233,15 +243,37 @@ impl Reduction<'_> {
         reduced
     }
 
-    /// The parts of a pass that cut, with their leads, and with their links from the end of the pass before. Removes
+    /// The parts of a line that cut, after those over it that the load on the tool needs.
+    fn within_load(&mut self, line: &Line, mut before: Option<ClPoint>, field: &mut Field) -> Vec<Reduced> {
+        let mut parts: Vec<Reduced> = Vec::new();
+        for round in 0..MAX_LIFTS {
+            let over = self.lifted.over(line, round, self.air.slivers, field);
+            if over.is_empty() {
+                break;
+            }
+            for over in over {
+                parts.extend(self.within_load(&over, before, field));
+                before = parts.last().and_then(|r| r.pass.points.last()).copied().or(before);
+            }
+        }
+        parts.extend(self.reduced(line, before, field));
+        parts
+    }
+
+    /// The parts of a line that cut, with their leads, and with their links from the end of the pass before. Removes
     /// their cuts from the stock.
-    fn reduced(&mut self, pass: &ClPass, mut before: Option<ClPoint>, field: &mut Field) -> Vec<Reduced> {
+    fn reduced(&mut self, whole: &Line, mut before: Option<ClPoint>, field: &mut Field) -> Vec<Reduced> {
+        let pass = &whole.pass;
         let line = stations(&self.program.machine, pass);
+        let cuts = whole.steps(&line);
         let mut depths = self.depths(&line, field);
         let sector = pass.sector;
         let mut parts: Vec<Reduced> = Vec::new();
         let mut done = 0;
-        while let Some(interval) = self.cut_intervals(&line[done..], &depths[done..]).first() {
+        let wanted = |depths: &[f64]| -> Vec<f64> {
+            depths.iter().enumerate().map(|(i, depth)| if cuts.contains(&i) { *depth } else { 0.0 }).collect()
+        };
+        while let Some(interval) = self.cut_intervals(&line[done..], &wanted(&depths)[done..]).first() {
             let interval = interval.start + done..interval.end + done;
             let start = self.end_of(sector, &line, &depths, interval.start, false, field);
             let first = start.ramp.first().unwrap_or(&line[start.station]).point;

@@ -20,6 +20,13 @@ pub(super) fn rounding(solid: &ToolSolid) -> f64 {
     if tip > 0.0 { tip } else { solid.radius() }
 }
 
+/// True when nothing above the cutter is thinner: a tool that leaves along its axis then sweeps only the space it
+/// occupies.
+pub(super) fn leaves_along_axis(solid: &ToolSolid) -> bool {
+    let widest = solid.cutter.widest_below(solid.flute_length);
+    solid.shank.iter().chain(&solid.holder).all(|s| s.radius_from.min(s.radius_to) >= widest)
+}
+
 /// A place on a pass, with rotary angles that do not jump.
 #[derive(Clone, Copy)]
 pub(super) struct PathPoint {
