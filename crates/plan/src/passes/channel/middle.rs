@@ -261,7 +261,7 @@ impl DriveSurface for IntervalFloor<'_> {
     }
 
     /// Along the rulings of both walls, blended: so the ball stays as far from them as it is.
-    fn rise(&self, at: &CcPoint) -> Vector3<f64> {
+    fn rise(&self, _x: f64, at: &CcPoint) -> Vector3<f64> {
         self.middle.chart.ruling(at.u.clamp(0.0, 1.0), at.w)
     }
 

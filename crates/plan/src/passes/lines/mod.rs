@@ -61,8 +61,8 @@ pub(crate) trait DriveSurface: Sync {
         [true; 2]
     }
 
-    /// Direction in which a line that begins or ends inside of the surface comes down and rises.
-    fn rise(&self, at: &CcPoint) -> Vector3<f64> {
+    /// Direction in which a line that begins or ends inside of the surface, at x, comes down and rises.
+    fn rise(&self, _x: f64, at: &CcPoint) -> Vector3<f64> {
         at.normal
     }
 
@@ -384,9 +384,9 @@ fn line(
             (end + direction * radius * sin / speed, radius * (1.0 - cos))
         })
     };
-    let lifted = |(u, lift): (f64, f64)| {
-        let p = point(u);
-        surface.off_hub(CcPoint { position: p.position + surface.rise(&p) * lift, ..p })
+    let lifted = |(x, lift): (f64, f64)| {
+        let p = point(x);
+        surface.off_hub(CcPoint { position: p.position + surface.rise(x, &p) * lift, ..p })
     };
     let mut points: Vec<CcPoint> = Vec::new();
     if from.is_finite() && arcs[0] > 0.0 {

@@ -246,6 +246,13 @@ impl DriveSurface for VaneSurface<'_> {
         self.off_hub(CcPoint { position: place.position + self.beyond(inside, y) * offset, ..on_surface })
     }
 
+    /// In a fillet away from face and hub alike: where these meet at an acute angle, the normal of the one leads into the
+    /// other.
+    fn rise(&self, x: f64, at: &CcPoint) -> Vector3<f64> {
+        let in_fillet = matches!(self.chart.kind, SurfaceKind::Fillet(_));
+        if in_fillet { self.chart.place(x.clamp(0.0, 1.0), 0.5).normal } else { at.normal }
+    }
+
     /// A ball with the radius of the fillet touches the hub at the ends of the lowest line. A lead straight on, or an arc
     /// along the normal of the face, may go into the hub: it is hollow along its meridian, and the face may hang over it.
     fn off_hub(&self, at: CcPoint) -> CcPoint {
@@ -253,14 +260,20 @@ impl DriveSurface for VaneSurface<'_> {
             return at;
         }
         let centre = at.position + at.normal * self.cutter.tip_radius();
+        let azimuth = libm::atan2(centre.y, centre.x);
         let hub = self.axes.hub();
-        let (u, distance) = hub.closest(Vector2::new(libm::hypot(centre.x, centre.y), centre.z));
-        // Ahead of the inlet and behind the outlet of the part is no hub.
-        if !(0.0..=1.0).contains(&u) {
-            return at;
-        }
+        let centre = Vector2::new(libm::hypot(centre.x, centre.y), centre.z);
+        let (u, distance) = hub.closest(centre);
+        let (away, distance) = if (0.0..=1.0).contains(&u) {
+            (hub.meridian_normal(u), distance)
+        } else {
+            // Ahead of the inlet and behind the outlet is no hub, but its end is still beside the ball.
+            let from_end = centre - hub.meridian(u.clamp(0.0, 1.0)).point;
+            (from_end.normalize(), from_end.norm())
+        };
         let missing = (self.cutter.tip_radius() - distance).max(0.0);
-        CcPoint { position: at.position + hub.normal(u, libm::atan2(centre.y, centre.x)) * missing, ..at }
+        let (sin, cos) = libm::sincos(azimuth);
+        CcPoint { position: at.position + Vector3::new(away.x * cos, away.x * sin, away.y) * missing, ..at }
     }
 
     /// Below an edge is the hub, beside an edge and over a tip free space. Where a blade ends inside of the part, the surface goes on round
