@@ -1,6 +1,6 @@
 //! Arguments of the command line: commands, options, their help.
 
-use super::import_arguments::ImportArguments;
+use super::import_arguments::{BladeFileArguments, ImportArguments};
 use super::quantities::{chord, with_unit};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
@@ -121,8 +121,16 @@ impl Arguments {
     pub(super) fn fault(&self) -> Option<clap::Error> {
         let written = matches!(self.emit, None | Some(Emit::Ir | Emit::Cc | Emit::Cl | Emit::Motion));
         let message = "`--format json` writes the stages `ir`, `cc`, `cl` and `motion`\n";
-        let fault = self.format == FormArgument::Json && !written;
-        fault.then(|| Self::command().error(ErrorKind::ArgumentConflict, message))
+        if self.format == FormArgument::Json && !written {
+            return Some(Self::command().error(ErrorKind::ArgumentConflict, message));
+        }
+        match &self.command {
+            Some(Command::New { from: None, of_files, .. }) if of_files.is_stated() => {
+                let message = "options of blade files go with `--from FILE`\n";
+                Some(Self::command().error(ErrorKind::MissingRequiredArgument, message))
+            }
+            _ => None,
+        }
     }
 
     /// The options of a compilation, in the form of the driver.
@@ -281,9 +289,9 @@ pub(super) enum Command {
         #[arg(long, value_name = "KIND", default_value = BEGINNINGS[0].name, value_parser = beginnings())]
         kind: String,
 
-        /// Choose tools, methods and operations for the part of this job, which has none; machine, tools, stock, contracts and post
-        /// that it does not state are added
-        #[arg(long, value_name = "JOB", conflicts_with = "kind")]
+        /// Choose tools, methods and operations for the part of this job, which has none, or for the part of blade files (a file, or
+        /// a folder with them); machine, tools, stock, contracts and post that it does not state are added
+        #[arg(long, value_name = "FILE", conflicts_with = "kind")]
         from: Option<PathBuf>,
 
         /// Machine of the library for a part that names none
@@ -301,6 +309,9 @@ pub(super) enum Command {
         /// Print all that was tried, with what was in the way
         #[arg(long, requires = "from")]
         explain_choices: bool,
+
+        #[command(flatten, next_help_heading = "Blade files of `--from`")]
+        of_files: Box<BladeFileArguments>,
     },
     /// Writes jobs in their usual form: indentation and blanks; words, numbers and comments stay as they are
     #[command(after_help = TEXT_CODES)]

@@ -1,4 +1,4 @@
-//! Options of `impellerc import`.
+//! Options of `impellerc import`, and of blade files wherever they are read.
 
 use super::ErrorFormat;
 use super::quantities::within;
@@ -24,6 +24,24 @@ pub(super) struct ImportArguments {
     #[arg(long)]
     force: bool,
 
+    #[command(flatten)]
+    of_files: BladeFileArguments,
+
+    /// Format of errors, warnings and remarks
+    #[arg(long, value_enum, default_value = "human", value_name = "FORMAT")]
+    pub(super) error_format: ErrorFormat,
+}
+
+impl ImportArguments {
+    /// The options in the form of the driver.
+    pub(super) fn options(self) -> Import {
+        Import { output: self.output, force: self.force, ..self.of_files.import(self.files) }
+    }
+}
+
+/// What is stated of blade files.
+#[derive(Args)]
+pub(super) struct BladeFileArguments {
     /// Format of the files, where their endings do not tell it: turbogrid, geomturbo, ibl, rtzt, bgi, step, table
     #[arg(long, value_name = "NAME")]
     format: Option<String>,
@@ -80,15 +98,36 @@ pub(super) struct ImportArguments {
     /// Row of blades, where the files have several
     #[arg(long, value_name = "NAME")]
     row: Option<String>,
-
-    /// Format of errors, warnings and remarks
-    #[arg(long, value_enum, default_value = "human", value_name = "FORMAT")]
-    pub(super) error_format: ErrorFormat,
 }
 
-impl ImportArguments {
-    /// The options in the form of the driver.
-    pub(super) fn options(self) -> Import {
+impl BladeFileArguments {
+    /// True where anything is stated.
+    pub(super) fn is_stated(&self) -> bool {
+        let Self {
+            format,
+            unit,
+            axis,
+            handedness,
+            blades,
+            columns,
+            thickness,
+            start,
+            side,
+            faces,
+            zero,
+            ruled,
+            within: _,
+            row,
+        } = self;
+        [format.is_some(), unit.is_some(), axis.is_some(), handedness.is_some(), blades.is_some(), columns.is_some()]
+            .into_iter()
+            .chain([thickness.is_some(), start.is_some(), side.is_some(), !faces.is_empty(), row.is_some(), *ruled])
+            .any(|stated| stated)
+            || matches!(zero, ZeroArgument::Top)
+    }
+
+    /// The import of some files, in the form of the driver.
+    pub(super) fn import(self, files: Vec<PathBuf>) -> Import {
         let options = blade_files::Options {
             format: self.format,
             unit: self.unit,
@@ -115,10 +154,10 @@ impl ImportArguments {
             ZeroArgument::Top => Zero::Top,
         };
         Import {
-            files: self.files,
-            output: self.output,
+            files,
+            output: None,
             row: self.row,
-            force: self.force,
+            force: false,
             ruled: self.ruled,
             within: Some(self.within),
             zero,

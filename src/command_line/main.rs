@@ -57,7 +57,10 @@ fn commanded(command: Command) -> ExitCode {
     match command {
         Command::Explain { reference: true, .. } => printed(vocabulary::reference().as_bytes()),
         Command::Explain { words, .. } => explain(&words.join(" ")),
-        Command::New { file, from: Some(part), machine, material, library, explain_choices: explain, .. } => {
+        Command::New {
+            file, from: Some(part), machine, material, library, explain_choices: explain, of_files, ..
+        } => {
+            let part = of_files.import(vec![part]);
             let options = FromPart { file, part, machine, material, library, explain };
             finish(Display::HUMAN, |stages| driver::new_from(&options, stages))
         }

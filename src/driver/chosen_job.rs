@@ -1,6 +1,8 @@
-//! `impellerc new FILE --from PART`: the tools and operations for a part that has none, as a job.
+//! `impellerc new FILE --from PART`: the tools and operations for a part that has none, as a job. The part is a job without
+//! them, or blade files.
 
 use super::front::read_job;
+use super::import::{self, Import};
 use super::new_job::{new_file, write_new};
 use super::{DiskFiles, Outcome, Stages, or_reported, shown_path};
 use ::syntax::ast::{File, Item, ItemKind};
@@ -10,7 +12,8 @@ use diagnostics::codes::job as codes;
 use diagnostics::{Aborted, Diag, Sink};
 use ir::Program;
 use ir::program::DEFAULT_MEMORY;
-use job::Files;
+use job::{Files, MissingFile};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Machine, tools and post of a part that states none.
@@ -23,8 +26,8 @@ const POST: &str = "siemens-840d";
 pub struct FromPart {
     /// File to write; it does not exist.
     pub file: PathBuf,
-    /// A job with a part, and without tools and operations.
-    pub part: PathBuf,
+    /// A job with a part, and without tools and operations; or blade files, as an import takes them.
+    pub part: Import,
     /// Machine of a part that names none.
     pub machine: Option<String>,
     /// Material of the stock, for a part without stock.
@@ -44,23 +47,25 @@ pub fn new_from(options: &FromPart, stages: &mut Stages) -> Outcome {
 }
 
 fn run(options: &FromPart, stages: &mut Stages, outcome: &mut Outcome) -> Result<(), Aborted> {
-    let Outcome { sources, sink, emitted, .. } = outcome;
+    let sink = &mut outcome.sink;
     let file = or_reported(new_file(&options.file), sink)?;
-    let text = read_job(&options.part, sink)?;
-    let source = sources.add_file(SourceFile::text(shown_path(&options.part), text.clone()));
-    let ast = ::syntax::parse(&text, source, sink);
+    let part = Part::read(options, &file, stages, outcome)?;
+    let Outcome { sources, sink, emitted, .. } = outcome;
+    let text = &part.text;
+    let source = sources.add_file(SourceFile::text(shown_path(&part.file), text.clone()));
+    let ast = ::syntax::parse(text, source, sink);
     if sink.has_errors() {
         return Err(Aborted);
     }
     or_reported(open(&ast), sink)?;
-    let head = head(&text, &ast, options);
-    let library = tool_names(&head, options, sink)?;
+    let head = head(text, &ast, options);
+    let library = tool_names(&head, &part, options, sink)?;
     // Places of faults are those in the text with what was added.
     *sources = SourceMap::default();
-    let source = sources.add_file(SourceFile::text(shown_path(&options.part), head.clone()));
+    let source = sources.add_file(SourceFile::text(shown_path(&part.file), head.clone()));
     let mut found = Sink::default();
     let chosen = stages.watched("choose", |progress| {
-        let mut front = |text: &str, sink: &mut Sink| program(text, options, sink);
+        let mut front = |text: &str, sink: &mut Sink| program(text, &part, options, sink);
         choose::choose(&head, &library, &mut front, progress, &mut found)
     });
     found.change_all(|diag| placed_in(source, head.len(), diag));
@@ -69,9 +74,82 @@ fn run(options: &FromPart, stages: &mut Stages, outcome: &mut Outcome) -> Result
     stages.go_on()?;
     // A text that was read without a fault has a usual form.
     let usual = ::syntax::format(&chosen.job, SourceId::default(), &mut Sink::default());
-    or_reported(write_new(&file, usual.as_deref().unwrap_or(&chosen.job)), sink)?;
-    *emitted = Some(said(&file, &chosen, options.explain));
+    or_reported(write_new(&file, usual.as_deref().unwrap_or(&chosen.job), &part.tables), sink)?;
+    *emitted = Some(part.said + &said(&file, &part.tables, &chosen, options.explain));
     Ok(())
+}
+
+/// The text of a part, with the tables that it names.
+struct Part {
+    /// File of the text; for blade files that of the job, beside which the tables will lie.
+    file: PathBuf,
+    text: String,
+    /// Tables that are made, by the file that each is written to.
+    tables: Vec<(PathBuf, String)>,
+    /// What an import says of it.
+    said: String,
+}
+
+impl Part {
+    /// A job as it stands, or what an import makes of blade files.
+    fn read(options: &FromPart, file: &Path, stages: &mut Stages, outcome: &mut Outcome) -> Result<Self, Aborted> {
+        if let [job] = &options.part.files[..]
+            && job.extension().is_none_or(|ending| ending == "imp")
+            && !job.is_dir()
+        {
+            let text = read_job(job, &mut outcome.sink)?;
+            return Ok(Self { file: job.clone(), text, tables: Vec::new(), said: String::new() });
+        }
+        let import = Import { output: Some(file.to_path_buf()), ..options.part.clone() };
+        let (made, said) = import::part(&import, stages, outcome)?;
+        let Some(made) = made else { return Err(Aborted) };
+        let tables: Vec<(PathBuf, String)> =
+            import::tables(file, &made).into_iter().map(|(path, text)| (path, text.to_owned())).collect();
+        // Before the choice takes its time.
+        for (path, _) in &tables {
+            or_reported(new_file(path), &mut outcome.sink)?;
+        }
+        Ok(Self { file: file.to_path_buf(), text: made.job, tables, said: said + "\n" })
+    }
+
+    /// Its tables, and the files beside it.
+    fn files(&self, options: &FromPart) -> Result<PartFiles, Diag> {
+        let disk = DiskFiles::new(&self.file, options.library.as_deref(), None)?;
+        let name = |path: &Path| path.file_name().map(|name| name.display().to_string()).unwrap_or_default();
+        let tables = self.tables.iter().map(|(path, text)| (name(path), text.clone())).collect();
+        Ok(PartFiles { disk, tables })
+    }
+}
+
+/// Files of a part: tables that are not written yet, and what lies beside it.
+struct PartFiles {
+    disk: DiskFiles,
+    tables: BTreeMap<String, String>,
+}
+
+impl Files for PartFiles {
+    fn machine(&mut self, name: &str) -> Result<SourceFile, MissingFile> {
+        self.disk.machine(name)
+    }
+
+    fn tools(&mut self, name: &str) -> Result<SourceFile, MissingFile> {
+        self.disk.tools(name)
+    }
+
+    fn post(&mut self, name: &str) -> Result<SourceFile, MissingFile> {
+        self.disk.post(name)
+    }
+
+    fn curves(&mut self, path: &str) -> Result<SourceFile, MissingFile> {
+        match self.tables.get(path) {
+            Some(text) => Ok(SourceFile::text(path, text.clone())),
+            None => self.disk.curves(path),
+        }
+    }
+
+    fn mesh(&mut self, path: &str) -> Result<SourceFile, MissingFile> {
+        self.disk.mesh(path)
+    }
 }
 
 /// A diagnostic with those of its places that lie in a text; others are in what is chosen, or in files that it names.
@@ -115,39 +193,35 @@ fn head(text: &str, ast: &File, options: &FromPart) -> String {
     head
 }
 
-/// Files of the job that is made: those beside the part.
-fn disk(options: &FromPart) -> Result<DiskFiles, Diag> {
-    DiskFiles::new(&options.part, options.library.as_deref(), None)
-}
-
 /// Names of the tools in the libraries of a job.
-fn tool_names(head: &str, options: &FromPart, sink: &mut Sink) -> Result<Vec<String>, Aborted> {
+fn tool_names(head: &str, part: &Part, options: &FromPart, sink: &mut Sink) -> Result<Vec<String>, Aborted> {
     let mut sources = SourceMap::default();
     let ast = ::syntax::parse(head, SourceId::default(), &mut Sink::default());
-    let mut disk = or_reported(disk(options), sink)?;
+    let mut files = or_reported(part.files(options), sink)?;
     let used = ast.items.iter().filter_map(|item| match &item.kind {
         ItemKind::Use { kind, what } if kind.text == "tools" => Some(what.text.as_str()),
         _ => None,
     });
     // One that is missing is reported with its place where the job is resolved.
     let found: Vec<SourceId> =
-        used.filter_map(|name| disk.tools(name).ok()).map(|file| sources.add_file(file)).collect();
+        used.filter_map(|name| files.tools(name).ok()).map(|file| sources.add_file(file)).collect();
     Ok(job::library_tools(&found, &sources))
 }
 
 /// The program of a text.
-fn program(text: &str, options: &FromPart, sink: &mut Sink) -> Result<Program, Aborted> {
+fn program(text: &str, part: &Part, options: &FromPart, sink: &mut Sink) -> Result<Program, Aborted> {
     let mut sources = SourceMap::default();
-    let source = sources.add_file(SourceFile::text(shown_path(&options.part), text.to_owned()));
+    let source = sources.add_file(SourceFile::text(shown_path(&part.file), text.to_owned()));
     let ast = ::syntax::parse(text, source, sink);
-    let mut files = or_reported(disk(options), sink)?;
+    let mut files = or_reported(part.files(options), sink)?;
     let job = job::resolve(&ast, &mut files, &mut sources, sink)?;
     lower::lower(&job, sink)
 }
 
 /// What was chosen, for people.
-fn said(file: &Path, chosen: &Chosen, explain: bool) -> String {
+fn said(file: &Path, tables: &[(PathBuf, String)], chosen: &Chosen, explain: bool) -> String {
     let job = shown_path(file);
+    let beside: String = tables.iter().map(|(path, _)| format!(", {}", shown_path(path))).collect();
     let mut text = String::new();
     if explain {
         for Tried { what, fault } in &chosen.tried {
@@ -161,7 +235,7 @@ fn said(file: &Path, chosen: &Chosen, explain: bool) -> String {
     let gigabytes = (chosen.memory / 1e9).ceil();
     let memory = if chosen.memory > DEFAULT_MEMORY { format!(" --memory {gigabytes}GB") } else { String::new() };
     text + &format!(
-        "\nwrote {job}; {} trials, which `--explain-choices` lists\n\
+        "\nwrote {job}{beside}; {} trials, which `--explain-choices` lists\n\
          impellerc {job}{memory} -o {}    plans all of it, verifies it and writes the NC program\n",
         chosen.tried.len(),
         shown_path(&file.with_extension("nc")),

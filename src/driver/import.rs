@@ -46,7 +46,27 @@ pub fn import(options: &Import, stages: &mut Stages) -> Outcome {
 }
 
 fn run(options: &Import, stages: &mut Stages, outcome: &mut Outcome) -> Result<(), Aborted> {
+    let (files, mut said) = part(options, stages, outcome)?;
     let Outcome { sources, sink, emitted, .. } = outcome;
+    match (&options.output, files) {
+        (Some(path), Some(files)) => {
+            let written = stages.run("write", || write(path, &files, options.force, sources));
+            said.push_str(&or_reported(written, sink)?);
+        }
+        (_, None) => said.push_str("nothing written\n"),
+        (None, Some(_)) => said.push_str("nothing written: no `-o FILE`\n"),
+    }
+    *emitted = Some(said);
+    Ok(())
+}
+
+/// The part of blade files, and what is said of it; no part for files whose content is only listed.
+pub(super) fn part(
+    options: &Import,
+    stages: &mut Stages,
+    outcome: &mut Outcome,
+) -> Result<(Option<part_text::PartFiles>, String), Aborted> {
+    let Outcome { sources, sink, .. } = outcome;
     let names = or_reported(names(&options.files), sink)?;
     let read = stages.run("read", || blade_files::read(&names, &mut fetch, &options.options, sources));
     let imported = read.map_err(|diags| {
@@ -56,8 +76,7 @@ fn run(options: &Import, stages: &mut Stages, outcome: &mut Outcome) -> Result<(
     if !imported.listing.is_empty() {
         or_reported(only_listed(&imported, options), sink)?;
         let lines: String = imported.listing.iter().map(|line| format!("{line}\n")).collect();
-        *emitted = Some(lines + &notes(&imported, sources) + "nothing written\n");
-        return Ok(());
+        return Ok((None, lines + &notes(&imported, sources)));
     }
     let row = or_reported(row(&imported, options.row.as_deref()), sink)?;
     if let Some(path) = &options.output {
@@ -78,14 +97,7 @@ fn run(options: &Import, stages: &mut Stages, outcome: &mut Outcome) -> Result<(
     }
     let mut said: String = part_text::summary(&source).into_iter().map(|line| line + "\n").collect();
     said.push_str(&notes(&imported, sources));
-    if let Some(path) = &options.output {
-        let written = stages.run("write", || write(path, &faced_part::write(&source), options.force, sources));
-        said.push_str(&or_reported(written, sink)?);
-    } else {
-        said.push_str("nothing written: no `-o FILE`\n");
-    }
-    *emitted = Some(said);
-    Ok(())
+    Ok((Some(faced_part::write(&source)), said))
 }
 
 /// Refuses to write a part from a file whose content is only listed.
@@ -225,16 +237,20 @@ fn fetch(name: &str, most: usize) -> Result<SourceFile, NoFile> {
     Ok(SourceFile { disk: path.canonicalize().ok(), ..SourceFile::text(printable(name), text) })
 }
 
+/// The tables of a part beside the file of its job.
+pub(super) fn tables<'a>(path: &Path, made: &'a part_text::PartFiles) -> Vec<(PathBuf, &'a str)> {
+    let with_ending = |ending: &str| path.with_extension(ending);
+    let mut tables: Vec<(PathBuf, &str)> =
+        vec![(with_ending("curves.csv"), &made.curves), (with_ending("sections.csv"), &made.sections)];
+    tables.extend(made.loops.iter().map(|(blade, text)| (with_ending(&format!("{blade}.csv")), text.as_str())));
+    tables.extend(made.meridian.iter().map(|text| (with_ending("meridian.csv"), text.as_str())));
+    tables
+}
+
 /// Writes the part and its tables, all or none.
 fn write(path: &Path, made: &part_text::PartFiles, force: bool, sources: &SourceMap) -> Result<String, Diag> {
-    let with_ending = |ending: &str| path.with_extension(ending);
-    let mut written: Vec<(PathBuf, &str)> = vec![
-        (path.to_path_buf(), &made.job),
-        (with_ending("curves.csv"), &made.curves),
-        (with_ending("sections.csv"), &made.sections),
-    ];
-    written.extend(made.loops.iter().map(|(blade, text)| (with_ending(&format!("{blade}.csv")), text.as_str())));
-    written.extend(made.meridian.iter().map(|text| (with_ending("meridian.csv"), text.as_str())));
+    let mut written: Vec<(PathBuf, &str)> = vec![(path.to_path_buf(), &made.job)];
+    written.extend(tables(path, made));
     let exists = written.iter().find(|(path, _)| !force && std::fs::symlink_metadata(path).is_ok());
     if let Some((path, _)) = exists {
         return Err(Diag::error(codes::EXISTS, format!("{} exists already", path.display()))

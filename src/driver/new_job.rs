@@ -45,7 +45,7 @@ pub fn new_job(file: &Path, kind: &Beginning) -> Outcome {
 
 fn run(file: &Path, kind: &Beginning, outcome: &mut Outcome) -> Result<(), Aborted> {
     let file = or_reported(new_file(file), &mut outcome.sink)?;
-    or_reported(write_new(&file, &named(kind.text, &file)), &mut outcome.sink)?;
+    or_reported(write_new(&file, &named(kind.text, &file), &[]), &mut outcome.sink)?;
     outcome.emitted = Some(next_steps(&file, kind));
     Ok(())
 }
@@ -64,11 +64,15 @@ pub(super) fn new_file(file: &Path) -> Result<PathBuf, Diag> {
         .help("give a name that no file has"))
 }
 
-/// Writes a job to a file that does not exist.
-pub(super) fn write_new(file: &Path, text: &str) -> Result<(), Diag> {
+/// Writes a job and its tables to files that do not exist, all or none.
+pub(super) fn write_new(file: &Path, text: &str, tables: &[(PathBuf, String)]) -> Result<(), Diag> {
+    let all = || std::iter::once((file, text)).chain(tables.iter().map(|(path, text)| (path.as_path(), text.as_str())));
     let mut outputs = Outputs::default();
-    outputs.announce("new", file)?;
-    save(outputs, std::iter::once(("new", file, text.as_bytes())))
+    for (path, _) in all() {
+        new_file(path)?;
+        outputs.announce("new", path)?;
+    }
+    save(outputs, all().map(|(path, text)| ("new", path, text.as_bytes())))
 }
 
 /// The job with the stem of the file as the name of its part, where the stem is a name of the language.

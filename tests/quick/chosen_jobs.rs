@@ -99,3 +99,36 @@ fn a_fault_has_its_place() {
     assert!(mark.contains("──"), "{text}");
     assert!(!folder.path().join("wheel.imp").exists());
 }
+
+/// Sections of a designer become a job with one command, with the tables of its points beside it. Where one of them exists nothing is
+/// written.
+#[test]
+fn blade_files_become_a_job() {
+    let folder = tempfile::tempdir().unwrap();
+    let job = std::fs::canonicalize("jobs/curved/curved.imp").unwrap();
+    let blades = folder.path().join("blades");
+    std::fs::create_dir(&blades).unwrap();
+    let made = run(&blades, &[job.to_str().unwrap(), "--emit", "sections", "-o", "blades.inf"]);
+    assert!(blades.join("blades.inf").exists(), "{}", said(&made));
+
+    std::fs::write(folder.path().join("wheel.curves.csv"), "mine").unwrap();
+    let refused = run(folder.path(), &["new", "wheel", "--from", "blades", "--machine", "5mc850-c"]);
+    assert!(
+        !refused.status.success() && said(&refused).contains("wheel.curves.csv exists already"),
+        "{}",
+        said(&refused)
+    );
+    assert_eq!(std::fs::read_to_string(folder.path().join("wheel.curves.csv")).unwrap(), "mine");
+    assert!(!folder.path().join("wheel.imp").exists());
+    std::fs::remove_file(folder.path().join("wheel.curves.csv")).unwrap();
+
+    let made = run(folder.path(), &["new", "wheel", "--from", "blades", "--machine", "5mc850-c"]);
+    let text = said(&made);
+    assert!(made.status.success() && text.contains("the number of main blades is 8"), "{text}");
+    assert!(text.contains("wrote wheel.imp") && text.contains("wheel.curves.csv"), "{text}");
+    let checked = run(folder.path(), &["check", "wheel.imp"]);
+    assert!(checked.status.success(), "{}", said(&checked));
+
+    let needless = run(folder.path(), &["new", "other", "--unit", "mm"]);
+    assert!(!needless.status.success() && said(&needless).contains("--from FILE"), "{}", said(&needless));
+}
