@@ -306,6 +306,10 @@ pub(super) enum Command {
         #[arg(long, value_name = "DIR", requires = "from")]
         library: Option<PathBuf>,
 
+        /// What is tried before the job is written
+        #[arg(long, value_enum, value_name = "EFFORT", default_value = "axes", requires = "from")]
+        effort: EffortArgument,
+
         /// Print all that was tried, with what was in the way
         #[arg(long, requires = "from")]
         explain_choices: bool,
@@ -478,6 +482,15 @@ fn emits() -> impl TypedValueParser<Value = Emit> {
     let values: Vec<_> =
         Emit::all().map(|(_, name, help)| clap::builder::PossibleValue::new(name).help(help)).collect();
     PossibleValuesParser::new(values).try_map(|name| Emit::named(&name).ok_or("no such stage"))
+}
+
+/// What a choice tries.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(super) enum EffortArgument {
+    /// Contacts and tool axes of each operation in one sector: some seconds
+    Axes,
+    /// Then the whole job as well, planned and verified: minutes. Feeds and steps that load a tool over its limits are lowered
+    Whole,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -8,7 +8,7 @@ mod import_arguments;
 mod quantities;
 mod watch;
 
-use arguments::{Arguments, Command, ErrorFormat, LibraryArguments, ReadingArguments};
+use arguments::{Arguments, Command, EffortArgument, ErrorFormat, LibraryArguments, ReadingArguments};
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser};
 use impellerc::diagnostics::junit::junit;
@@ -58,10 +58,26 @@ fn commanded(command: Command) -> ExitCode {
         Command::Explain { reference: true, .. } => printed(vocabulary::reference().as_bytes()),
         Command::Explain { words, .. } => explain(&words.join(" ")),
         Command::New {
-            file, from: Some(part), machine, material, library, explain_choices: explain, of_files, ..
+            file,
+            from: Some(part),
+            machine,
+            material,
+            library,
+            effort,
+            explain_choices: explain,
+            of_files,
+            ..
         } => {
             let part = of_files.import(vec![part]);
-            let options = FromPart { file, part, machine, material, library, explain };
+            let options = FromPart {
+                file,
+                part,
+                machine,
+                material,
+                library,
+                explain,
+                whole: matches!(effort, EffortArgument::Whole),
+            };
             finish(Display::HUMAN, |stages| driver::new_from(&options, stages))
         }
         Command::New { file, kind, .. } => {

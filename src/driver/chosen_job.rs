@@ -1,20 +1,26 @@
 //! `impellerc new FILE --from PART`: the tools and operations for a part that has none, as a job. The part is a job without
 //! them, or blade files.
 
+use super::before_planning::check_frames;
 use super::front::read_job;
 use super::import::{self, Import};
 use super::new_job::{new_file, write_new};
 use super::{DiskFiles, Outcome, Stages, or_reported, shown_path};
 use ::syntax::ast::{File, Item, ItemKind};
+use base::entity::EntityId;
+use base::progress::Progress;
 use base::source::{SourceFile, SourceId, SourceMap};
-use choose::{Chosen, Tried};
+use choose::{Chosen, Judgement, Load, Tried};
 use diagnostics::codes::job as codes;
 use diagnostics::{Aborted, Diag, Sink};
-use ir::Program;
 use ir::program::DEFAULT_MEMORY;
+use ir::{OperationId, Program};
 use job::{Files, MissingFile};
+use plan::facts;
+use plan::passes::pipeline;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use verify::stock::{OperationStock, Settings};
 
 /// Machine, tools and post of a part that states none.
 const MACHINE: &str = "generic-ac-table";
@@ -36,6 +42,8 @@ pub struct FromPart {
     pub library: Option<PathBuf>,
     /// Print all that was tried.
     pub explain: bool,
+    /// Plan and prove the whole job, and correct what loads a tool over its limits.
+    pub whole: bool,
 }
 
 /// Chooses tools and operations for a part, and writes the job.
@@ -66,7 +74,8 @@ fn run(options: &FromPart, stages: &mut Stages, outcome: &mut Outcome) -> Result
     let mut found = Sink::default();
     let chosen = stages.watched("choose", |progress| {
         let mut front = |text: &str, sink: &mut Sink| program(text, &part, options, sink);
-        choose::choose(&head, &library, &mut front, progress, &mut found)
+        let mut judge = |program: &Program, progress: &Progress| judged(program, progress);
+        choose::choose(&head, &library, &mut front, options.whole.then_some(&mut judge), progress, &mut found)
     });
     found.change_all(|diag| placed_in(source, head.len(), diag));
     sink.append(found);
@@ -77,6 +86,47 @@ fn run(options: &FromPart, stages: &mut Stages, outcome: &mut Outcome) -> Result
     or_reported(write_new(&file, usual.as_deref().unwrap_or(&chosen.job), &part.tables), sink)?;
     *emitted = Some(part.said + &said(&file, &part.tables, &chosen, options.explain));
     Ok(())
+}
+
+/// What plan and proof of a whole job say, as a compile does, with as much memory as it needs.
+fn judged(program: &Program, progress: &Progress) -> Judgement {
+    let mut sink = Sink::default();
+    let memory = program.memory.max(plan::budget::needed(program));
+    let program = &Program { memory, ..program.clone() };
+    let certificate = planned_and_proved(program, progress, &mut sink);
+    let fault = (certificate.is_err() || sink.has_errors()).then(|| choose::first_error(&sink));
+    let mut loads = vec![Load::default(); program.operations.len()];
+    for (k, o) in certificate.iter().flatten() {
+        let tool = &program.tools[program.operations[*k].tool];
+        let share = |value: Option<f64>, limit: f64| value.map_or(0.0, |value| value / limit);
+        loads[k.index()] = Load {
+            depth: share(o.slot_depth.map(|load| load.value.get()), tool.max_depth.get()),
+            chip: share(o.chip.map(|chip| chip.value.get()), tool.max_chip.get()),
+        };
+    }
+    Judgement { fault, loads }
+}
+
+/// The operations of a program with what they do to the stock.
+fn planned_and_proved(
+    program: &Program,
+    progress: &Progress,
+    sink: &mut Sink,
+) -> Result<Vec<(OperationId, OperationStock)>, Aborted> {
+    let post = check_frames(program, sink)?;
+    facts::check(program, progress, sink);
+    if sink.has_errors() {
+        return Err(Aborted);
+    }
+    let plan = pipeline::run_with(program, progress, sink)?;
+    let (judged, certificate) = verify::examine(program, plan.motion, &mut Settings::default(), progress, sink)?;
+    let motion = match &judged {
+        Ok(verified) => verified,
+        Err(refused) => refused,
+    };
+    post.check(program, motion, sink);
+    let of = |o: OperationStock| Some((motion.operations.get(o.operation as usize)?.operation, o));
+    Ok(certificate.stock.into_iter().flat_map(|stock| stock.operations).filter_map(of).collect())
 }
 
 /// The text of a part, with the tables that it names.
@@ -234,10 +284,16 @@ fn said(file: &Path, tables: &[(PathBuf, String)], chosen: &Chosen, explain: boo
     }
     let gigabytes = (chosen.memory / 1e9).ceil();
     let memory = if chosen.memory > DEFAULT_MEMORY { format!(" --memory {gigabytes}GB") } else { String::new() };
-    text + &format!(
-        "\nwrote {job}{beside}; {} trials, which `--explain-choices` lists\n\
+    let verdict = match chosen.judged.as_ref().map(|judged| &judged.fault) {
+        None => "\nnot planned as a whole: `--effort whole` does, and corrects feeds and steps\n".to_owned(),
+        Some(None) => "\nthe whole job holds: planned and verified in all of its sectors\n".to_owned(),
+        Some(Some(fault)) => format!("\nthe whole job does not hold: {fault}\n"),
+    };
+    text + &verdict
+        + &format!(
+            "wrote {job}{beside}; {} trials, which `--explain-choices` lists\n\
          impellerc {job}{memory} -o {}    plans all of it, verifies it and writes the NC program\n",
-        chosen.tried.len(),
-        shown_path(&file.with_extension("nc")),
-    )
+            chosen.tried.len(),
+            shown_path(&file.with_extension("nc")),
+        )
 }

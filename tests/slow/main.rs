@@ -10,6 +10,7 @@ mod support;
 
 mod bounded_work;
 mod campaign;
+mod chosen_jobs;
 mod flank;
 mod golden;
 mod left;

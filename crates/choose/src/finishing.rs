@@ -103,10 +103,9 @@ pub(crate) fn finishing(
 
 fn operation(part: &Part<'_>, kind: &Finish, tool: &Candidate, method: AxisMethod) -> ChosenOperation {
     let data = cutting_data(&tool.tool, part.material, part.spindle);
-    let (feed, lead) = (trim(data.finish, 2), trim(part.lead, 1));
+    let lead = trim(part.lead, 1);
     let properties = format!(
-        "speed {} rpm  feed {feed} mm/min  link-feed {feed} mm/min  {}scallop {} um  method {}\n  lead-in {lead} mm  lead-out {lead} mm",
-        trim(data.speed, 0),
+        "{}scallop {} um  method {}\n  lead-in {lead} mm  lead-out {lead} mm",
         kind.surfaces,
         trim(1000.0 * kind.scallop, 1),
         method.name(),
@@ -116,7 +115,15 @@ fn operation(part: &Part<'_>, kind: &Finish, tool: &Candidate, method: AxisMetho
         "{} with a ball of {radius} mm of radius, of at most {most} mm that fit: the largest that has free and smooth axes",
         kind.of
     );
-    ChosenOperation { keyword: kind.keyword, tool: tool.name.clone(), properties, why }
+    ChosenOperation {
+        keyword: kind.keyword,
+        tool: tool.name.clone(),
+        speed: data.speed,
+        feed: data.finish,
+        steps: None,
+        properties,
+        why,
+    }
 }
 
 fn none_finishes(kind: &Finish, tools: &[&Candidate], trials: &Trials<'_, '_>) -> Diag {

@@ -14,8 +14,10 @@ mod roughing;
 mod sizes;
 mod text;
 mod trial;
+mod whole;
 
-pub use trial::Tried;
+pub use trial::{Tried, first_error};
+pub use whole::{Judge, Judgement, Load};
 
 use base::progress::Progress;
 use base::units::trim;
@@ -46,6 +48,8 @@ pub struct Chosen {
     pub memory: f64,
     /// What was tried, in its order.
     pub tried: Vec<Tried>,
+    /// What plan and proof of the job said, where they were wanted.
+    pub judged: Option<Judgement>,
 }
 
 /// What the choice needs to know of a part and its job.
@@ -73,7 +77,8 @@ const MAX_CLEARANCE: f64 = 0.5;
 const LEAD_SHARE: f64 = 0.02;
 const LEADS: [f64; 2] = [1.5, 6.0];
 
-/// Chooses tools and operations for the job `head`, which has none, from tools of its libraries.
+/// Chooses tools and operations for the job `head`, which has none, from tools of its libraries. With `judge`, plans and proves the whole
+/// job, and lowers feeds and steps with which a load is over the limit of a tool.
 ///
 /// # Errors
 /// The job has a fault, the run was cancelled, or no tool serves; the reasons are in the sink.
@@ -81,6 +86,7 @@ pub fn choose(
     head: &str,
     library: &[String],
     front: &mut Front<'_>,
+    mut judge: Option<&mut Judge<'_>>,
     progress: &Progress,
     sink: &mut Sink,
 ) -> Result<Chosen, Aborted> {
@@ -111,13 +117,27 @@ pub fn choose(
     if let Some(last) = last {
         operations.splice(0..0, roughing::roughing(&part, &all, last));
     }
+    let (mut judged, mut trial) = (None, 0);
+    let (job, memory) = loop {
+        let job = format!("{head}\n{}\n{contracts}", text::items(&operations, &all));
+        let mut faults = Sink::default();
+        let program = (trials.front)(&job, &mut faults);
+        let program = program.inspect_err(|_| sink.append(faults))?;
+        let memory = budget::needed(&program);
+        let Some(judge) = judge.as_deref_mut() else { break (job, memory) };
+        trial += 1;
+        let judgement = judge(&program, progress);
+        trials.tried.push(Tried { what: format!("the whole job, trial {trial}"), fault: judgement.fault.clone() });
+        let holds = judgement.fault.is_none();
+        let loads = judged.insert(judgement).loads.clone();
+        if holds || trial == whole::MAX_TRIALS || progress.is_cancelled() || !whole::corrected(&mut operations, &loads)
+        {
+            break (job, memory);
+        }
+    };
     let line = |o: &text::ChosenOperation| format!("{:<8} {:<32} {}", o.keyword, o.tool, o.why);
     let summary = operations.iter().map(line).collect();
-    let job = format!("{head}\n{}\n{contracts}", text::items(&operations, &all));
-    let mut faults = Sink::default();
-    let program = (trials.front)(&job, &mut faults);
-    let program = program.inspect_err(|_| sink.append(faults))?;
-    Ok(Chosen { job, summary, memory: budget::needed(&program), tried: trials.tried })
+    Ok(Chosen { job, summary, memory, tried: trials.tried, judged })
 }
 
 /// Way from the lowest place of the hub down to the back of the stock, where it is clamped, as a share of the diameter, and at least,

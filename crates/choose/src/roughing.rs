@@ -58,13 +58,9 @@ fn operation(part: &Part<'_>, tool: &Candidate, [k, count]: [usize; 2], allowanc
     } else {
         String::new()
     };
-    let (feed, lead) = (trim(data.rough, 2), trim(part.lead, 1));
-    let properties = format!(
-        "speed {} rpm  feed {feed} mm/min  link-feed {feed} mm/min  depth {} mm  stepover {} mm\n  allowance vane {allowance} mm, hub {allowance} mm  lead-in {lead} mm  lead-out {lead} mm{rest}",
-        trim(data.speed, 0),
-        trim(depth, 3),
-        trim(stepover, 3),
-    );
+    let lead = trim(part.lead, 1);
+    let properties =
+        format!("allowance vane {allowance} mm, hub {allowance} mm  lead-in {lead} mm  lead-out {lead} mm{rest}");
     let top = trim(part.sizes.top, 2);
     let why = match (k, k + 1 == count) {
         (0, true) => format!(
@@ -74,7 +70,15 @@ fn operation(part: &Part<'_>, tool: &Candidate, [k, count]: [usize; 2], allowanc
         (_, false) => "roughing where the larger ball does not go".to_owned(),
         (_, true) => "roughing with the ball that finishes the floor, so that it finds an even allowance".to_owned(),
     };
-    ChosenOperation { keyword: "rough", tool: tool.name.clone(), properties, why }
+    ChosenOperation {
+        keyword: "rough",
+        tool: tool.name.clone(),
+        speed: data.speed,
+        feed: data.rough,
+        steps: Some([depth, stepover]),
+        properties,
+        why,
+    }
 }
 
 /// The tools, the largest first.

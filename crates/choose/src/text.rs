@@ -11,6 +11,12 @@ pub(crate) struct ChosenOperation {
     pub(crate) keyword: &'static str,
     /// Name of its tool in the library.
     pub(crate) tool: String,
+    /// Speed of the spindle, rpm.
+    pub(crate) speed: f64,
+    /// Feed, and that of links, mm/min.
+    pub(crate) feed: f64,
+    /// Step down and distance of lines of roughing, mm.
+    pub(crate) steps: Option<[f64; 2]>,
     /// Its other properties, one after the other.
     pub(crate) properties: String,
     /// Why, in a line.
@@ -48,12 +54,17 @@ pub(crate) fn items(operations: &[ChosenOperation], all: &[Candidate]) -> String
     }
     for operation in operations {
         let word = if operation.keyword == "rough" { "tools" } else { "tool" };
+        let [speed, feed] = [operation.speed, operation.feed].map(|value| trim(value, 2));
+        let steps = operation
+            .steps
+            .map(|[depth, stepover]| format!("  depth {} mm  stepover {} mm\n", trim(depth, 3), trim(stepover, 3)));
         let _ = writeln!(
             text,
-            "\n// {}\noperation {} {{\n  {word} t{}  {}\n}}",
+            "\n// {}\noperation {} {{\n  {word} t{}  speed {speed} rpm  feed {feed} mm/min  link-feed {feed} mm/min{}  {}\n}}",
             operation.why,
             operation.keyword,
             number(&operation.tool),
+            steps.unwrap_or_default(),
             operation.properties
         );
     }

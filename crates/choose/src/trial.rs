@@ -45,7 +45,7 @@ impl Trials<'_, '_> {
 }
 
 /// The first error of a sink in one line.
-pub(crate) fn first_error(sink: &Sink) -> String {
+pub fn first_error(sink: &Sink) -> String {
     let error = sink.diags().iter().find(|diag| diag.severity == Severity::Error);
     error.map_or_else(|| "the run was cancelled".to_owned(), |diag| format!("{}: {}", diag.code.id(), diag.message))
 }
