@@ -12,7 +12,10 @@ fn a_chosen_job_that_holds_is_compiled_at_once() {
     std::fs::copy("jobs/small/vane_curves.csv", folder.path().join("vane_curves.csv")).unwrap();
     let run = |words: &[&str]| {
         let run = bounded::program().current_dir(folder.path()).args(words).output().unwrap();
-        (run.status.success(), String::from_utf8_lossy(&run.stdout).into_owned() + &String::from_utf8_lossy(&run.stderr))
+        (
+            run.status.success(),
+            String::from_utf8_lossy(&run.stdout).into_owned() + &String::from_utf8_lossy(&run.stderr),
+        )
     };
     let (made, text) = run(&["new", "wheel.imp", "--from", "part.imp", "--effort", "whole", "--explain-choices"]);
     println!("{text}");
