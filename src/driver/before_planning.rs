@@ -22,8 +22,7 @@ pub(super) fn check_before_planning(
     stages: &mut Stages,
     sink: &mut Sink,
 ) -> Result<(&'static dyn Post, Outputs), Aborted> {
-    facts::machine_kind::check(program, sink)?;
-    facts::flat_edges::check(program, sink)?;
+    check_part_and_machine(program, sink)?;
     let post = if options.emit.is_none_or(|stage| stage == Emit::Nc) {
         check_frames(program, sink)?
     } else {
@@ -40,6 +39,12 @@ pub(super) fn check_before_planning(
     stages.watched("facts", |progress| facts(program, progress, sink));
     stages.go_on()?;
     if sink.has_errors() { Err(Aborted) } else { Ok((post, outputs)) }
+}
+
+/// Refuses a machine whose axes cannot direct the tool, and operations on edges that cannot be finished.
+pub(super) fn check_part_and_machine(program: &Program, sink: &mut Sink) -> Result<(), Aborted> {
+    facts::machine_kind::check(program, sink)?;
+    facts::flat_edges::check(program, sink)
 }
 
 /// The dialect of the post file. Refuses a machine that the control cannot have, and frames that the dialect refuses.

@@ -1,7 +1,7 @@
 //! `impellerc new FILE --from PART`: the tools and operations for a part that has none, as a job. The part is a job without
 //! them, or blade files.
 
-use super::before_planning::check_frames;
+use super::before_planning::{check_frames, check_part_and_machine};
 use super::front::read_job;
 use super::import::{self, Import};
 use super::new_job::{new_file, write_new};
@@ -113,6 +113,7 @@ fn planned_and_proved(
     progress: &Progress,
     sink: &mut Sink,
 ) -> Result<Vec<(OperationId, OperationStock)>, Aborted> {
+    check_part_and_machine(program, sink)?;
     let post = check_frames(program, sink)?;
     facts::check(program, progress, sink);
     if sink.has_errors() {
@@ -163,21 +164,21 @@ impl Part {
     }
 
     /// Its tables, and the files beside it.
-    fn files(&self, options: &FromPart) -> Result<PartFiles, Diag> {
+    fn files(&self, options: &FromPart) -> Result<FilesAndTables, Diag> {
         let disk = DiskFiles::new(&self.file, options.library.as_deref(), None)?;
         let name = |path: &Path| path.file_name().map(|name| name.display().to_string()).unwrap_or_default();
         let tables = self.tables.iter().map(|(path, text)| (name(path), text.clone())).collect();
-        Ok(PartFiles { disk, tables })
+        Ok(FilesAndTables { disk, tables })
     }
 }
 
 /// Files of a part: tables that are not written yet, and what lies beside it.
-struct PartFiles {
+struct FilesAndTables {
     disk: DiskFiles,
     tables: BTreeMap<String, String>,
 }
 
-impl Files for PartFiles {
+impl Files for FilesAndTables {
     fn machine(&mut self, name: &str) -> Result<SourceFile, MissingFile> {
         self.disk.machine(name)
     }

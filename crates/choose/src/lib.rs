@@ -126,12 +126,10 @@ pub fn choose(
         let memory = budget::needed(&program);
         let Some(judge) = judge.as_deref_mut() else { break (job, memory) };
         trial += 1;
-        let judgement = judge(&program, progress);
-        trials.tried.push(Tried { what: format!("the whole job, trial {trial}"), fault: judgement.fault.clone() });
-        let holds = judgement.fault.is_none();
-        let loads = judged.insert(judgement).loads.clone();
-        if holds || trial == whole::MAX_TRIALS || progress.is_cancelled() || !whole::corrected(&mut operations, &loads)
-        {
+        let Judgement { fault, loads } = judged.insert(judge(&program, progress));
+        trials.tried.push(Tried { what: format!("the whole job, trial {trial}"), fault: fault.clone() });
+        let ends = fault.is_none() || trial == whole::MAX_TRIALS || progress.is_cancelled();
+        if ends || !whole::corrected(&mut operations, loads) {
             break (job, memory);
         }
     };

@@ -9,7 +9,7 @@
 //! The load is the sum over the depth of the share of the arc in 180 deg, which the verifier measures by a simulation of
 //! its own.
 
-use super::stock_steps::{PathPoint, leaves_along_axis, stations, steps_of};
+use super::stock_steps::{PathPoint, leaves_along_axis, path_length, stations, steps_of};
 use crate::passes::context::maximal_ranges;
 use base::units::trim;
 use five_axis::Machine;
@@ -167,7 +167,7 @@ impl<'a> LiftedLines<'a> {
             let (mut sides, mut path, mut behind) = (Sides::NONE, 0.0, end + 1);
             for cut in cuts[..=last].iter().rev() {
                 let step = cut.block as usize;
-                path += length(&places[step..=behind]);
+                path += path_length(&places[step..=behind]);
                 if step < end && path > WINDOW_CELLS * field.cell() {
                     break;
                 }
@@ -178,10 +178,6 @@ impl<'a> LiftedLines<'a> {
         };
         (0..cuts.len()).map(load).collect()
     }
-}
-
-fn length(line: &[PathPoint]) -> f64 {
-    line.windows(2).map(|pair| (pair[1].point.tip - pair[0].point.tip).norm()).sum()
 }
 
 /// Depth of a slot that loads a cutter as much as what is removed to both sides of its axis, mm.
