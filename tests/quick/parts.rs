@@ -136,6 +136,36 @@ fn samples_reach_all_places_of_a_fillet() {
     }
 }
 
+/// Edges and tips as the lathe makes them have samples near each of their places too: a lofted face ends beyond hub and shroud or before
+/// them, so that its own border is not theirs.
+#[test]
+fn samples_reach_all_places_of_turned_edges_and_tips() {
+    const SPACING: f64 = 0.4;
+    const PLACES: [usize; 2] = [100, 20];
+    for job in ["sections", "splitter", "curved", "small"] {
+        let program = crate::support::jobs::program(job, None);
+        let part = &program.part;
+        let samples = sample::sample(part, SPACING);
+        let own: Vec<Point3<f64>> = samples.iter().filter(|s| s.surface.sector == 0).map(|s| s.position).collect();
+        for chart in chart::edges(part).chain(chart::tips(part)) {
+            let mut farthest = [0.0_f64; 2];
+            for (i, j) in (0..=PLACES[0]).flat_map(|i| (0..=PLACES[1]).map(move |j| (i, j))) {
+                let place = chart.place(i as f64 / PLACES[0] as f64, j as f64 / PLACES[1] as f64).position;
+                let on_border = i == PLACES[0] || j == 0 || j == PLACES[1];
+                let found = own.iter().map(|s| (s - place).norm()).fold(f64::INFINITY, f64::min);
+                farthest[usize::from(on_border)] = farthest[usize::from(on_border)].max(found);
+            }
+            println!("{job} {:?}: {farthest:.4?} mm", chart.kind);
+            // A border that the samples only come near to would be wrong to the first order: it has rows of its own.
+            assert!(
+                farthest[0] < 0.71 * SPACING && farthest[1] < 0.55 * SPACING,
+                "{job} {:?}: {farthest:?} mm",
+                chart.kind
+            );
+        }
+    }
+}
+
 /// Every sample lies on its surface and outside of all blades, by distances to the surfaces themselves.
 #[test]
 fn samples_lie_on_the_part() {

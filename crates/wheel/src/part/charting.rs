@@ -191,7 +191,7 @@ fn hub(part: &Part, passage: &Passage) -> Option<ChartTable> {
 
 /// The end of the line of equal v of a face at u = 0 or 1, or its intersection with the inlet cone or the outlet
 /// cylinder, if this lies farther out: a straight ruling between two points of a cone is not on the cone.
-fn turned(part: &Part, extent: &Extent, id: FaceId, u: f64, v: f64) -> Point3<f64> {
+pub(super) fn turned(part: &Part, extent: &Extent, id: FaceId, u: f64, v: f64) -> Point3<f64> {
     let surface = &part.face(id).surface;
     let gap = |u: f64| extent.beyond(u.round().clamp(0.0, 1.0), &surface.point(u, v));
     // Over some 0.01 mm the face is nearly straight.

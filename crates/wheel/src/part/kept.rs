@@ -12,9 +12,11 @@ use super::chart::{self, Along, Chart, Patch, Place, Shape, charts};
 use super::sheet::Sheet;
 use super::turned_patch::TurnedPatch;
 use super::{BladeId, Part, Stock, SurfaceKind};
+use base::units::Mm;
 use nalgebra::{Point3, Vector2, Vector3};
 use nurbs::range::{CellThickness, Interval, Jet, turned};
 use std::f64::consts::TAU;
+use tool_stock::collide::CloudPoint;
 
 /// Rows of a root, which is a few millimetres high.
 const ROOT_ROWS: usize = 48;
@@ -64,10 +66,8 @@ impl MilledTurned {
     }
 }
 
-/// All kept surfaces of a part that is milled from a blank, but for turned surfaces that operations finish.
-///
-/// Roots are missing where a fillet does not extend from inlet to outlet: there the part has no closed surface.
-pub fn kept<'a>(part: &'a Part, stock: &Stock, milled: MilledTurned) -> Vec<Kept<'a>> {
+/// The turned surfaces that go all around: rim, back face, bore and nose.
+pub fn rings<'a>(part: &Part, stock: &Stock) -> Vec<Kept<'a>> {
     let (inlet, outlet) = (part.hub.meridian(0.0).point, part.hub.meridian(1.0).point);
     let (bore, back) = (stock.bore_radius.get(), stock.back.get());
     let outside = stock.profile.last().map_or(outlet.x, |p| p[0]);
@@ -76,7 +76,7 @@ pub fn kept<'a>(part: &'a Part, stock: &Stock, milled: MilledTurned) -> Vec<Kept
         let form = KeptForm::Ring { ends, normal: Vector2::from(normal) };
         ((ends[1] - ends[0]).norm() > SLIVER && from[0].max(to[0]) > 0.0).then_some(Kept { kind, form })
     };
-    let mut all: Vec<Kept<'a>> = [
+    [
         ring(SurfaceKind::Rim, [outside, back], [outside, outlet.y], [1.0, 0.0]),
         // Where the blank is wider than the hub, the rim has a step at the height of the outlet.
         ring(SurfaceKind::Rim, [outside, outlet.y], [outlet.x, outlet.y], [0.0, 1.0]),
@@ -86,7 +86,52 @@ pub fn kept<'a>(part: &'a Part, stock: &Stock, milled: MilledTurned) -> Vec<Kept
     ]
     .into_iter()
     .flatten()
-    .collect();
+    .collect()
+}
+
+/// Most samples of what stands beside the ends of the channels.
+const MAX_BESIDE: f64 = 2e5;
+
+/// Samples of what stands beside the ends of the channels, within `reach` of the inlet and the outlet of the hub, mm: the [`rings`] and the
+/// clamping. With their spacing, which is `spacing` where these are not too many.
+pub fn beside_ends(part: &Part, stock: &Stock, reach: f64, spacing: f64) -> (Vec<CloudPoint>, f64) {
+    let hub = [0.0, 1.0].map(|end| part.hub.meridian(end).point);
+    let near = |p: &Vector2<f64>| hub.iter().any(|end| (p - end).norm() <= reach);
+    let ring_of = |ring: Kept<'_>| match ring.form {
+        KeptForm::Ring { ends, normal } => Some((ends, normal)),
+        KeptForm::Chart(_) | KeptForm::Root { .. } => None,
+    };
+    let mut lines: Vec<_> = rings(part, stock).into_iter().filter_map(ring_of).collect();
+    let below = stock.clamping.below.get();
+    let wide = stock.clamping.radius.map_or(hub[1].x.max(hub[0].x) + reach, Mm::get);
+    lines.push(([Vector2::new(0.0, below), Vector2::new(wide, below)], Vector2::y()));
+    lines.push(([Vector2::new(wide, below), Vector2::new(wide, below - reach)], Vector2::x()));
+    // Rows of each line, and columns of each row.
+    let places = |spacing: f64| -> Vec<(Vector2<f64>, Vector2<f64>, f64)> {
+        let rows = |(ends, normal): &([Vector2<f64>; 2], Vector2<f64>)| {
+            let (from, along, normal) = (ends[0], ends[1] - ends[0], *normal);
+            let rows = (along.norm() / spacing).ceil().max(1.0);
+            (0..=rows as u32).map(move |row| (from + along * (f64::from(row) / rows), normal))
+        };
+        let row = |(p, normal): (Vector2<f64>, Vector2<f64>)| (p, normal, (TAU * p.x / spacing).ceil().max(1.0));
+        lines.iter().flat_map(rows).filter(|(p, _)| near(p)).map(row).collect()
+    };
+    let count: f64 = places(spacing).iter().map(|row| row.2).sum();
+    let spacing = spacing * (count / MAX_BESIDE).sqrt().max(1.0);
+    let samples = places(spacing).into_iter().flat_map(|(p, normal, columns)| {
+        (0..columns as u32).map(move |column| {
+            let at = place([p.x, p.y], TAU * f64::from(column) / columns, normal, [0.0; 2]);
+            CloudPoint { position: at.position, normal: at.normal, tag: 0 }
+        })
+    });
+    (samples.collect(), spacing)
+}
+
+/// All kept surfaces of a part that is milled from a blank, but for turned surfaces that operations finish.
+///
+/// Roots are missing where a fillet does not extend from inlet to outlet: there the part has no closed surface.
+pub fn kept<'a>(part: &'a Part, stock: &Stock, milled: MilledTurned) -> Vec<Kept<'a>> {
+    let mut all = rings(part, stock);
     all.extend(milled.charts(part, false).map(Kept::of));
     all.extend(roots(part));
     all

@@ -8,6 +8,7 @@
 //! | tip, edge | turned surfaces of the vanes: obstacles, not milled |
 
 use super::borders::{Opening, arc_between};
+use super::charting::turned;
 use super::rolling_ball::FilletArc;
 use super::{BladeId, FaceId, Part, Passage, Surface, SurfaceId, SurfaceKind};
 use nalgebra::{Point3, Vector3};
@@ -250,7 +251,7 @@ fn sample_hub(part: &Part, passage: &Passage, spacing: f64, out: &mut Vec<Sample
 
 /// Turned surfaces of a blade of sector 0 between its two faces: tip, inlet edge, outlet edge.
 fn sample_turned(part: &Part, blade: BladeId, spacing: f64, out: &mut Vec<Sample>) {
-    let [p, s] = &part.blade(blade).faces;
+    let p = &part.blade(blade).faces[0];
     let mut span =
         |kind: SurfaceKind, a: Point3<f64>, b: Point3<f64>, normal: Vector3<f64>, parameter: f64, step: f64| {
             let n = steps((b - a).norm(), spacing);
@@ -271,7 +272,7 @@ fn sample_turned(part: &Part, blade: BladeId, spacing: f64, out: &mut Vec<Sample
         let u = i as f64 / nu as f64;
         let [a, b] = blade.faces().map(|face| {
             let (id, u) = part.outline_place(face, u);
-            part.face(id).surface.point(u, 1.0)
+            part.face(id).surface.point(u, part.ruling_meets(id, u, &part.shroud, 1.0))
         });
         span(SurfaceKind::Tip(blade), a, b, p.surface.ruling(u), u, length / nu as f64);
     }
@@ -283,9 +284,19 @@ fn sample_turned(part: &Part, blade: BladeId, spacing: f64, out: &mut Vec<Sample
         let height = p.surface.height(u);
         let outward = su.normalize() * if u > 0.5 { 1.0 } else { -1.0 };
         let nv = steps(height, spacing);
+        // A face ends at its data, a little before the rim or behind it, and a lofted one also beyond hub and shroud or before them.
+        let extent = part.extent(blade);
+        let ends = blade.faces().map(|id| {
+            let [low, high] = [(&part.hub, 0.0), (&part.shroud, 1.0)];
+            [low, high].map(|(surface, guess)| part.ruling_meets(id, u, surface, guess))
+        });
         for i in 0..=nv {
-            let v = i as f64 / nv as f64;
-            span(kind, p.surface.point(u, v), s.surface.point(u, v), outward, v, height / nv as f64);
+            let share = i as f64 / nv as f64;
+            let [a, b] = blade.faces().map(|id| {
+                let [low, high] = ends[id.index()];
+                turned(part, &extent, id, u, low + (high - low) * share)
+            });
+            span(kind, a, b, outward, share, height / nv as f64);
         }
     }
 }
