@@ -82,9 +82,9 @@ fn estimates_are_within_a_factor_of_two_of_what_was_measured() {
         (needed(include_str!("../../jobs/small/point.imp")), 99e6),
         (needed_with(reduced, include_str!("../../jobs/reduced/vane_curves.csv")), 190e6),
         (needed(JOB), 698e6),
-        (needed(&channel("20 um", "1")), 94e6),
-        (needed(&channel("1 um", "1")), 270e6),
-        (needed(&channel("1 um", "1, 2, 3, 4")), 864e6),
+        (needed(&channel("20 um", "1")), 98e6),
+        (needed(&channel("1 um", "1")), 251e6),
+        (needed(&channel("1 um", "1, 2, 3, 4")), 635e6),
         (needed(&expand("0.5 mm", "20 um")), 1.837e9),
         (needed(&channel("0.1 um", "1")), 661e6),
         (needed(&channel("1 um", "1, 2, 3, 4, 5, 6, 7, 8")), 1.637e9),
@@ -109,7 +109,7 @@ fn the_main_job_fits() {
 #[test]
 fn what_is_too_fine_is_refused_with_a_value_that_fits() {
     for (from, to) in
-        [("scallop 12 um", "scallop 0.1 um"), ("residual 0.4 mm", "residual 1 um"), ("depth 1.5 mm", "depth 10 um")]
+        [("depth 3 mm", "depth 10 um"), ("residual 0.4 mm", "residual 1 um"), ("depth 1.5 mm", "depth 10 um")]
     {
         let refused = estimated(&job(&[(from, to)]), None);
         let value = fitting(&refused);
@@ -124,7 +124,7 @@ fn what_is_too_fine_is_refused_with_a_value_that_fits() {
 
 #[test]
 fn more_memory_may_be_allowed() {
-    let fine = job(&[("scallop 12 um", "scallop 0.1 um")]);
+    let fine = job(&[("residual 0.4 mm", "residual 1 um")]);
     assert!(estimated(&fine, None).sink.has_errors());
     assert!(!estimated(&fine, Some(1e11)).sink.has_errors());
     assert!(estimated(JOB, Some(1e8)).sink.has_errors());

@@ -5,7 +5,7 @@ use impellerc::base::entity::PrimaryMap;
 use impellerc::base::progress::Progress;
 use impellerc::base::units::Mm;
 use impellerc::diagnostics::{Sink, codes};
-use impellerc::ir::{ClPass, ClPlan, Operation, Program, ToolId};
+use impellerc::ir::{ClPass, ClPlan, MoveKind, Operation, Program, ToolId};
 use impellerc::plan::passes::pipeline::{self, Plan};
 use impellerc::plan::passes::{MotionBound, Obstacles, rest_machining};
 use impellerc::tool_stock::collide::tool::tool_coordinates;
@@ -93,10 +93,14 @@ fn a_repeated_operation_disappears_where_it_was_done() {
 }
 
 #[test]
-fn nothing_left_to_do_is_an_error_that_says_so() {
+fn nothing_left_to_do_is_a_warning_that_says_so() {
     let program = finished_twice(ball(), [&[0], &[0]], Some(THICKNESS));
     let mut sink = Sink::default();
-    assert!(pipeline::run(&program, &mut sink).is_err());
+    let plan = pipeline::run(&program, &mut sink).unwrap();
+    // The tool is changed, and stays over the part.
+    assert!(plan.cl.operations[1].passes.is_empty());
+    assert!(plan.motion.operations[1].moves.iter().all(|m| m.kind == MoveKind::Rapid) && !sink.has_errors());
+    assert_eq!(pipeline::needless(&program, &Progress::default(), &mut Sink::default()).unwrap().len(), 1);
     let found: Vec<_> = sink.diags().iter().map(|d| d.code).collect();
     assert_eq!(found, [codes::planning::NO_REST]);
     assert!(sink.diags()[0].message.contains("`channel2`") && sink.diags()[0].help.is_some());

@@ -13,6 +13,7 @@ mod campaign;
 mod chosen_jobs;
 mod flank;
 mod golden;
+mod kept_by_roughing;
 mod left;
 mod links;
 mod orientation;

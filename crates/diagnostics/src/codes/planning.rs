@@ -25,8 +25,8 @@ memory with `--memory`.";
 for the ball, or the face overhangs the hub.\n\nRemedy: use a smaller ball, or a smaller fillet.";
     NO_REST = "IMP0406", "rest machining finds nothing to cut",
         "An operation with `rest over` cuts only where earlier operations left more stock than this thickness. No \
-pass of this operation has such a place. The operation would change the tool and cut nothing.\n\nExample: the same \
-channel finishing twice.\n\nRemedy: remove the operation, or give a smaller thickness. `--stock FOLDER` writes the \
+pass of this operation has such a place. The program changes to its tool and cuts nothing with it: a warning. Without `rest over` \
+it is an error.\n\nExample: the same channel finishing twice.\n\nRemedy: remove the operation, or give a smaller thickness. `--stock FOLDER` writes the \
 stock after each operation.";
     REST_TOO_FINE = "IMP0407", "rest stock too fine to simulate",
         "The simulation needs small cells to see a rest of the given thickness below a round cutter: sqrt(2 R t) for \

@@ -38,14 +38,14 @@ use wheel::part::sample;
 /// Memory of a station in the planned sector, bytes: contact and cutter location.
 const PLANNED: f64 = 400.0;
 
-/// Memory of a station in each sector to which it is copied, bytes: mostly that of its block in the run of the axes.
-const COPIED: f64 = 1400.0;
+/// Memory of a station in each sector to which it is copied, bytes: stations are thinned before, to a seventh on `jobs/small`.
+const COPIED: f64 = 300.0;
 
 /// Memory of a block in the run of the axes, bytes.
-const BLOCK: f64 = 1500.0;
+const BLOCK: f64 = 1000.0;
 
 /// Memory of a link over the clearance surface, bytes.
-const LINK: f64 = 4.5e5;
+const LINK: f64 = 6e5;
 
 /// Memory of the part and its samples, bytes.
 const PART: f64 = 2e7;

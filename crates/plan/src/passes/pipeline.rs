@@ -9,10 +9,11 @@ use super::rough::{Roughings, channel_levels, expand, groove, plunge, roughings,
 use super::{channel, copy_sectors, fit_splines, flank, point, round_to_words, sample_to_tolerance};
 use crate::budget::{self, Stations};
 use base::progress::Progress;
-use diagnostics::{Aborted, Sink};
+use diagnostics::codes::planning::NO_REST;
+use diagnostics::{Aborted, Diag, Sink};
 use ir::stage_file::{PlannedMotion, StageValue};
 use ir::validate::{self, ClStage};
-use ir::{CcOperation, CcPlan, ClOperation, ClPlan, Motion, OperationKind, Program, RoughingStrategy};
+use ir::{CcOperation, CcPlan, ClOperation, ClPlan, Motion, OperationId, OperationKind, Program, RoughingStrategy};
 
 /// Values of the planning stages. Those before the start of a run ([`run_from`]) are empty.
 #[derive(Clone, Debug)]
@@ -101,6 +102,28 @@ pub fn axes(program: &Program, progress: &Progress, sink: &mut Sink) -> Result<(
     cx.holds("lower", validate::program)?;
     let cc = contacts(&mut cx)?;
     smooth_axes(&mut cx, &cc).map(|_| ())
+}
+
+/// Plans all operations as far as the stock that each finds, and tells those of rest machining that find nothing to cut. They change
+/// nothing for the others.
+///
+/// # Errors
+/// As [`run`].
+pub fn needless(program: &Program, progress: &Progress, sink: &mut Sink) -> Result<Vec<OperationId>, Aborted> {
+    budget::check_size(program, sink)?;
+    let obstacles = Obstacles::of(program);
+    let mut found = Sink::default();
+    let mut cx =
+        PassContext { program, obstacles: &obstacles, progress, sink: &mut found, stations: Stations::default() };
+    let planned = contacts(&mut cx).and_then(|cc| locations(&mut cx, &cc));
+    if planned.is_err() {
+        sink.append(found);
+        return Err(Aborted);
+    }
+    let idle = found.diags().iter().filter(|diag| diag.code == NO_REST);
+    let place = |diag: &Diag| diag.labels.first().map(|label| label.span);
+    let of = |diag: &Diag| program.operations.iter().find(|(_, o)| Some(o.span) == place(diag)).map(|(id, _)| id);
+    Ok(idle.filter_map(of).collect())
 }
 
 /// Tool positions at the contacts with smooth axes, in one sector.

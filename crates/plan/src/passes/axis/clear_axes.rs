@@ -7,7 +7,7 @@
 //! the piece: half of the tip motion, plus half of the turn times its distance from the tip. Pieces are halved until
 //! the distance at the middle is larger than that.
 
-use crate::passes::context::{Ends, MotionBound, Obstacles};
+use crate::passes::context::{Ends, MotionBound, Obstacles, TILT_RESERVE};
 use axes::orient::inscribe::{Proof, inscribe};
 use base::units::trim;
 use diagnostics::{
@@ -183,7 +183,7 @@ impl<'a> ClearAxes<'a> {
     pub(crate) fn clear(&self, ball: &StandingBall, axis: &Vector3<f64>, cap: f64, margin: f64) -> bool {
         let StandingBall { centre, .. } = ball;
         let tip = centre - axis * self.radius();
-        self.tilt_within_travel(axis, cap)
+        self.tilt_within_travel(axis, cap + TILT_RESERVE)
             && ball.above_the_middle(axis) + cap <= AT_THE_MIDDLE
             && self.in_linear_travel(&tip, axis, cap)
             && self.over_clamping(centre, &tilted_by(axis, cap))

@@ -30,12 +30,19 @@ pub(crate) struct ChannelChart<'a> {
     second: &'a FaceSurface,
     /// Angle from the sector of the first wall to that of the second, radians.
     turn: f64,
+    /// Sense in which the channel runs outward: 1 from inlet to outlet, -1 where it runs inward, as in a turbine.
+    outward: f64,
 }
+
+/// Radius of the outlet as a share of that of the inlet below which a channel runs inward.
+const INWARD: f64 = 0.8;
 
 impl<'a> ChannelChart<'a> {
     pub(crate) fn new(part: &'a Part, passage: PassageId) -> Self {
         let [first, second] = part.walls(passage);
-        Self { part, first, second, turn: part.turn(&part.passage(passage)) }
+        let [inlet, outlet] = [0.0, 1.0].map(|u| part.hub.meridian(u).point.x);
+        let outward = if outlet < INWARD * inlet { -1.0 } else { 1.0 };
+        Self { part, first, second, turn: part.turn(&part.passage(passage)), outward }
     }
 
     /// The part.
@@ -194,7 +201,7 @@ impl Crossing<'_> {
         let ruling = blended(&middle.rulings, blend);
         let at = middle.walls.point(w);
         let outward = Vector3::new(at.x, at.y, 0.0).normalize();
-        let along = (middle.behind.point(w) - middle.before.point(w)).normalize();
+        let along = (middle.behind.point(w) - middle.before.point(w)).normalize() * self.chart.outward;
         let along = (along - ruling * along.dot(&ruling)).normalize();
         let missing = MIN_OUTWARD - ruling.dot(&outward);
         let soft = 0.5 * (missing + libm::hypot(missing, TILT_SOFTNESS));

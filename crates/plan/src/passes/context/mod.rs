@@ -15,7 +15,7 @@ pub(crate) use milling_direction::{from_outlet, leads_at_ends};
 pub(crate) use obstacles::{Ends, Keep, TableTool};
 pub use obstacles::{MotionBound, Obstacles};
 pub(crate) use remedy::remedy;
-pub(crate) use tilt::AxisTilt;
+pub(crate) use tilt::{AxisTilt, TILT_RESERVE, within_tilt};
 
 use crate::budget::{self, Stations};
 use base::progress::Progress;

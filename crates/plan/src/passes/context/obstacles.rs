@@ -1,7 +1,7 @@
 //! Obstacles of the planner: sampled surfaces of the design part, of table and of fixtures.
 
 use five_axis::{Carried, Chain, Machine, RotaryPose};
-use ir::{OperationKind, Program};
+use ir::{Operation, OperationKind, Program};
 use nalgebra::{Point3, Vector3};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_1_SQRT_2;
@@ -10,7 +10,7 @@ use tool_stock::collide::revolved;
 use tool_stock::collide::tool::tool_coordinates;
 use tool_stock::collide::{Cloud, CloudPoint, DistanceTable, ToolSolid};
 use wheel::operation::{Allowances, VaneAllowance};
-use wheel::part::{Part, Sample, SurfaceKind, sample};
+use wheel::part::{Part, Sample, SurfaceKind, kept, sample};
 
 /// Spacing of the samples, mm, for tools from [`WHOLE_SPACING`] on.
 const SAMPLE_SPACING_MM: f64 = 0.4;
@@ -34,6 +34,10 @@ const EDGE_MARGIN: f64 = 0.08;
 const ROUND_MARGIN: f64 = 0.02;
 const ROUND_TIP_RADIUS_MM: f64 = 2.5 * SAMPLE_SPACING_MM;
 
+/// Radii of a tool that it stands beyond the ends of a channel, with its leads: a line begins a diameter before the stock, and a tool has
+/// its own radius.
+const BESIDE_RADII: f64 = 4.0;
+
 /// Halvings of a piece of motion after which its clearance counts as not proved: the pieces are then some micrometres
 /// long.
 const MAX_MOTION_HALVINGS: u32 = 9;
@@ -41,8 +45,8 @@ const MAX_MOTION_HALVINGS: u32 = 9;
 /// Both ends of a piece of motion.
 pub(crate) type Ends = [RotaryPose; 2];
 
-/// A cutter that is less than this inside of a sample touches it, mm.
-const TOUCHES: f64 = 2e-4;
+/// A cutter that is less than this inside of a sample touches it, mm: half of the usual chord tolerance.
+const TOUCHES: f64 = 5e-4;
 
 /// Distances to keep, mm.
 #[derive(Clone, Copy, Debug)]
@@ -87,6 +91,11 @@ fn cutter_and_body(solid: &ToolSolid, rho: f64, s: f64) -> [f64; 2] {
     [solid.cutter_distance(rho, s), solid.body_distance(rho, s)]
 }
 
+/// Reserve of a cutter for samples whose spacing is a share of the usual one, mm.
+fn margin_at(scale: f64, solid: &ToolSolid) -> f64 {
+    scale * if solid.cutter.tip_radius() >= scale * ROUND_TIP_RADIUS_MM { ROUND_MARGIN } else { EDGE_MARGIN }
+}
+
 /// Bound of a motion: no tool point moves by more than `shift` plus `turn` times its distance from `about`.
 #[derive(Clone, Copy, Debug)]
 pub struct MotionBound<'a> {
@@ -104,6 +113,9 @@ pub struct Obstacles {
     /// Share of the height at each sample of the walls; empty where no operation has an allowance that grows.
     heights: Vec<f64>,
     hub: Cloud,
+    /// Turned surfaces and clamping beside the ends of the channels, which leads pass; with the spacing of the samples as a share of the
+    /// usual one.
+    beside: (Cloud, f64),
     /// Samples of table and fixtures, with the largest distance from a point of their surface to a sample.
     rotating: Vec<(Cloud, f64)>,
     chain: Chain,
@@ -121,7 +133,14 @@ impl Obstacles {
         let thinnest = radii.fold(WHOLE_SPACING, f64::min);
         let finest = (sample::estimate(&program.part, SAMPLE_SPACING_MM) / MAX_SAMPLES).sqrt();
         let scale = (thinnest / WHOLE_SPACING).max(finest).clamp(MIN_SCALE, 1.0);
+        let reach = |operation: &Operation| {
+            let leads = operation.lead_in.get().max(operation.lead_out.get());
+            leads + BESIDE_RADII * program.tools[operation.tool].solid.radius()
+        };
+        let reach = program.operations.iter().map(|(_, o)| reach(o)).fold(0.0, f64::max);
         let mut obstacles = Self::sampled(&program.part, &program.machine, scale);
+        let (beside, spacing) = kept::beside_ends(&program.part, &program.stock, reach, scale * SAMPLE_SPACING_MM);
+        obstacles.beside = (Cloud::new(beside), spacing / SAMPLE_SPACING_MM);
         let vane = |kind: &OperationKind| kind.roughing().map_or(0.0, |kept| kept.vane.growth());
         if program.operations.iter().any(|(_, o)| vane(&o.kind) > 0.0) {
             let height = |p: &CloudPoint| program.part.height(&p.position);
@@ -157,7 +176,8 @@ impl Obstacles {
         let rotating = machine.carried.iter().flat_map(|solid| places.iter().map(move |place| (solid, *place)));
         let rotating = rotating.map(|(solid, place)| sampled(solid, place)).collect();
         let heights = Vec::new();
-        Self { walls: Cloud::new(walls), heights, hub: Cloud::new(hub), rotating, chain: machine.chain, scale }
+        let beside = (Cloud::new(Vec::new()), scale);
+        Self { walls: Cloud::new(walls), heights, hub: Cloud::new(hub), beside, rotating, chain: machine.chain, scale }
     }
 
     /// Share to which distances shrink that suit usual tools: 1 for them, less where the job has thinner ones.
@@ -172,8 +192,7 @@ impl Obstacles {
 
     /// Reserve of a cutter, mm.
     fn margin(&self, solid: &ToolSolid) -> f64 {
-        self.scale
-            * if solid.cutter.tip_radius() >= self.scale * ROUND_TIP_RADIUS_MM { ROUND_MARGIN } else { EDGE_MARGIN }
+        margin_at(self.scale, solid)
     }
 
     /// True when the tool keeps its distances over a motion. `slack` takes the distance of a point from the tool axis,
@@ -200,6 +219,7 @@ impl Obstacles {
         let of_walls = |i: usize, p: &Point3<f64>, limit: f64| of_part(p, self.allowance(kept.vane, i), limit);
         !self.walls.any_below_of(|p, limit| of_part(p, kept.vane.root().get(), limit), of_walls, 0.0)
             && !self.hub.any_below(|p, limit| of_part(p, kept.hub.get(), limit), 0.0)
+            && !self.beside.0.any_below(|p, limit| value(p, kept.hub.get(), self.beside.1 * EDGE_MARGIN, limit), 0.0)
             && !self
                 .rotating
                 .iter()
@@ -231,14 +251,17 @@ impl Obstacles {
         true
     }
 
-    /// True when the tool keeps its distances to the hub.
+    /// True when the tool keeps its distances to the hub, and to what stands beside its ends.
     pub fn hub_clear(&self, tool: &TableTool<'_>, tip: &Point3<f64>, axis: &Vector3<f64>, keep: &Keep) -> bool {
-        let required = [keep.hub + self.margin(tool.solid), keep.clearance + self.edge_margin()];
-        let slack = |p: &Point3<f64>, limit: f64| {
-            let (rho, s) = tool_coordinates(p, tip, axis);
-            tool.slack(rho, s, &required, limit)
+        let clear = |(cloud, scale): (&Cloud, f64)| {
+            let required = [keep.hub + margin_at(scale, tool.solid), keep.clearance + scale * EDGE_MARGIN];
+            let slack = |p: &Point3<f64>, limit: f64| {
+                let (rho, s) = tool_coordinates(p, tip, axis);
+                tool.slack(rho, s, &required, limit)
+            };
+            !cloud.any_below(slack, 0.0)
         };
-        !self.hub.any_below(slack, 0.0)
+        clear((&self.hub, self.scale)) && clear((&self.beside.0, self.beside.1))
     }
 
     /// True when the tool keeps its distances to vanes and fillets.

@@ -78,8 +78,8 @@ pub fn run(
             }
             unless_cancelled(progress)?;
             if planned.passes.is_empty() {
-                sink.push(nothing_left(operation, operation.rest.map_or(0.0, |t| t.get())));
-                failed = true;
+                sink.push(nothing_left(operation));
+                failed |= operation.rest.is_none();
             }
             continue;
         }
@@ -118,14 +118,17 @@ fn follows_stock(operation: &Operation) -> bool {
     operation.rest.is_some() || operation.kind.follows_stock()
 }
 
-fn nothing_left(operation: &Operation, thickness: f64) -> Diag {
-    Diag::error(
-        planning::NO_REST,
-        format!("`{}` finds no stock thicker than {} mm to cut", operation.name, trim(thickness, 3)),
-    )
-    .label(operation.span, "this operation has nothing to cut")
-    .note("earlier operations have already cut all its passes")
-    .help("remove the operation, or give a smaller thickness after `rest over`")
+/// Of rest machining a warning: the program changes the tool and cuts nothing.
+fn nothing_left(operation: &Operation) -> Diag {
+    let (new, thicker): (fn(_, _) -> Diag, _) = match operation.rest {
+        Some(thickness) => (Diag::warning, format!(" thicker than {} mm", trim(thickness.get(), 3))),
+        None => (Diag::error, String::new()),
+    };
+    let remedy = if operation.rest.is_some() { ", or give a smaller thickness after `rest over`" } else { "" };
+    new(planning::NO_REST, format!("`{}` finds no stock{thicker} to cut", operation.name))
+        .label(operation.span, "this operation has nothing to cut")
+        .note("earlier operations have already cut all its passes")
+        .help(format!("remove the operation{remedy}"))
 }
 
 /// The stock before the first operation, with cells for the operation that needs the smallest.
@@ -226,8 +229,7 @@ fn reduce(
         }
     }
     if kept.is_empty() {
-        sink.push(nothing_left(operation, thickness));
-        return Err(Aborted);
+        sink.push(nothing_left(operation));
     }
     planned.notes.push(format!(
         "rest machining over {} mm: {:.0} of {:.0} mm cut, in {} passes of {}; stock in cells of {:.2} mm",

@@ -21,7 +21,7 @@ use nurbs::bracket::Bracket;
 use rayon::prelude::*;
 use wheel::method::Lines;
 use wheel::part::{
-    BladeId, FaceSurface, Part, Surface, SurfaceKind,
+    BladeId, FaceId, FaceSurface, Part, Surface, SurfaceKind,
     chart::{Chart, Shape, charts, edges, edges_of, tips},
 };
 
@@ -124,8 +124,15 @@ fn drive_surface<'a>(
     };
     let Some(chart) = charts.iter().find(|c| c.kind == kind) else { return Err(no_fillet(cx, operation)) };
     let mut surface = VaneSurface { chart, side, round_edge, cutter, axes, low: vec![0.0; 2] };
-    if matches!(kind, SurfaceKind::Face(_)) {
-        surface.low = lowest(cx, operation, &surface);
+    let own = match kind {
+        SurfaceKind::Face(face) => Some(face),
+        SurfaceKind::InletEdge(blade) => part.edge(blade, 0),
+        SurfaceKind::OutletEdge(blade) => part.edge(blade, 1),
+        _ => None,
+    };
+    // An edge ends at the fillet round it; without one the cutter has to stay off the hub there as on a face.
+    if let Some(face) = own.filter(|face| matches!(kind, SurfaceKind::Face(_)) || part.fillet(*face).is_none()) {
+        surface.low = lowest(cx, operation, &surface, face);
     }
     check_hollow(cx, operation, &surface)?;
     Ok(surface)
@@ -233,7 +240,7 @@ const BORDER_BISECTIONS: usize = 10;
 
 /// Lowest y at which the cutter stands on a face without cutting into fillet or hub. For a ball it is the edge of the
 /// fillet.
-fn lowest(cx: &PassContext<'_>, operation: &Operation, surface: &VaneSurface<'_>) -> Vec<f64> {
+fn lowest(cx: &PassContext<'_>, operation: &Operation, surface: &VaneSurface<'_>, face: FaceId) -> Vec<f64> {
     let part = &cx.program.part;
     let solid = &cx.program.tools[operation.tool].solid;
     let stations = (0..=BORDER_INTERVALS).map(|i| i as f64 / BORDER_INTERVALS as f64);
@@ -241,11 +248,11 @@ fn lowest(cx: &PassContext<'_>, operation: &Operation, surface: &VaneSurface<'_>
         let radius = solid.cutter.tip_radius();
         let height = |x: f64| {
             let [low, high] = [0.0, 1.0].map(|y| surface.chart.place(x, y).parameters[1]);
-            let v = part.fillet_tangent(surface.side, x, radius)?;
+            let v = part.fillet_tangent(face, x, radius)?;
             Some(((v - low) / (high - low)).clamp(0.0, 1.0))
         };
         // With a fillet the chart begins where any ball that fits the fillet may stand.
-        return if part.fillet(surface.side).is_some() {
+        return if part.fillet(face).is_some() {
             vec![0.0; 2]
         } else {
             stations.map(|x| height(x).unwrap_or(0.0)).collect()

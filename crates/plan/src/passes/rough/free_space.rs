@@ -61,9 +61,10 @@ impl Roughing<'_> {
 
     /// Distance of the places across the channel at which the free space is tried, mm.
     fn step_across(&self, place: &StationPlace<'_>) -> f64 {
-        // On a lead, what stands between two places a step apart comes nearer by half of the tolerance at most.
+        // Beside the ends of the walls and on leads, what stands between two places a step apart comes nearer by half of the tolerance at
+        // most: the corner of a blade may reach into the way of the tool by less than its radius.
         let chord = 2.0 * libm::sqrt(self.radius() * self.tolerance);
-        if place.is_on_lead() { chord.min(self.radius()) } else { self.radius() }
+        if self.is_beside_end(place) { chord.min(self.radius()) } else { self.radius() }
     }
 
     /// Border of the free space from a free place towards a wall, w of both.

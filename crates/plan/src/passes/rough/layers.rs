@@ -1,7 +1,7 @@
 //! Layers of channel roughing: how deep a tool reaches, and how near to both walls at each place.
 
 use super::wall_tilt::WallTilt;
-use crate::passes::context::{ChannelChart, Crossing, Keep, Obstacles, TableTool};
+use crate::passes::context::{ChannelChart, Crossing, Keep, Obstacles, TILT_RESERVE, TableTool, within_tilt};
 use crate::spacing;
 use base::progress::Progress;
 use ir::{CcPoint, Operation, Program};
@@ -42,6 +42,10 @@ pub(crate) struct Roughing<'a> {
     between: Keep,
     /// Tilt of the axis away from the walls.
     tilt: WallTilt,
+    /// Largest angle between tool axis and Z that the travel of the rotary axes leaves, radians.
+    max_tilt: f64,
+    /// u from the inlet, and to the outlet, of a diameter of the tool.
+    beside_end: [f64; 2],
     /// The axis does not turn on the leads.
     straight_leads: bool,
     /// The tool may be lifted over the hub by up to a step down.
@@ -126,9 +130,9 @@ impl<'a> StationPlace<'a> {
         Self { at: chart.crossing(u), end, known: RefCell::default(), lift: Cell::default() }
     }
 
-    /// True beyond the inlet and the outlet.
-    pub(super) fn is_on_lead(&self) -> bool {
-        self.end.is_some()
+    /// u of the place.
+    pub(super) fn u(&self) -> f64 {
+        self.at.u()
     }
 
     fn inside(&self) -> &Crossing<'a> {
@@ -248,9 +252,12 @@ impl<'a> Roughing<'a> {
     ) -> Option<Self> {
         let Allowances { vane, hub } = operation.kind.roughing()?;
         let follows_levels = operation.kind.follows_stock();
+        let chart = ChannelChart::new(&program.part, passage);
+        let diameter = 2.0 * program.tools[operation.tool].solid.radius();
         let upright = Self {
             tilt: WallTilt::default(),
-            chart: ChannelChart::new(&program.part, passage),
+            chart,
+            beside_end: [0.0, 1.0].map(|end| chart.lead(end, 0.5, diameter)),
             passage,
             obstacles,
             tool: TableTool::new(&program.tools[operation.tool].solid),
@@ -262,6 +269,7 @@ impl<'a> Roughing<'a> {
                 clearance: program.clearance.get(),
             },
             between: Keep { vane, hub: hub.get(), clearance: program.clearance.get() },
+            max_tilt: program.machine.max_tilt() - TILT_RESERVE,
             straight_leads: follows_levels,
             lifts: follows_levels || program.tools[operation.tool].solid.cutter.tip_radius() > 0.0,
             spacing: if follows_levels { spacing::rough_spacing(program) } else { STATION_SPACING },
@@ -293,6 +301,12 @@ impl<'a> Roughing<'a> {
         self.tool.solid.radius()
     }
 
+    /// True on leads, and less than a diameter of the tool inside of the inlet or the outlet.
+    pub(super) fn is_beside_end(&self, place: &StationPlace<'_>) -> bool {
+        let u = place.u();
+        u < self.beside_end[0] || u > 1.0 - self.beside_end[1]
+    }
+
     /// Height over the tip up to which the tool cuts, mm.
     pub(super) fn flute_length(&self) -> f64 {
         self.tool.solid.flute_length
@@ -310,7 +324,7 @@ impl<'a> Roughing<'a> {
 
     fn axis_at(&self, place: &StationPlace<'_>, v: f64, w: f64) -> Vector3<f64> {
         let at = if self.straight_leads { place.inside() } else { &place.at };
-        at.axis(v, w, self.edge(v), self.tilt.at(at.u()))
+        within_tilt(at.axis(v, w, self.edge(v), self.tilt.at(at.u())), self.max_tilt)
     }
 
     /// Station of a line in the chart, sector 0.

@@ -209,6 +209,14 @@ impl Roughing<'_> {
         borders.windows(2).map(|w| w[0]..w[1]).collect()
     }
 
+    /// True where the end of the tool stands outside of the blank: there it comes down without cutting. On a lead that something cuts
+    /// short, the tip alone may be outside.
+    fn stands_free(&self, level: Level, station: &LayerStation) -> bool {
+        let place = self.cc_point(station.u, level, station.middle());
+        let end = place.position + place.normal * self.tool.solid.cutter.tip_radius();
+        self.blank.distance(&end) >= self.radius() - self.tolerance
+    }
+
     /// The runs of a level.
     fn runs(&self, number: usize, level: Level, last: bool) -> RoughLevel {
         let at = |u: f64| level.v(&self.chart, u, 0.5);
@@ -254,7 +262,8 @@ impl Roughing<'_> {
                 for part in self.continuous(level, &stations) {
                     let stations: Vec<LayerStation> = stations[part.clone()].to_vec();
                     let inside = |k: usize| inside[first + k];
-                    let open = [!inside(part.start), !inside(part.end - 1)];
+                    let open = |k: usize| !inside(k) && self.stands_free(level, &stations[k - part.start]);
+                    let open = [open(part.start), open(part.end - 1)];
                     let steps = first + part.start..first + part.end - 1;
                     if in_stock.iter().any(|i| steps.contains(i)) && (open[0] || open[1]) {
                         steps.for_each(|i| cuts[i] = true);

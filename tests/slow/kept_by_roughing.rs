@@ -1,0 +1,63 @@
+//! What roughing must leave as the lathe made it, on wheels whose channels end in other ways than those of compressors.
+
+use crate::support::bounded;
+
+/// A part with one roughing of one sector; the verdict, and what was said.
+fn roughed(part: &str, tool: &str, stock: &str) -> (bool, String) {
+    let folder = tempfile::tempdir().unwrap();
+    let job = format!(
+        "edition 2026\nuse machine \"generic-ac-table\"\nuse tools \"five-axis\"\n{part}\n{stock}\ntool t1 = \"{tool}\"\n\
+         operation rough {{ tools t1  speed 15000 rpm  feed 3000 mm/min  link-feed 3000 mm/min  depth 1.3 mm  stepover 1.6 mm \
+         allowance vane 0.2 mm, hub 0.2 mm  lead-in 1.5 mm  lead-out 1.5 mm  sectors 1 }}\nrequire gouge <= 5 um\npost siemens-840d\n"
+    );
+    std::fs::write(folder.path().join("wheel.imp"), job).unwrap();
+    let run = bounded::program().current_dir(folder.path()).args(["wheel.imp", "-o", "wheel.nc"]).output().unwrap();
+    let said = String::from_utf8_lossy(&run.stdout).into_owned() + &String::from_utf8_lossy(&run.stderr);
+    (run.status.success(), said)
+}
+
+/// The channels of an axial rotor end over a rim: lines that run on behind the blades went 83 um into it.
+#[test]
+fn lines_of_an_axial_rotor_keep_off_its_rim() {
+    let part = "part rotor { vanes 12
+        hub revolve spline [(18, 0, 2) (18, 0, -20)] mm
+        shroud revolve spline [(30, 0, 2) (30, 0, -20)] mm
+        vane main { beta-from meridian
+            span 0 % { beta [(0 %, 35 deg) (100 %, 22 deg)] start 0 deg thickness [(0 %, 0.6 mm) (40 %, 1.8 mm) (100 %, 0.5 mm)] }
+            span 100 % { beta [(0 %, 50 deg) (100 %, 44 deg)] start 0 deg thickness [(0 %, 0.5 mm) (40 %, 1.2 mm) (100 %, 0.4 mm)] }
+            from 20 % to 85 % leading-edge elliptic 2 trailing-edge round fillet 1.2 mm } }";
+    let stock = "stock turned { over shroud 0 mm bore 0 mm back -27 mm clamping { below -27 mm diameter 31 mm } }";
+    let (holds, said) = roughed(part, "ball-6x50", stock);
+    assert!(holds, "{said}");
+}
+
+/// The channels of a turbine run inward. At the rim its blades stand upright: the axes leaned inward there, through the pole.
+#[test]
+fn axes_of_a_turbine_keep_off_the_pole() {
+    let part = "part turbine { vanes 11
+        hub revolve spline [(25, 0, -17) (20, 0, -16.6) (15, 0, -15) (11, 0, -11.5) (8.6, 0, -6.5) (7.4, 0, -2) (7, 0, 0)] mm
+        shroud revolve spline [(25, 0, -12) (21.5, 0, -11.4) (18.7, 0, -9.5) (17, 0, -6.5) (16.3, 0, -3) (16, 0, 0)] mm
+        vane main { beta-from meridian
+            span 0 % { beta [(0 %, 0 deg) (50 %, -10 deg) (100 %, -36 deg)] start 0 deg thickness [(0 %, 1.4 mm) (50 %, 1.3 mm) (100 %, 0.9 mm)] }
+            span 100 % { beta [(0 %, 0 deg) (50 %, -20 deg) (100 %, -56 deg)] start 0 deg thickness [(0 %, 1.2 mm) (50 %, 1 mm) (100 %, 0.6 mm)] }
+            from hub 0.8 mm, shroud 0.6 mm leading-edge elliptic 2 trailing-edge cut-off pressure clockwise fillet 0.85 mm } }";
+    let stock = "stock turned { over shroud 0 mm bore 0 mm back -22 mm clamping { below -22 mm diameter 24 mm } }";
+    let (holds, said) = roughed(part, "ball-4x40", stock);
+    assert!(holds, "{said}");
+}
+
+/// An inducer whose blades lean back needs axes near the travel of the table, and lines that end in the middle of its blank.
+#[test]
+fn an_inducer_is_roughed_within_the_travel() {
+    let part = "part inducer { vanes 3
+        hub revolve spline [(4.5, 0, 2) (4.8, 0, -5) (5.4, 0, -12) (6.2, 0, -18) (7, 0, -24)] mm
+        shroud revolve spline [(15, 0, 2) (15, 0, -24)] mm
+        vane main {
+            span 0 % { theta [(0 %, 0 deg) (100 %, 170 deg)] thickness [(0 %, 1.2 mm) (30 %, 2 mm) (100 %, 1.4 mm)] }
+            span 100 % { theta [(0 %, 20 deg) (100 %, 170 deg)] thickness [(0 %, 0.8 mm) (30 %, 1.2 mm) (100 %, 0.9 mm)] }
+            from hub 3 mm, shroud 6 mm to hub 90 %, shroud 88 %
+            leading-edge elliptic 3 trailing-edge round pressure clockwise fillet 1.3 mm } }";
+    let stock = "stock turned { over shroud 0 mm bore 0 mm back -39 mm clamping { below -39 mm diameter 16 mm } }";
+    let (holds, said) = roughed(part, "ball-4x40", stock);
+    assert!(holds, "{said}");
+}
