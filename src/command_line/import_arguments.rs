@@ -1,7 +1,7 @@
 //! Options of `impellerc import`, and of blade files wherever they are read.
 
 use super::ErrorFormat;
-use super::quantities::within;
+use super::quantities::{fillet, within};
 use clap::{Args, ValueEnum};
 use impellerc::blade::ThicknessDirection;
 use impellerc::blade::outline::Side;
@@ -83,6 +83,10 @@ pub(super) struct BladeFileArguments {
     #[arg(long = "face", value_name = "ROLE=FACE", value_parser = face)]
     faces: Vec<FaceChoice>,
 
+    /// Radius of the fillets at the feet of the blades, which files of sections do not state, from 0.05mm to 50mm
+    #[arg(long, value_name = "LENGTH", value_parser = fillet)]
+    fillet: Option<f64>,
+
     /// Place on the axis of rotation that becomes zero of the part
     #[arg(long, value_enum, default_value = "file", value_name = "PLACE")]
     zero: ZeroArgument,
@@ -114,6 +118,7 @@ impl BladeFileArguments {
             start,
             side,
             faces,
+            fillet,
             zero,
             ruled,
             within: _,
@@ -121,7 +126,15 @@ impl BladeFileArguments {
         } = self;
         [format.is_some(), unit.is_some(), axis.is_some(), handedness.is_some(), blades.is_some(), columns.is_some()]
             .into_iter()
-            .chain([thickness.is_some(), start.is_some(), side.is_some(), !faces.is_empty(), row.is_some(), *ruled])
+            .chain([
+                thickness.is_some(),
+                start.is_some(),
+                side.is_some(),
+                !faces.is_empty(),
+                row.is_some(),
+                *ruled,
+                fillet.is_some(),
+            ])
             .any(|stated| stated)
             || matches!(zero, ZeroArgument::Top)
     }
@@ -148,6 +161,7 @@ impl BladeFileArguments {
                 SideArgument::Smaller => Side::Smaller,
             }),
             faces: self.faces,
+            fillet: self.fillet,
         };
         let zero = match self.zero {
             ZeroArgument::File => Zero::File,

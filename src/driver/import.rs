@@ -69,10 +69,13 @@ pub(super) fn part(
     let Outcome { sources, sink, .. } = outcome;
     let names = or_reported(names(&options.files), sink)?;
     let read = stages.run("read", || blade_files::read(&names, &mut fetch, &options.options, sources));
-    let imported = read.map_err(|diags| {
+    let mut imported = read.map_err(|diags| {
         diags.into_iter().for_each(|diag| sink.push(diag));
         Aborted
     })?;
+    if let Some(stated) = options.options.fillet {
+        imported.rows.iter_mut().flat_map(|row| &mut row.blades).for_each(|blade| blade.fillet = Some(stated));
+    }
     if !imported.listing.is_empty() {
         or_reported(only_listed(&imported, options), sink)?;
         let lines: String = imported.listing.iter().map(|line| format!("{line}\n")).collect();

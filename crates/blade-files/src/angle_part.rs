@@ -3,7 +3,7 @@
 use super::angles::{StatedAngle, StatedAngles};
 use super::job_frame::JobFrame;
 use super::part_source::{PartSource, blade_name};
-use super::part_text::{PartFiles, curve, facing, head, meridian, meridians, sections, word, write_cuts};
+use super::part_text::{PartFiles, curve, facing, fillet_line, head, meridian, meridians, sections, word, write_cuts};
 use base::units::trim;
 use blade::angles::EdgeShape;
 use nalgebra::Point3;
@@ -31,7 +31,7 @@ pub(super) fn write(source: &PartSource<'_>) -> Option<PartFiles> {
         }
     }
     let mut job = head(source, frame);
-    write_cuts(&mut job, ends);
+    write_cuts(&mut job, source, ends);
     job.push_str("edition 2026\n\n");
     _ = writeln!(job, "part {} {{\n  vanes {}", word(source.name, "imported"), source.row.count);
     job.push_str(&source.imported_from());
@@ -103,7 +103,9 @@ fn blade(text: &mut String, source: &PartSource<'_>, k: usize, stated: &StatedAn
         };
         _ = writeln!(text, "    {edge}-edge {form}");
     }
-    _ = writeln!(text, "    pressure {facing}\n  }}");
+    _ = writeln!(text, "    pressure {facing}");
+    text.push_str(&fillet_line(source, k));
+    text.push_str("  }\n");
 }
 
 fn percent(share: f64) -> String {

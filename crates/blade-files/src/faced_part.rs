@@ -4,7 +4,8 @@
 use super::job_frame::JobFrame;
 use super::part_source::{PartSource, blade_name};
 use super::part_text::{
-    self, COORDINATE_DIGITS, FACES, PartFiles, curves, facing, head, loops, meridian, meridians, sections, word,
+    self, COORDINATE_DIGITS, FACES, PartFiles, curves, facing, fillet_line, head, loops, meridian, meridians, sections,
+    word,
 };
 use super::short_ends::WITHOUT_A_WORD;
 use super::{BladeSurfaces, angle_part};
@@ -84,9 +85,7 @@ impl<'a> FacedPart<'a> {
                 Some(fit) => closed_sections(&mut text, source, k, divided, fit, frame),
                 None => faces(&mut text, divided, &blade, &file),
             }
-            if let Some(fillet) = source.row.blades.get(k).and_then(|blade| blade.fillet) {
-                _ = writeln!(text, "    fillet {} mm", trim(fillet, 3));
-            }
+            text.push_str(&fillet_line(source, k));
             text.push_str("  }\n");
         }
         for name in ["hub", "shroud"] {

@@ -181,6 +181,8 @@ pub struct Options {
     pub side: Option<Side>,
     /// Faces of a STEP file by their roles.
     pub faces: Vec<FaceChoice>,
+    /// Radius of the fillets at the feet of the blades, mm, which files of sections do not state.
+    pub fillet: Option<f64>,
 }
 
 /// A reader of a format.

@@ -79,7 +79,7 @@ pub(super) fn head(source: &PartSource<'_>, frame: JobFrame) -> String {
 fn job(source: &PartSource<'_>, frame: JobFrame, ends: Option<&[CutMeridian; 2]>) -> String {
     let mut text = head(source, frame);
     if let Some(ends) = ends {
-        write_cuts(&mut text, ends);
+        write_cuts(&mut text, source, ends);
     } else {
         text.push_str(
             "// The faces are ruled from the first to the last section. Add stock, tools, operations and contracts.\n",
@@ -107,6 +107,7 @@ fn job(source: &PartSource<'_>, frame: JobFrame, ends: Option<&[CutMeridian; 2]>
         } else {
             ruled_faces(&mut text, divided, &name, &file);
         }
+        text.push_str(&fillet_line(source, k));
         text.push_str("  }\n");
     }
     text.push_str(&match ends {
@@ -120,7 +121,7 @@ fn job(source: &PartSource<'_>, frame: JobFrame, ends: Option<&[CutMeridian; 2]>
 }
 
 /// Comments that tell where hub and shroud are cut.
-pub(super) fn write_cuts(text: &mut String, [hub, shroud]: &[CutMeridian; 2]) {
+pub(super) fn write_cuts(text: &mut String, source: &PartSource<'_>, [hub, shroud]: &[CutMeridian; 2]) {
     for (name, CutMeridian { beyond: [ahead, behind], .. }) in [("hub", hub), ("shroud", shroud)] {
         let (ahead, behind) = (trim(*ahead, 3), trim(*behind, 3));
         _ = writeln!(
@@ -128,7 +129,14 @@ pub(super) fn write_cuts(text: &mut String, [hub, shroud]: &[CutMeridian; 2]) {
             "// The {name} is cut {ahead} mm ahead of the leading edges and {behind} mm behind the trailing edges: change it to the ends of the wheel."
         );
     }
-    text.push_str("// Add fillets, stock, tools, operations and contracts.\n");
+    let fillets = if source.row.blades.iter().all(|blade| blade.fillet.is_some()) { "" } else { "fillets, " };
+    _ = writeln!(text, "// Add {fillets}stock, tools, operations and contracts.");
+}
+
+/// The line of the fillet of a blade, where it is known.
+pub(super) fn fillet_line(source: &PartSource<'_>, blade: usize) -> String {
+    let fillet = source.row.blades.get(blade).and_then(|blade| blade.fillet);
+    fillet.map_or_else(String::new, |fillet| format!("    fillet {} mm\n", trim(fillet, 3)))
 }
 
 /// Where the pressure face looks in the frame of the job, seen from +Z.
