@@ -1,7 +1,7 @@
 //! Arguments of the command line: commands, options, their help.
 
 use super::import_arguments::{BladeFileArguments, ImportArguments};
-use super::quantities::{chord, with_unit};
+use super::quantities::{chord, price, with_unit};
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
@@ -315,6 +315,40 @@ pub(super) enum Command {
         explain_choices: bool,
 
         #[command(flatten, next_help_heading = "Blade files of `--from`")]
+        of_files: Box<BladeFileArguments>,
+    },
+    /// Estimates what a part takes on the machine, in seconds and without planning it: time, stock, chips, tools
+    #[command(after_help = IMPORT_CODES)]
+    Quote {
+        /// Blade files, a folder with them, a job with a part alone, or a whole job
+        #[arg(required = true)]
+        part: Vec<PathBuf>,
+
+        /// Machine of the library for a part that names none
+        #[arg(long, value_name = "NAME")]
+        machine: Option<String>,
+
+        /// Material of the stock for a part without stock: aluminium, steel, stainless, titanium or nickel
+        #[arg(long, value_name = "NAME")]
+        material: Option<String>,
+
+        /// Search this folder first for machine, tool and post files (subfolders `machines`, `tools` and `posts`)
+        #[arg(long, value_name = "DIR")]
+        library: Option<PathBuf>,
+
+        /// Print JSON with all numbers in place of text for people
+        #[arg(long)]
+        json: bool,
+
+        /// Price of an hour of the machine
+        #[arg(long, value_name = "NUMBER", value_parser = price)]
+        hour_price: Option<f64>,
+
+        /// Price of a kilogram of stock
+        #[arg(long, value_name = "NUMBER", value_parser = price)]
+        kilogram_price: Option<f64>,
+
+        #[command(flatten, next_help_heading = "Blade files")]
         of_files: Box<BladeFileArguments>,
     },
     /// Writes jobs in their usual form: indentation and blanks; words, numbers and comments stay as they are

@@ -15,7 +15,8 @@ use impellerc::diagnostics::junit::junit;
 use impellerc::diagnostics::sarif::sarif;
 use impellerc::diagnostics::{Code, Exit, render};
 use impellerc::driver::{
-    self, BEGINNINGS, Format, FromPart, LibraryKind, NcCheck, NcDiff, Options, Outcome, RunOptions, Stages,
+    self, BEGINNINGS, Format, FromPart, LibraryKind, NcCheck, NcDiff, Options, Outcome, PartInput, QuoteOptions,
+    RunOptions, Stages,
 };
 use impellerc::job::vocabulary;
 use impellerc::output::interrupt;
@@ -68,17 +69,15 @@ fn commanded(command: Command) -> ExitCode {
             of_files,
             ..
         } => {
-            let part = of_files.import(vec![part]);
-            let options = FromPart {
-                file,
-                part,
-                machine,
-                material,
-                library,
-                explain,
-                whole: matches!(effort, EffortArgument::Whole),
-            };
+            let part = PartInput { files: of_files.import(vec![part]), machine, material, library };
+            let whole = matches!(effort, EffortArgument::Whole);
+            let options = FromPart { file, part, explain, whole };
             finish(Display::HUMAN, |stages| driver::new_from(&options, stages))
+        }
+        Command::Quote { part, machine, material, library, json, hour_price, kilogram_price, of_files } => {
+            let part = PartInput { files: of_files.import(part), machine, material, library };
+            let options = QuoteOptions { part, json, hour: hour_price, kilogram: kilogram_price };
+            finish(Display::HUMAN, |stages| driver::quoted(&options, stages))
         }
         Command::New { file, kind, .. } => {
             let kind = BEGINNINGS.iter().find(|b| b.name == kind).unwrap_or(&BEGINNINGS[0]);

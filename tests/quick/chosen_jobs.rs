@@ -122,7 +122,13 @@ fn blade_files_become_a_job() {
     assert!(!folder.path().join("wheel.imp").exists());
     std::fs::remove_file(folder.path().join("wheel.curves.csv")).unwrap();
 
-    let made = run(folder.path(), &["new", "wheel", "--from", "blades", "--machine", "5mc850-c"]);
+    // Sections state no fillets, and the corner of face and floor keeps the radius of every ball.
+    let sharp = said(&run(folder.path(), &["new", "wheel", "--from", "blades", "--machine", "5mc850-c"]));
+    let radius =
+        sharp.split("--fillet ").nth(1).and_then(|rest| rest.split('`').next()).expect("a radius that a ball mills");
+    assert!(sharp.contains("no tool mills a sharp foot") && !folder.path().join("wheel.imp").exists(), "{sharp}");
+
+    let made = run(folder.path(), &["new", "wheel", "--from", "blades", "--machine", "5mc850-c", "--fillet", radius]);
     let text = said(&made);
     assert!(made.status.success() && text.contains("the number of main blades is 8"), "{text}");
     assert!(text.contains("wrote wheel.imp") && text.contains("wheel.curves.csv"), "{text}");

@@ -70,6 +70,7 @@ mod posts;
 mod printed_jobs;
 mod progress;
 mod quirks;
+mod quotes;
 mod ramp;
 mod refused_roughing;
 mod removal;

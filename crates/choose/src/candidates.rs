@@ -51,8 +51,13 @@ const LEAST_SHARE: f64 = 0.3;
 /// Number of tools that are tried for an operation.
 const MAX_TRIED: usize = 10;
 
-/// The first candidates with a ball of at most a radius, mm, whose flutes are as long as a channel is deep.
+/// Candidates with a ball of at most a radius, mm, whose flutes are as long as a channel is deep: the first of each ball, then the second
+/// ones. Where a tool has no axes, one with the same ball rarely has.
 pub(crate) fn balls(all: &[Candidate], most: f64, depth: f64) -> Vec<&Candidate> {
     let fits = |c: &&Candidate| c.ball <= most + 1e-9 && c.ball >= LEAST_SHARE * most && c.flute() >= depth;
-    all.iter().filter(fits).take(MAX_TRIED).collect()
+    let fitting: Vec<&Candidate> = all.iter().filter(fits).collect();
+    let alike = |k: usize| fitting[..k].iter().filter(|other| other.ball == fitting[k].ball).count();
+    let mut ranked: Vec<(usize, &Candidate)> = fitting.iter().enumerate().map(|(k, c)| (alike(k), *c)).collect();
+    ranked.sort_by_key(|(rank, _)| *rank);
+    ranked.into_iter().map(|(_, candidate)| candidate).take(MAX_TRIED).collect()
 }

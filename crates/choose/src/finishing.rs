@@ -19,7 +19,11 @@ const FLOOR_SHARE: f64 = 0.4;
 /// Methods in the order in which they are tried.
 const METHODS: [AxisMethod; 2] = [AxisMethod::Corridor, AxisMethod::Blend];
 
+/// Height of ridges of a trial with few lines, over that which is wanted: a third of the lines.
+const FEW_LINES: f64 = 9.0;
+
 /// A kind of finishing.
+#[derive(Clone)]
 struct Finish {
     keyword: &'static str,
     /// What it finishes, in its own properties.
@@ -79,16 +83,24 @@ pub(crate) fn finishing(
         // `channel` takes no tapered ball.
         tools.retain(|tool| kind.keyword != "channel" || tool.is_straight());
         tools.sort_by_key(|tool| !chosen.iter().any(|operation| operation.tool == tool.name));
+        let mut failed = false;
         let found = tools.iter().find_map(|tool| {
             METHODS.into_iter().find_map(|method| {
                 if trials.progress.is_cancelled() {
                     return None;
                 }
                 let operation = operation(part, &kind, tool, method);
-                let mut first = operation.clone();
-                first.properties.push_str("  sectors 1");
                 let what = format!("{} with {}, {}", kind.keyword, tool.name, method.name());
-                trials.have_axes(&what, &items(&[first], all)).then_some(operation)
+                let mut has_axes = |scallop: f64, what: &str| {
+                    let mut first = self::operation(part, &Finish { scallop, ..kind.clone() }, tool, method);
+                    first.properties.push_str("  sectors 1");
+                    trials.have_axes(what, &items(&[first], all))
+                };
+                // What fails with few lines fails with all of them, and sooner.
+                let few = !failed || has_axes(FEW_LINES * kind.scallop, &format!("{what}, few lines"));
+                let holds = few && has_axes(kind.scallop, &what);
+                failed |= !holds;
+                holds.then_some(operation)
             })
         });
         let Some(operation) = found else {

@@ -5,11 +5,12 @@ use crate::Part;
 use crate::candidates::Candidate;
 use crate::cutting_data::{cutting_data, rounded};
 use crate::sizes::Sizes;
-use crate::text::ChosenOperation;
+use crate::text::{ChosenOperation, items};
+use crate::trial::{Trials, Tried};
 use base::units::trim;
 
 /// Largest diameter of a roughing tool as a share of the width between the tips.
-const TOP_SHARE: f64 = 0.75;
+pub(crate) const TOP_SHARE: f64 = 0.75;
 
 /// A tool is smaller than the one before it by at least this factor.
 const FALL: f64 = 0.8;
@@ -37,6 +38,25 @@ pub(crate) fn roughing(part: &Part<'_>, all: &[Candidate], last: &Candidate) -> 
     let tools = ladder(part, all, last);
     let count = tools.len();
     tools.into_iter().enumerate().map(|(k, tool)| operation(part, tool, [k, count], allowance)).collect()
+}
+
+/// The operations that find something to cut, in one sector: those between may have nothing left to do.
+pub(crate) fn needed(
+    mut roughing: Vec<ChosenOperation>,
+    all: &[Candidate],
+    trials: &mut Trials<'_, '_>,
+) -> Vec<ChosenOperation> {
+    let mut first = roughing.clone();
+    first.iter_mut().for_each(|operation| operation.properties.push_str("  sectors 1"));
+    let needless = trials.needless("rough in one sector", &items(&first, all));
+    for k in needless.into_iter().rev() {
+        let left_out = roughing.remove(k);
+        trials.tried.push(Tried {
+            what: format!("rough with {} after a larger ball", left_out.tool),
+            fault: Some("left out: it finds nothing to cut".to_owned()),
+        });
+    }
+    roughing
 }
 
 /// Stock that roughing leaves, mm: in a fillet a ball keeps it only where its radius is as much smaller than the fillet.

@@ -1,8 +1,10 @@
 //! Trials of what was chosen, each on the text of a job.
 
 use crate::Front;
+use base::entity::EntityId;
 use base::progress::Progress;
-use diagnostics::{Severity, Sink};
+use diagnostics::{Aborted, Severity, Sink};
+use ir::{OperationId, Program};
 use plan::facts;
 use plan::passes::pipeline;
 
@@ -21,26 +23,43 @@ pub(crate) struct Trials<'a, 'f> {
     pub(crate) head: String,
     pub(crate) front: &'a mut Front<'f>,
     pub(crate) progress: &'a Progress,
+    /// Nothing is planned: what fits by its sizes is taken to have free and smooth axes.
+    pub(crate) assumed: bool,
     pub(crate) tried: Vec<Tried>,
 }
 
 impl Trials<'_, '_> {
     /// Whether operations have paths with free and smooth axes in the sectors that they name.
     pub(crate) fn have_axes(&mut self, what: &str, items: &str) -> bool {
+        self.planned(what, items, pipeline::axes).is_some()
+    }
+
+    /// Which of the operations of roughing find nothing to cut, by their order.
+    pub(crate) fn needless(&mut self, what: &str, items: &str) -> Vec<usize> {
+        let needless = self.planned(what, items, pipeline::needless).unwrap_or_default();
+        needless.into_iter().map(OperationId::index).collect()
+    }
+
+    /// What a plan of operations says; `None` where it is refused.
+    fn planned<T: Default>(
+        &mut self,
+        what: &str,
+        items: &str,
+        plan: impl FnOnce(&Program, &Progress, &mut Sink) -> Result<T, Aborted>,
+    ) -> Option<T> {
+        if self.assumed {
+            return Some(T::default());
+        }
         let mut sink = Sink::default();
         // The passes of the planner count their own work; this names it where they do not.
         let _work = self.progress.begin(what.to_owned(), 1);
         let planned = (self.front)(&format!("{}\n{items}", self.head), &mut sink).and_then(|program| {
             facts::check(&program, self.progress, &mut sink);
-            if sink.has_errors() {
-                Err(diagnostics::Aborted)
-            } else {
-                pipeline::axes(&program, self.progress, &mut sink)
-            }
+            if sink.has_errors() { Err(Aborted) } else { plan(&program, self.progress, &mut sink) }
         });
-        let fault = planned.err().map(|_| first_error(&sink));
-        self.tried.push(Tried { what: what.to_owned(), fault: fault.clone() });
-        fault.is_none()
+        let fault = planned.is_err().then(|| first_error(&sink));
+        self.tried.push(Tried { what: what.to_owned(), fault });
+        planned.ok()
     }
 }
 
