@@ -36,7 +36,7 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking"))]
 
 pub use {
-    axes, base, blade, blade_files, diagnostics, five_axis, ir, job, lower, nc, nurbs, plan, quote, report, syntax,
+    axes, base, blade, blade_files, diagnostics, five_axis, ir, job, lower, nc, nurbs, plan, quotation, report, syntax,
     tool_stock, verify, wheel,
 };
 

@@ -7,7 +7,7 @@ use super::{DiskFiles, Outcome, Stages, or_reported, shown_path};
 use ::syntax::ast::{File, Item, ItemKind};
 use base::source::{SourceFile, SourceId, SourceMap};
 use choose::{Chosen, Effort};
-use diagnostics::{Aborted, Diag, Sink};
+use diagnostics::{Aborted, Diag, Severity, Sink};
 use ir::Program;
 use job::{Files, MissingFile};
 use std::collections::BTreeMap;
@@ -94,7 +94,9 @@ impl<'s> PartText<'s> {
             choose::choose(&head, &library, &mut front, effort, progress, &mut found)
         });
         found.change_all(|diag| placed_in(source, head.len(), diag));
-        sink.append(found);
+        // Warnings of a text that nobody wrote have no place in one that is shown.
+        let shown = |diag: &&Diag| diag.severity == Severity::Error || !diag.labels.is_empty();
+        found.diags().iter().filter(shown).for_each(|diag| sink.push(diag.clone()));
         let chosen = chosen?;
         stages.go_on()?;
         Ok(chosen)

@@ -4,9 +4,9 @@ use super::open_part::{PartInput, PartText, given};
 use super::{Options, Outcome, RunOptions, Stages, front};
 use base::units::trim;
 use choose::Effort;
-use diagnostics::Aborted;
+use diagnostics::{Aborted, Sink};
 use ir::Program;
-use quote::{LowerBound, Quote};
+use quotation::{LowerBound, Quote};
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::Path;
@@ -35,7 +35,7 @@ pub fn quoted(options: &QuoteOptions, stages: &mut Stages) -> Outcome {
 
 fn run(options: &QuoteOptions, stages: &mut Stages, outcome: &mut Outcome) -> Result<(), Aborted> {
     let program = program(options, stages, outcome)?;
-    let quote = stages.run("quote", || quote::quote(&program));
+    let quote = stages.run("quote", || quotation::quote(&program));
     stages.go_on()?;
     outcome.emitted =
         Some(if options.json { as_json(&program, &quote, options) } else { text(&program, &quote, options) });
@@ -49,7 +49,15 @@ fn program(options: &QuoteOptions, stages: &mut Stages, outcome: &mut Outcome) -
     let ast = part.parsed(outcome)?;
     if given(&ast).is_none() {
         let chosen = part.choose(&ast, Effort::Sizes, stages, outcome)?;
-        return part.program(&chosen.job, &mut outcome.sink);
+        // Remarks on a text that nobody wrote say nothing, and their places are in no text that is shown.
+        let mut faults = Sink::default();
+        return part.program(&chosen.job, &mut faults).inspect_err(|_| {
+            faults.change_all(|mut diag| {
+                diag.labels.clear();
+                diag
+            });
+            outcome.sink.append(faults);
+        });
     }
     *outcome = Outcome::default();
     let PartInput { library, machine, .. } = options.part.clone();

@@ -102,6 +102,7 @@ const LATER_ROUGH: f64 = 1.0;
 /// The same of the last one: it grows with what its radius is smaller than that of the tool before, from this ratio on.
 const LAST_ROUGH: f64 = 8.0;
 const LAST_RATIO: f64 = 0.8;
+const LEAST_LAST: f64 = 0.05;
 
 /// By how much certificates were over the expected time, as a share, among 13 wheels: those nine and four others.
 pub(crate) const ERROR: f64 = 0.3;
@@ -118,7 +119,8 @@ pub(crate) fn expected(program: &Program, surfaces: &[Milled], widths: &Widths) 
         let (lines, length, seconds) = match &operation.kind {
             OperationKind::Roughing { allowances, strategy } => {
                 let last = before.len() + 1 == roughings;
-                let previous = before.last().copied();
+                // Later operations of other strategies cut stock of their own.
+                let previous = before.last().copied().filter(|_| matches!(strategy, RoughingStrategy::Rough { .. }));
                 before.push(radius);
                 match previous {
                     None => {
@@ -126,7 +128,7 @@ pub(crate) fn expected(program: &Program, surfaces: &[Milled], widths: &Widths) 
                         first_roughing(operation, strategy, widths, open)
                     }
                     Some(previous) if last => {
-                        (0.0, 0.0, LAST_ROUGH * (LAST_RATIO - radius / previous).max(0.0) * widths.walls)
+                        (0.0, 0.0, LAST_ROUGH * (LAST_RATIO - radius / previous).max(LEAST_LAST) * widths.walls)
                     }
                     Some(_) => (0.0, 0.0, LATER_ROUGH * widths.walls),
                 }
