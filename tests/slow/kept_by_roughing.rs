@@ -3,18 +3,23 @@
 use crate::support::bounded;
 
 /// A part with one roughing of one sector; the verdict, and what was said.
-fn roughed(part: &str, tool: &str, stock: &str) -> (bool, String) {
+fn roughed(part: &str, tools: [&str; 2], steps: &str, stock: &str) -> (bool, String) {
     let folder = tempfile::tempdir().unwrap();
     let job = format!(
-        "edition 2026\nuse machine \"generic-ac-table\"\nuse tools \"five-axis\"\n{part}\n{stock}\ntool t1 = \"{tool}\"\n\
-         operation rough {{ tools t1  speed 15000 rpm  feed 3000 mm/min  link-feed 3000 mm/min  depth 1.3 mm  stepover 1.6 mm \
-         allowance vane 0.2 mm, hub 0.2 mm  lead-in 1.5 mm  lead-out 1.5 mm  sectors 1 }}\nrequire gouge <= 5 um\npost siemens-840d\n"
+        "edition 2026\nuse machine \"generic-ac-table\"\nuse tools \"five-axis\"\n{part}\n{stock}\ntool t1 = \"{}\"\ntool t2 = \"{}\"\n\
+         operation rough {{ tools t1, t2  speed 15000 rpm  {steps} \
+         allowance vane 0.2 mm, hub 0.2 mm  lead-in 1.5 mm  lead-out 1.5 mm  sectors 1 }}\nrequire gouge <= 5 um\npost siemens-840d\n",
+        tools[0], tools[1]
     );
     std::fs::write(folder.path().join("wheel.imp"), job).unwrap();
     let run = bounded::program().current_dir(folder.path()).args(["wheel.imp", "-o", "wheel.nc"]).output().unwrap();
     let said = String::from_utf8_lossy(&run.stdout).into_owned() + &String::from_utf8_lossy(&run.stderr);
     (run.status.success(), said)
 }
+
+/// Feeds and steps for balls from 3 mm on, and for those of 2 mm.
+const COARSE: &str = "feed 1500 mm/min  link-feed 1500 mm/min  depth 0.9 mm  stepover 1.2 mm";
+const FINE: &str = "feed 500 mm/min  link-feed 500 mm/min  depth 0.6 mm  stepover 0.8 mm";
 
 /// The channels of an axial rotor end over a rim: lines that run on behind the blades went 83 um into it.
 #[test]
@@ -27,7 +32,7 @@ fn lines_of_an_axial_rotor_keep_off_its_rim() {
             span 100 % { beta [(0 %, 50 deg) (100 %, 44 deg)] start 0 deg thickness [(0 %, 0.5 mm) (40 %, 1.2 mm) (100 %, 0.4 mm)] }
             from 20 % to 85 % leading-edge elliptic 2 trailing-edge round fillet 1.2 mm } }";
     let stock = "stock turned { over shroud 0 mm bore 0 mm back -27 mm clamping { below -27 mm diameter 31 mm } }";
-    let (holds, said) = roughed(part, "ball-6x50", stock);
+    let (holds, said) = roughed(part, ["ball-6x50", "ball-3x30"], COARSE, stock);
     assert!(holds, "{said}");
 }
 
@@ -42,7 +47,7 @@ fn axes_of_a_turbine_keep_off_the_pole() {
             span 100 % { beta [(0 %, 0 deg) (50 %, -20 deg) (100 %, -56 deg)] start 0 deg thickness [(0 %, 1.2 mm) (50 %, 1 mm) (100 %, 0.6 mm)] }
             from hub 0.8 mm, shroud 0.6 mm leading-edge elliptic 2 trailing-edge cut-off pressure clockwise fillet 0.85 mm } }";
     let stock = "stock turned { over shroud 0 mm bore 0 mm back -22 mm clamping { below -22 mm diameter 24 mm } }";
-    let (holds, said) = roughed(part, "ball-4x40", stock);
+    let (holds, said) = roughed(part, ["ball-4x40", "ball-2x24"], FINE, stock);
     assert!(holds, "{said}");
 }
 
@@ -58,6 +63,6 @@ fn an_inducer_is_roughed_within_the_travel() {
             from hub 3 mm, shroud 6 mm to hub 90 %, shroud 88 %
             leading-edge elliptic 3 trailing-edge round pressure clockwise fillet 1.3 mm } }";
     let stock = "stock turned { over shroud 0 mm bore 0 mm back -39 mm clamping { below -39 mm diameter 16 mm } }";
-    let (holds, said) = roughed(part, "ball-4x40", stock);
+    let (holds, said) = roughed(part, ["ball-4x40", "ball-3x30"], COARSE, stock);
     assert!(holds, "{said}");
 }

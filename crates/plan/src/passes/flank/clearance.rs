@@ -1,7 +1,7 @@
 //! Limits of a flank milling path apart from the surface itself: clearance of shank and holder, travel of rotary axis
 //! 1.
 
-use crate::passes::context::{Obstacles, STATIONS, TILT_RESERVE};
+use crate::passes::context::{Obstacles, STATIONS};
 use axes::envelope::Target;
 use axes::envelope::target::{LEVER, Of};
 use ir::{OperationId, Program};
@@ -20,6 +20,9 @@ const LINE_STATIONS: usize = 30;
 
 /// Reserve beyond each clearance, for places between samples and between stations, mm.
 const RESERVE_MM: f64 = 0.05;
+
+/// Reserve of the travel of rotary axis 1, radians: of a path that is checked at all of its stations.
+const TILT_RESERVE: f64 = 1e-3;
 
 /// Points with less than this distance to their limit join the bounds of the path, mm: about as far as a change of the
 /// path moves a point.
