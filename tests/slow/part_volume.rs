@@ -77,7 +77,8 @@ fn the_stock_that_stays_is_the_part_and_what_finishing_leaves() {
     let blank = pappus(&program.stock.profile);
     let corners = |t: &[u32; 3]| t.map(|i| mesh.vertices[i as usize]);
     let area: f64 = mesh.triangles.iter().map(corners).map(|[a, b, c]| 0.5 * (b - a).cross(&(c - a)).norm()).sum();
-    for cell in [2.0, 1.0] {
+    // A cell of 2 mm is as wide as a vane is thick: there the error hangs on where the rays happen to fall.
+    for cell in [1.0, 0.5] {
         let mut settings = Settings { cell: Some(cell), ..Settings::default() };
         let stock =
             simulate(&program, &motion, &mut settings, &Progress::default(), &mut Sink::default()).expect("a stock");
