@@ -6,7 +6,10 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
-use impellerc::driver::{BEGINNINGS, Emit, EmitForm, OUTPUTS, Options, Output, OutputFile, PartOptions, RunOptions};
+use impellerc::driver::{
+    BEGINNINGS, ChoiceEffort, ChoiceOptions, Emit, EmitForm, OUTPUTS, Options, Output, OutputFile, PartOptions,
+    RunOptions,
+};
 use impellerc::report::step::StepProtocol;
 use std::path::PathBuf;
 
@@ -206,6 +209,14 @@ pub(super) struct RunArguments {
     #[arg(long, value_name = "SIZE", value_parser = memory, allow_hyphen_values = true)]
     pub(super) memory: Option<f64>,
 
+    /// What is tried before what the job leaves open (`operations auto`) is chosen
+    #[arg(long, value_enum, value_name = "EFFORT", default_value = "axes")]
+    pub(super) effort: EffortArgument,
+
+    /// Tell all that was tried for what the job leaves open, with what was in the way
+    #[arg(long)]
+    pub(super) explain_choices: bool,
+
     /// Print all figures of the proof: surfaces with places, stock, axes, active limits, how the operations were planned
     #[arg(long)]
     pub(super) details: bool,
@@ -222,8 +233,9 @@ pub(super) struct RunArguments {
 impl RunArguments {
     /// The options in the form of the driver.
     pub(super) fn options(self, post: Option<String>, report: Option<PathBuf>) -> RunOptions {
-        let Self { library, curves, machine, stock_cell, stock, memory, details, .. } = self;
-        RunOptions { library, curves, post, machine, report, stock_cell, stock, memory, details }
+        let Self { library, curves, machine, stock_cell, stock, memory, details, effort, explain_choices, .. } = self;
+        let choice = ChoiceOptions { effort: effort.into(), explain: explain_choices };
+        RunOptions { library, curves, post, machine, report, stock_cell, stock, memory, details, choice }
     }
 }
 
@@ -316,6 +328,32 @@ pub(super) enum Command {
 
         #[command(flatten, next_help_heading = "Blade files of `--from`")]
         of_files: Box<BladeFileArguments>,
+    },
+    /// Chooses what a job leaves open (`operations auto`, `tool auto`, `depth auto`), and writes the job with what was chosen, each with
+    /// its reason
+    #[command(after_help = TEXT_CODES)]
+    Choose {
+        /// Job file
+        job: PathBuf,
+
+        /// File to write; it must not exist. Without this option the job is printed
+        #[arg(short, long, value_name = "FILE")]
+        output: Option<PathBuf>,
+
+        /// Use this machine of the library instead of the machine of the job
+        #[arg(long, value_name = "NAME")]
+        machine: Option<String>,
+
+        /// What is tried before the job is written
+        #[arg(long, value_enum, value_name = "EFFORT", default_value = "axes")]
+        effort: EffortArgument,
+
+        /// Print all that was tried, with what was in the way
+        #[arg(long)]
+        explain_choices: bool,
+
+        #[command(flatten)]
+        reading: ReadingArguments,
     },
     /// Estimates what a part takes on the machine, in seconds and without planning it: time, stock, chips, tools
     #[command(after_help = IMPORT_CODES)]
@@ -525,6 +563,15 @@ pub(super) enum EffortArgument {
     Axes,
     /// Then the whole job as well, planned and verified: minutes. Feeds and steps that load a tool over its limits are lowered
     Whole,
+}
+
+impl From<EffortArgument> for ChoiceEffort {
+    fn from(effort: EffortArgument) -> Self {
+        match effort {
+            EffortArgument::Axes => Self::Axes,
+            EffortArgument::Whole => Self::Whole,
+        }
+    }
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]

@@ -15,8 +15,8 @@ use impellerc::diagnostics::junit::junit;
 use impellerc::diagnostics::sarif::sarif;
 use impellerc::diagnostics::{Code, Exit, render};
 use impellerc::driver::{
-    self, BEGINNINGS, Format, FromPart, LibraryKind, NcCheck, NcDiff, Options, Outcome, PartInput, QuoteOptions,
-    RunOptions, Stages,
+    self, BEGINNINGS, ChoiceOptions, ChooseOptions, Format, FromPart, LibraryKind, NcCheck, NcDiff, Options, Outcome,
+    PartInput, QuoteOptions, RunOptions, Stages,
 };
 use impellerc::job::vocabulary;
 use impellerc::output::interrupt;
@@ -74,6 +74,10 @@ fn commanded(command: Command) -> ExitCode {
             let options = FromPart { file, part, explain, whole };
             finish(Display::HUMAN, |stages| driver::new_from(&options, stages))
         }
+        Command::Choose { job, output, machine, effort, explain_choices: explain, reading } => {
+            let choice = ChoiceOptions { effort: effort.into(), explain };
+            chosen(job, output, RunOptions { machine, choice, ..RunOptions::default() }, reading)
+        }
         Command::Quote { part, machine, material, library, json, hour_price, kilogram_price, of_files } => {
             let part = PartInput { files: of_files.import(part), machine, material, library };
             let options = QuoteOptions { part, json, hour: hour_price, kilogram: kilogram_price };
@@ -127,6 +131,13 @@ fn commanded(command: Command) -> ExitCode {
             finish(Display::new(error_format, timings), |stages| driver::diff(&options, stages))
         }
     }
+}
+
+/// Chooses what a job leaves open.
+fn chosen(job: PathBuf, output: Option<PathBuf>, run: RunOptions, reading: ReadingArguments) -> ExitCode {
+    let ReadingArguments { library, curves, timings, error_format } = reading;
+    let options = ChooseOptions { job, output, run: RunOptions { library, curves, ..run } };
+    finish(Display::new(error_format, timings), |stages| driver::choose_job(&options, stages))
 }
 
 /// Serves an editor until it ends the service.
@@ -190,6 +201,8 @@ const OTHER_COMMANDS: &[(&str, &str)] = &[
     ("simulate", "verify"),
     ("judge", "verify"),
     ("compare", "diff"),
+    ("expand-auto", "choose"),
+    ("auto", "choose"),
     ("init", "new"),
     ("create", "new"),
     ("start", "new"),

@@ -3,13 +3,14 @@
 
 use super::before_planning::{check_frames, check_part_and_machine};
 use super::new_job::{new_file, write_new};
+use super::open_job::tried_line;
 use super::open_part::{PartInput, PartText, given};
 use super::{Outcome, Stages, or_reported, shown_path};
 use ::syntax::ast::File;
 use base::entity::EntityId;
 use base::progress::Progress;
 use base::source::SourceId;
-use choose::{Chosen, Effort, Judgement, Load, Tried};
+use choose::{Chosen, Effort, Judgement, Load};
 use diagnostics::codes::job as codes;
 use diagnostics::{Aborted, Diag, Sink};
 use ir::program::DEFAULT_MEMORY;
@@ -62,7 +63,7 @@ fn run(options: &FromPart, stages: &mut Stages, outcome: &mut Outcome) -> Result
 }
 
 /// What plan and proof of a whole job say, as a compile does, with as much memory as it needs.
-fn judged(program: &Program, progress: &Progress) -> Judgement {
+pub(super) fn judged(program: &Program, progress: &Progress) -> Judgement {
     let mut sink = Sink::default();
     let memory = program.memory.max(plan::budget::needed(program));
     let program = &Program { memory, ..program.clone() };
@@ -114,24 +115,26 @@ fn open(ast: &File) -> Result<(), Diag> {
 /// Memory that a compile is given, over the estimate.
 const MEMORY_RESERVE: f64 = 1.25;
 
+/// The option of a compile that allows the memory of what was chosen; nothing where the default is enough.
+pub(super) fn memory_option(chosen: &Chosen) -> String {
+    // The lines that are planned may take more than the estimate before.
+    let memory = MEMORY_RESERVE * chosen.memory;
+    if memory > DEFAULT_MEMORY { format!(" --memory {}GB", (memory / 1e9).ceil()) } else { String::new() }
+}
+
 /// What was chosen, for people.
 fn said(file: &Path, tables: &[(PathBuf, String)], chosen: &Chosen, explain: bool) -> String {
     let job = shown_path(file);
     let beside: String = tables.iter().map(|(path, _)| format!(", {}", shown_path(path))).collect();
     let mut text = String::new();
     if explain {
-        for Tried { what, fault } in &chosen.tried {
-            text += &format!("tried {what}: {}\n", fault.as_deref().unwrap_or("holds"));
-        }
+        text.extend(chosen.tried.iter().map(|tried| tried_line(tried) + "\n"));
         text.push('\n');
     }
     for line in &chosen.summary {
         text += &format!("{line}\n");
     }
-    // The lines that are planned may take more than the estimate before.
-    let memory = MEMORY_RESERVE * chosen.memory;
-    let gigabytes = (memory / 1e9).ceil();
-    let memory = if memory > DEFAULT_MEMORY { format!(" --memory {gigabytes}GB") } else { String::new() };
+    let memory = memory_option(chosen);
     let verdict = match chosen.judged.as_ref().map(|judged| &judged.fault) {
         None => "\nnot planned as a whole: `--effort whole` does, and corrects feeds and steps\n".to_owned(),
         Some(None) => "\nthe whole job holds: planned and verified in all of its sectors\n".to_owned(),

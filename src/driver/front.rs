@@ -1,7 +1,7 @@
 //! From the job file to the program: text, tree, job, with the machine and the post of the command line.
 
 use super::reading;
-use super::{DiskFiles, Emit, Options, Outcome, Stages, or_reported, shown_path, stage_file};
+use super::{DiskFiles, Emit, Options, Outcome, RunOptions, Stages, open_job, or_reported, shown_path, stage_file};
 use ::syntax::ast::{File, ItemKind};
 use base::source::{SourceFile, SourceId};
 use diagnostics::codes::{files, syntax};
@@ -28,7 +28,7 @@ pub(super) fn start(
 /// # Errors
 /// [`Aborted`] when the job is faulty; the faults are in the sink of the outcome.
 pub fn front(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> Result<Option<Program>, Aborted> {
-    let Outcome { sources, sink, emitted, missing_files, .. } = outcome;
+    let Outcome { sources, sink, emitted, .. } = outcome;
 
     let text = read_job(&options.job, sink)?;
     let source = sources.add_file(SourceFile {
@@ -41,14 +41,13 @@ pub fn front(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> R
         return Ok(None);
     }
 
+    if open_job::is_open(&ast) && !sink.has_errors() {
+        ast = open_job::completed(options, text, &ast, stages, outcome)?;
+    }
+    let Outcome { sources, sink, emitted, missing_files, .. } = outcome;
     let files = DiskFiles::new(&options.job, options.run.library.as_deref(), options.run.curves.as_deref());
     let mut files = or_reported(files, sink)?;
-    if let Some(name) = &options.run.machine {
-        take_machine(name, &mut ast, &mut files, sink)?;
-    }
-    if let Some(name) = &options.run.post {
-        take_post(name, &mut ast, &mut files, sink)?;
-    }
+    take_names(&options.run, &mut ast, &mut files, sink)?;
     let resolved = stages.run("resolve", || job::resolve(&ast, &mut files, sources, sink));
     *missing_files = files.missing_files();
     let mut job: Job = resolved?;
@@ -66,6 +65,22 @@ pub fn front(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> R
     let mut program: Program = stages.run("lower", || lower::lower(&job, sink))?;
     program.memory = options.run.memory.unwrap_or(program.memory);
     Ok(Some(program))
+}
+
+/// Machine and post of the command line in the place of those of a job.
+pub(super) fn take_names(
+    run: &RunOptions,
+    ast: &mut File,
+    library: &mut DiskFiles,
+    sink: &mut Sink,
+) -> Result<(), Aborted> {
+    if let Some(name) = &run.machine {
+        take_machine(name, ast, library, sink)?;
+    }
+    if let Some(name) = &run.post {
+        take_post(name, ast, library, sink)?;
+    }
+    Ok(())
 }
 
 /// Refuses a file of the library that the command line names and that does not exist.

@@ -2,14 +2,15 @@
 //! needs, and the facts about the part show. Fits of the tools to the faces are found only where they are asked for, since they take
 //! most of the time.
 
-use super::{Options, Outcome, Stages, check_before_planning, front};
+use super::{ChoiceEffort, Options, Outcome, Stages, check_before_planning, front};
 use diagnostics::{Aborted, Severity};
 use ir::Program;
 use plan::facts;
 
 /// Checks a job. Options that name outputs and a stage are of no effect. Faults go to the sink of the outcome.
 pub fn check(options: &Options, stages: &mut Stages) -> Outcome {
-    let options = Options { output: None, other_outputs: Vec::new(), emit: None, ..options.clone() };
+    let mut options = Options { output: None, other_outputs: Vec::new(), emit: None, ..options.clone() };
+    options.run.choice.effort = ChoiceEffort::Facts;
     let mut outcome = Outcome::default();
     // The reason is in the sink.
     let _ = judge(&options, stages, &mut outcome);

@@ -1,12 +1,13 @@
 //! A part without tools and operations, from a job or from blade files, with what every job needs added: what `new --from` and `quote`
 //! begin with.
 
-use super::front::read_job;
+use super::front::{read_job, take_names};
 use super::import::{self, Import};
-use super::{DiskFiles, Outcome, Stages, or_reported, shown_path};
+use super::open_job::is_open;
+use super::{DiskFiles, Outcome, RunOptions, Stages, or_reported, shown_path};
 use ::syntax::ast::{File, Item, ItemKind};
 use base::source::{SourceFile, SourceId, SourceMap};
-use choose::{Chosen, Effort};
+use choose::{Chosen, Effort, OpenText};
 use diagnostics::{Aborted, Diag, Severity, Sink};
 use ir::Program;
 use job::{Files, MissingFile};
@@ -41,9 +42,17 @@ pub(super) struct PartText<'s> {
     pub(super) tables: Vec<(PathBuf, String)>,
     /// What an import says of it.
     pub(super) said: String,
+    /// Library, curves, and machine and post in the place of those of the text.
+    run: RunOptions,
 }
 
 impl<'s> PartText<'s> {
+    /// A job as it stands, with the options of a run.
+    pub(super) fn of_job(source: &'s PartInput, job: &Path, text: String, run: &RunOptions) -> Self {
+        let (file, run) = (job.to_path_buf(), run.clone());
+        Self { source, file, text, tables: Vec::new(), said: String::new(), run }
+    }
+
     /// A job as it stands, or what an import makes of blade files.
     pub(super) fn read(
         source: &'s PartInput,
@@ -51,19 +60,20 @@ impl<'s> PartText<'s> {
         stages: &mut Stages,
         outcome: &mut Outcome,
     ) -> Result<Self, Aborted> {
+        let run = RunOptions { library: source.library.clone(), ..RunOptions::default() };
         if let [job] = &source.files.files[..]
             && job.extension().is_none_or(|ending| ending == "imp")
             && !job.is_dir()
         {
             let text = read_job(job, &mut outcome.sink)?;
-            return Ok(Self { source, file: job.clone(), text, tables: Vec::new(), said: String::new() });
+            return Ok(Self::of_job(source, job, text, &run));
         }
         let import = Import { output: Some(file.to_path_buf()), ..source.files.clone() };
         let (made, said) = import::part(&import, stages, outcome)?;
         let Some(made) = made else { return Err(Aborted) };
         let tables: Vec<(PathBuf, String)> =
             import::tables(file, &made).into_iter().map(|(path, text)| (path, text.to_owned())).collect();
-        Ok(Self { source, file: file.to_path_buf(), text: made.job, tables, said: said + "\n" })
+        Ok(Self { source, file: file.to_path_buf(), text: made.job, tables, said: said + "\n", run })
     }
 
     /// Its items; faults are those of the text.
@@ -74,7 +84,7 @@ impl<'s> PartText<'s> {
         if sink.has_errors() { Err(Aborted) } else { Ok(ast) }
     }
 
-    /// Tools and operations for the part.
+    /// Tools and operations for a part without them; machine, tools, stock and post where it names none.
     pub(super) fn choose(
         &self,
         ast: &File,
@@ -82,18 +92,58 @@ impl<'s> PartText<'s> {
         stages: &mut Stages,
         outcome: &mut Outcome,
     ) -> Result<Chosen, Aborted> {
+        let mut text = head(&self.text, ast, self.source);
+        if !is_open(ast) {
+            text += "\noperations auto\n";
+        }
+        self.choose_in(&text, effort, stages, outcome)
+    }
+
+    /// What this job leaves open.
+    pub(super) fn choose_open(
+        &self,
+        ast: &File,
+        effort: Effort<'_, '_>,
+        stages: &mut Stages,
+        outcome: &mut Outcome,
+    ) -> Result<Chosen, Aborted> {
+        self.choose_in(&with_stock(&self.text, ast, self.source), effort, stages, outcome)
+    }
+
+    fn choose_in(
+        &self,
+        text: &str,
+        effort: Effort<'_, '_>,
+        stages: &mut Stages,
+        outcome: &mut Outcome,
+    ) -> Result<Chosen, Aborted> {
         let Outcome { sources, sink, .. } = outcome;
-        let head = head(&self.text, ast, self.source);
-        let library = self.tool_names(&head, sink)?;
+        let library = self.tool_names(text, sink)?;
         // Places of faults are those in the text with what was added.
         *sources = SourceMap::default();
-        let source = sources.add_file(SourceFile::text(shown_path(&self.file), head.clone()));
+        let source = sources.add_file(SourceFile::text(shown_path(&self.file), text.to_owned()));
+        let ast = ::syntax::parse(text, source, sink);
+        let mut found = Sink::default();
+        if !sink.has_errors() {
+            self.understand(&ast, sources, &mut found)?;
+        }
+        if sink.has_errors() || found.has_errors() {
+            found
+                .diags()
+                .iter()
+                .filter(|diag| diag.severity == Severity::Error)
+                .for_each(|diag| sink.push(diag.clone()));
+            return Err(Aborted);
+        }
+        // Behind an open place the texts that are tried have other places.
+        let same = ast.items.iter().find(|item| item.is_open()).map_or(text.len(), |item| item.span.range().start);
         let mut found = Sink::default();
         let chosen = stages.watched("choose", |progress| {
             let mut front = |text: &str, sink: &mut Sink| self.program(text, sink);
-            choose::choose(&head, &library, &mut front, effort, progress, &mut found)
+            let open = OpenText { text, ast: &ast, library: &library };
+            choose::choose(open, &mut front, effort, progress, &mut found)
         });
-        found.change_all(|diag| placed_in(source, head.len(), diag));
+        found.change_all(|diag| placed_in(source, same, diag));
         // Warnings of a text that nobody wrote have no place in one that is shown.
         let shown = |diag: &&Diag| diag.severity == Severity::Error || !diag.labels.is_empty();
         found.diags().iter().filter(shown).for_each(|diag| sink.push(diag.clone()));
@@ -121,15 +171,25 @@ impl<'s> PartText<'s> {
     pub(super) fn program(&self, text: &str, sink: &mut Sink) -> Result<Program, Aborted> {
         let mut sources = SourceMap::default();
         let source = sources.add_file(SourceFile::text(shown_path(&self.file), text.to_owned()));
-        let ast = ::syntax::parse(text, source, sink);
+        let mut ast = ::syntax::parse(text, source, sink);
         let mut files = or_reported(self.files(), sink)?;
+        take_names(&self.run, &mut ast, &mut files.disk, sink)?;
         let job = job::resolve(&ast, &mut files, &mut sources, sink)?;
         lower::lower(&job, sink)
     }
 
+    /// The faults of what the job says itself.
+    fn understand(&self, ast: &File, sources: &mut SourceMap, sink: &mut Sink) -> Result<(), Aborted> {
+        let mut ast = ast.clone();
+        let mut files = or_reported(self.files(), sink)?;
+        take_names(&self.run, &mut ast, &mut files.disk, sink)?;
+        job::understand(&ast, &mut files, sources, sink);
+        Ok(())
+    }
+
     /// Its tables, and the files beside it.
     fn files(&self) -> Result<FilesAndTables, Diag> {
-        let disk = DiskFiles::new(&self.file, self.source.library.as_deref(), None)?;
+        let disk = DiskFiles::new(&self.file, self.run.library.as_deref(), self.run.curves.as_deref())?;
         let name = |path: &Path| path.file_name().map(|name| name.display().to_string()).unwrap_or_default();
         let tables = self.tables.iter().map(|(path, text)| (name(path), text.clone())).collect();
         Ok(FilesAndTables { disk, tables })
@@ -193,13 +253,18 @@ fn head(text: &str, ast: &File, source: &PartInput) -> String {
     if !used("tools") {
         added += &format!("\nuse tools \"{TOOLS}\"");
     }
-    let mut head = format!("{}{added}{}", &text[..at], &text[at..]);
-    if !has(&|kind| matches!(kind, ItemKind::Stock { .. })) {
-        let material = source.material.as_ref().map_or(String::new(), |material| format!("  material {material}"));
-        head += &format!("\n{}{material} }}\n", choose::STOCK);
-    }
+    let mut head = with_stock(&format!("{}{added}{}", &text[..at], &text[at..]), ast, source);
     if !has(&|kind| matches!(kind, ItemKind::Post { .. })) {
         head += &format!("\npost {POST}\n");
     }
     head
+}
+
+/// A job with a stock, where it has none: one that is chosen.
+fn with_stock(text: &str, ast: &File, source: &PartInput) -> String {
+    if ast.items.iter().any(|item| matches!(item.kind, ItemKind::Stock { .. })) {
+        return text.to_owned();
+    }
+    let material = source.material.as_ref().map_or(String::new(), |material| format!("  material {material}"));
+    format!("{text}\n{}{material} }}\n", choose::STOCK)
 }

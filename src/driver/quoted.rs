@@ -1,5 +1,6 @@
 //! `impellerc quote`: what a part takes on the machine, before anything is planned.
 
+use super::open_job::is_open;
 use super::open_part::{PartInput, PartText, given};
 use super::{Options, Outcome, RunOptions, Stages, front};
 use base::units::trim;
@@ -47,7 +48,7 @@ fn program(options: &QuoteOptions, stages: &mut Stages, outcome: &mut Outcome) -
     let name = options.part.files.files.first().and_then(|file| file.file_stem()).unwrap_or("part".as_ref());
     let part = PartText::read(&options.part, &Path::new(name).with_extension("imp"), stages, outcome)?;
     let ast = part.parsed(outcome)?;
-    if given(&ast).is_none() {
+    if given(&ast).is_none() || is_open(&ast) {
         let chosen = part.choose(&ast, Effort::Sizes, stages, outcome)?;
         // Remarks on a text that nobody wrote say nothing, and their places are in no text that is shown.
         let mut faults = Sink::default();

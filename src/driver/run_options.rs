@@ -1,5 +1,6 @@
 //! Options that commands share.
 
+use super::ChoiceOptions;
 use std::path::PathBuf;
 
 /// Options that a compilation and a check of NC text share.
@@ -23,4 +24,6 @@ pub struct RunOptions {
     pub memory: Option<f64>,
     /// Whether all figures of the proof are printed.
     pub details: bool,
+    /// How a job with open places is completed.
+    pub choice: ChoiceOptions,
 }

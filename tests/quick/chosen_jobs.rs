@@ -1,28 +1,8 @@
 //! `impellerc new --from`: a part without tools and operations becomes a job, or the reason is told.
 
-use crate::support::bounded;
-use std::path::Path;
-use std::process::Output;
-use tempfile::TempDir;
-
-/// A folder with the part of `jobs/small` in `part.imp`, and some items behind it.
-fn part(items: &str) -> TempDir {
-    let folder = tempfile::tempdir().unwrap();
-    let job = std::fs::read_to_string("jobs/small/small.imp").unwrap();
-    let part = job.split("\nstock ").next().unwrap().replace("use tools   \"carbide\"\n", "");
-    assert!(!part.contains("use tools"), "{part}");
-    std::fs::write(folder.path().join("part.imp"), format!("{part}\n{items}")).unwrap();
-    std::fs::copy("jobs/small/vane_curves.csv", folder.path().join("vane_curves.csv")).unwrap();
-    folder
-}
-
-fn run(folder: &Path, words: &[&str]) -> Output {
-    bounded::program().current_dir(folder).args(words).output().unwrap()
-}
-
-fn said(run: &Output) -> String {
-    String::from_utf8_lossy(&run.stdout).into_owned() + &String::from_utf8_lossy(&run.stderr)
-}
+use crate::support::part_alone::{folder as part, run, said};
+use impellerc::diagnostics::Severity;
+use impellerc::job::language;
 
 /// What is chosen is a job without a fault: tools of the library, roughing and all that finishes the part, each with its reason.
 /// The contracts that the part states stay as they are, the others are added.
@@ -65,7 +45,7 @@ fn a_library_without_a_tool_that_serves_is_told() {
     let text = said(&refused);
     assert_eq!(refused.status.code(), Some(2), "{text}");
     assert!(text.contains("IMP0452") && text.contains("no tool of the library finishes the fillets"), "{text}");
-    assert!(text.contains("at most 1.15 mm of radius"), "{text}");
+    assert!(text.contains("to 1.15 mm of radius"), "{text}");
     assert!(!folder.path().join("wheel.imp").exists());
 }
 
@@ -137,4 +117,78 @@ fn blade_files_become_a_job() {
 
     let needless = run(folder.path(), &["new", "other", "--unit", "mm"]);
     assert!(!needless.status.success() && said(&needless).contains("--from FILE"), "{}", said(&needless));
+}
+
+/// Items behind the part: tools and an operation of the job, values left open, and the rest left open.
+const OPEN: &str = r#"use tools "five-axis"
+stock turned { over shroud 0 mm  bore 4 mm  back -18 mm }
+tool mine = "ball-2x24"
+tool big = ball { diameter 5 mm  flutes 3  flute 14 mm  reach 40 mm  holder "shrink-6-slim" }
+operation rough { tools big, mine  speed auto  feed 500 mm/min  depth auto  allowance vane 0.2 mm, hub 0.2 mm }
+operation point first { tool mine  speed auto  feed auto  scallop 0.1 mm  method auto  faces pressure }
+operations auto
+operation fillet { tool mine  speed 17000 rpm  feed 500 mm/min  scallop 0.1 mm }
+require excess <= 0.2 mm on operation first
+post siemens-840d
+"#;
+
+/// What a job fixes is kept, and what it leaves open is chosen for what is missing: the suction face and the floor, with a tool that
+/// the job declares, and no roughing or fillet beside its own.
+#[test]
+fn what_a_job_leaves_open_is_chosen() {
+    let folder = part(OPEN);
+    let made = run(folder.path(), &["choose", "part.imp", "-o", "whole.imp", "--explain-choices"]);
+    let text = said(&made);
+    assert!(made.status.success() && text.contains("tried point with mine, corridor: holds"), "{text}");
+    let job = std::fs::read_to_string(folder.path().join("whole.imp")).unwrap();
+    println!("{job}");
+    let has = |lines: &[&str]| lines.iter().for_each(|line| assert!(job.contains(line), "{line}"));
+    has(&[
+        "operation rough { tools big, mine  speed 18000 rpm, 18000 rpm  feed 500 mm/min  depth 1.6 mm, 0.66 mm  allowance",
+        "operation point first { tool mine  speed 18000 rpm  feed 540 mm/min  scallop 0.1 mm  method corridor  faces pressure }",
+        "faces suction  scallop 100 um  method corridor",
+        "operation fillet { tool mine  speed 17000 rpm  feed 500 mm/min  scallop 0.1 mm }",
+        "require excess <= 0.2 mm on operation first",
+    ]);
+    let count = |what: &str| job.matches(what).count();
+    let operations = ["rough", "point", "fillet", "channel"].map(|kind| count(&format!("operation {kind} ")));
+    assert_eq!((operations, count("\ntool ")), ([1, 2, 1, 1], 2));
+    // The check of the open job says what it takes, by facts alone.
+    let checked = run(folder.path(), &["check", "part.imp"]);
+    assert!(checked.status.success() && said(&checked).contains("IMP0453"), "{}", said(&checked));
+    let checked = run(folder.path(), &["check", "whole.imp"]);
+    assert!(checked.status.success() && !said(&checked).contains("IMP0453"), "{}", said(&checked));
+    // An editor shows no fault in an open job, and that of a word that is not in the language.
+    let text = std::fs::read_to_string(folder.path().join("part.imp")).unwrap();
+    let mut files = impellerc::driver::DiskFiles::new(&folder.path().join("part.imp"), None, None).unwrap();
+    let understood = language::understand("part.imp", &text, &mut files);
+    assert!(understood.diags.iter().all(|diag| diag.severity != Severity::Error), "{:?}", understood.diags);
+    let wrong = text.replace("operations auto", "operations automatic");
+    let understood = language::understand("part.imp", &wrong, &mut files);
+    assert!(understood.diags.iter().any(|diag| diag.message.contains("operations automatic")));
+}
+
+#[test]
+fn what_cannot_be_chosen_is_told() {
+    for (items, due) in [
+        ("operation flank { tool auto  speed 9000 rpm  feed 250 mm/min }", "`tool auto` of `flank` is not chosen"),
+        ("operation rough { tool auto  speed 9000 rpm  feed 250 mm/min }", "has no property `tool`"),
+        (
+            "tool t1 = \"ball-2x24\"\noperation rough { speed 9000 rpm  feed 250 mm/min  allowance vane 0.2 mm, hub 0.2 mm }\noperations auto",
+            "takes all tools of the job",
+        ),
+        ("operation point { tool auto  speed 9000 rpm  feed 250 mm/min  scallop 10 um  sectors auto }", "no name is called `auto`"),
+        (
+            "tool t1 = \"ball-2x24\"\noperation point { tool t1  speed 9000 rpm  feed 250 mm/min  scallop 10 um }",
+            "leaves nothing open",
+        ),
+    ] {
+        let folder = part(&format!(
+            "use tools \"five-axis\"\nstock turned {{ over shroud 0 mm  bore 4 mm  back -18 mm }}\n{items}\npost siemens-840d\n"
+        ));
+        let refused = run(folder.path(), &["choose", "part.imp", "-o", "whole.imp"]);
+        let text = said(&refused);
+        assert!(refused.status.code() == Some(2) && text.contains(due), "{items}: {text}");
+        assert!(!folder.path().join("whole.imp").exists());
+    }
 }

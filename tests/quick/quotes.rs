@@ -1,8 +1,8 @@
 //! `impellerc quote`: a bound that no certificate is below, on plans that are pinned, and what is printed.
 
+use crate::support::part_alone;
 use crate::support::pinned::{self, Pinned};
 use impellerc::quotation;
-use std::process::Command;
 
 /// The time of all moves of a plan, minutes.
 fn planned(pinned: &Pinned) -> f64 {
@@ -34,14 +34,9 @@ fn volumes_are_those_of_blank_and_part() {
 
 #[test]
 fn a_quote_is_printed_and_is_json() {
-    let folder = tempfile::tempdir().unwrap();
-    let job = std::fs::read_to_string("jobs/small/small.imp").unwrap();
-    let part = job.split("\nstock ").next().unwrap().replace("use tools   \"carbide\"\n", "");
-    std::fs::write(folder.path().join("part.imp"), part).unwrap();
-    std::fs::copy("jobs/small/vane_curves.csv", folder.path().join("vane_curves.csv")).unwrap();
+    let folder = part_alone::folder("");
     let run = |words: &[&str]| {
-        let run =
-            Command::new(env!("CARGO_BIN_EXE_impellerc")).current_dir(folder.path()).args(words).output().unwrap();
+        let run = part_alone::run(folder.path(), words);
         (run.status.code(), String::from_utf8(run.stdout).unwrap(), String::from_utf8_lossy(&run.stderr).into_owned())
     };
     let (code, text, fault) = run(&["quote", "part.imp", "--hour-price", "90", "--kilogram-price", "8"]);
@@ -65,4 +60,9 @@ fn a_quote_is_printed_and_is_json() {
     let (code, _, fault) = run(&["quote", "part.imp", "--hour-price=-4"]);
     assert!(code == Some(2) && fault.contains("not negative"), "{fault}");
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "a quote writes nothing");
+
+    // A job that leaves all open has the same quote.
+    let open = part_alone::folder("use tools \"five-axis\"\noperations auto\npost siemens-840d\n");
+    let of_open = part_alone::run(open.path(), &["quote", "part.imp", "--json"]);
+    assert_eq!(String::from_utf8(of_open.stdout).unwrap(), text, "{}", String::from_utf8_lossy(&of_open.stderr));
 }

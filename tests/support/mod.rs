@@ -8,6 +8,7 @@ pub mod browser;
 pub mod certificates;
 pub mod golden;
 pub mod jobs;
+pub mod part_alone;
 pub mod pinned;
 pub mod round_trip;
 pub mod sources;

@@ -8,8 +8,10 @@
 #![cfg_attr(test, allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking"))]
 
 mod candidates;
+mod covered;
 mod cutting_data;
 mod finishing;
+mod open;
 mod roughing;
 mod sizes;
 mod text;
@@ -22,14 +24,19 @@ pub use whole::{Judge, Judgement, Load};
 use base::progress::Progress;
 use base::units::trim;
 use candidates::Candidate;
-use diagnostics::{Aborted, Diag, Sink, codes::planning};
+use covered::Covered;
+use diagnostics::{Aborted, Diag, Sink, codes::job, codes::planning};
 use ir::{ContractKind, Program};
+use open::{OpenJob, OpenOperation, Opening};
 use plan::budget;
 use sizes::Sizes;
 use std::fmt::Write;
-use trial::Trials;
+use syntax::ast::File;
+use text::{ChosenOperation, Fixed};
+use trial::{Depth, Trials};
 use wheel::contract::Guarded;
 use wheel::material::Material;
+use wheel::operation::OperationKind;
 
 /// From the text of a job to its program; faults go to the sink.
 pub type Front<'f> = dyn FnMut(&str, &mut Sink) -> Result<Program, Aborted> + 'f;
@@ -42,6 +49,8 @@ pub const STOCK: &str = "stock turned { over shroud 0 mm  bore 0 mm  back -5000 
 pub enum Effort<'e, 'j> {
     /// Nothing: sizes alone decide.
     Sizes,
+    /// Facts about part and tools, as a check finds them.
+    Facts,
     /// Tool axes of each operation of finishing, in one sector.
     Axes,
     /// Tool axes, then plan and proof of the whole job, which lowers feeds and steps with which a load is over the limit of a tool.
@@ -51,9 +60,10 @@ pub enum Effort<'e, 'j> {
 /// What was chosen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chosen {
-    /// The whole job: its head, with a stock in the place of [`STOCK`], then tools, operations and the contracts that it does not state.
+    /// The whole job: what was chosen in the open places, with a stock in the place of [`STOCK`], and behind all the contracts that it
+    /// does not state.
     pub job: String,
-    /// The operations in a line each: kind, tools, why.
+    /// The operations that were chosen in a line each: kind, tool, why.
     pub summary: Vec<String>,
     /// Estimated memory of the compile, bytes.
     pub memory: f64,
@@ -88,29 +98,33 @@ const MAX_CLEARANCE: f64 = 0.5;
 const LEAD_SHARE: f64 = 0.02;
 const LEADS: [f64; 2] = [1.5, 6.0];
 
-/// Chooses tools and operations for the job `head`, which has none, from tools of its libraries.
+/// A job that leaves something open, and the tools of its libraries.
+#[derive(Clone, Copy)]
+pub struct OpenText<'a> {
+    /// Its text.
+    pub text: &'a str,
+    /// The same, read.
+    pub ast: &'a File,
+    /// Names of the tools of its libraries.
+    pub library: &'a [String],
+}
+
+/// Chooses what a job leaves open, from its tools and those of its libraries.
 ///
 /// # Errors
 /// The job has a fault, the run was cancelled, or no tool serves; the reasons are in the sink.
 pub fn choose(
-    head: &str,
-    library: &[String],
+    given: OpenText<'_>,
     front: &mut Front<'_>,
     mut effort: Effort<'_, '_>,
     progress: &Progress,
     sink: &mut Sink,
 ) -> Result<Chosen, Aborted> {
-    if library.is_empty() {
-        let diag = Diag::error(planning::NO_TOOL, "the libraries of the job have no tools");
-        sink.push(diag.help("write `use tools \"five-axis\"` for the tools that ship with the compiler"));
-        return Err(Aborted);
-    }
-    let mut first = Sink::default();
-    let program = front(&format!("{head}\n{}", text::all_tools(library)), &mut first);
-    let program = program.inspect_err(|_| sink.append(first))?;
-    let all = candidates::candidates(&program, library);
+    let open = OpenJob { text: given.text, ast: given.ast };
+    let (program, all, covered) = read(&open, given.library, front, sink)?;
     let sizes = Sizes::of(&program);
-    if sizes.fillet.is_none() && !states_excess(&program) {
+    let finishes = open.openings().iter().any(|opening| matches!(opening, Opening::Operations(_)));
+    if finishes && sizes.fillet.is_none() && !states_excess(&program) {
         sink.push(sharp_feet(&sizes, &all));
         return Err(Aborted);
     }
@@ -123,18 +137,29 @@ pub fn choose(
         lead: (LEAD_SHARE * sizes.diameter).clamp(LEADS[0], LEADS[1]),
         sizes,
     };
-    let head = head.replace(STOCK, &stock(&program, &sizes, part.lead));
-    let assumed = matches!(effort, Effort::Sizes);
-    let mut trials = Trials { head: format!("{head}\n{contracts}"), front, progress, assumed, tried: Vec::new() };
-    let mut operations = finishing::finishing(&part, &all, &mut trials, sink)?;
-    let floor = operations.iter().find(|operation| operation.keyword == "channel");
-    let last = floor.and_then(|floor| all.iter().find(|candidate| floor.tool == candidate.name));
-    if let Some(last) = last {
-        operations.splice(0..0, roughing::needed(roughing::roughing(&part, &all, last), &all, &mut trials));
+    let stock = stock(&program, &sizes, part.lead);
+    let whole = |text: String| format!("{}\n{contracts}", text.replace(STOCK, &stock));
+    let depth = match effort {
+        Effort::Sizes => Depth::Sizes,
+        Effort::Facts => Depth::Facts,
+        Effort::Axes | Effort::Whole(_) => Depth::Axes,
+    };
+    let taken: Vec<&str> = open.declared().into_iter().map(|(name, _)| name).collect();
+    let head = whole(open.without_operations());
+    let mut trials = Trials { job: open.text, head, taken, front, progress, depth, tried: Vec::new() };
+    let mut chosen = Vec::new();
+    for opening in open.openings() {
+        let operations = match &opening {
+            Opening::Operations(_) => missing(&part, &program, &covered, &all, &mut trials, sink)?,
+            Opening::Operation(open) => of_operation(&part, open, &all, &mut trials, sink)?,
+        };
+        chosen.push((opening, operations));
     }
     let (mut judged, mut trial) = (None, 0);
     let (job, memory) = loop {
-        let job = format!("{head}\n{}\n{contracts}", text::items(&operations, &all));
+        let (names, declarations) =
+            text::named(chosen.iter().flat_map(|(_, operations)| operations), &all, &trials.taken);
+        let job = whole(open.with(&declarations, &chosen, &names));
         let mut faults = Sink::default();
         let program = (trials.front)(&job, &mut faults);
         let program = program.inspect_err(|_| sink.append(faults))?;
@@ -144,13 +169,162 @@ pub fn choose(
         let Judgement { fault, loads } = judged.insert(judge(&program, progress));
         trials.tried.push(Tried { what: format!("the whole job, trial {trial}"), fault: fault.clone() });
         let ends = fault.is_none() || trial == whole::MAX_TRIALS || progress.is_cancelled();
-        if ends || !whole::corrected(&mut operations, loads) {
+        if ends || !whole::corrected(&mut in_order(&open.order(), &mut chosen), loads) {
             break (job, memory);
         }
     };
-    let line = |o: &text::ChosenOperation| format!("{:<8} {:<32} {}", o.keyword, o.tool, o.why);
-    let summary = operations.iter().map(line).collect();
+    let line = |o: &ChosenOperation| format!("{:<8} {:<32} {}", o.keyword, all[o.tool].name, o.why);
+    let summary = chosen.iter().flat_map(|(_, operations)| operations).map(line).collect();
     Ok(Chosen { job, summary, memory, tried: trials.tried, judged })
+}
+
+/// The part of a job with open places, the tools that it may take, and what its operations do.
+fn read(
+    open: &OpenJob<'_>,
+    library: &[String],
+    front: &mut Front<'_>,
+    sink: &mut Sink,
+) -> Result<(Program, Vec<Candidate>, Covered), Aborted> {
+    let refused = |diag: Diag, sink: &mut Sink| {
+        sink.push(diag);
+        Err(Aborted)
+    };
+    let declared = open.declared();
+    if library.is_empty() && declared.is_empty() {
+        let diag = Diag::error(planning::NO_TOOL, "the libraries of the job have no tools");
+        return refused(diag.help("write `use tools \"five-axis\"` for the tools that ship with the compiler"), sink);
+    }
+    if let Some(diag) = open.takes_all_tools() {
+        return refused(diag, sink);
+    }
+    // One that the job declares is not taken twice.
+    let others = library.iter().filter(|name| !declared.iter().any(|(_, library)| library == &Some(name.as_str())));
+    let stem = open.free_name("library_tool");
+    let others: Vec<(String, &str)> =
+        others.enumerate().map(|(k, name)| (format!("{stem}_{k}"), name.as_str())).collect();
+    let [placeholder, operation] = ["placeholder_tool", "placeholder"].map(|stem| open.free_name(stem));
+    let mut faults = Sink::default();
+    let program = front(&open.readable(&others, &placeholder, &operation), &mut faults);
+    let program = program.inspect_err(|_| sink.append(faults))?;
+    let named = |name: &str| {
+        let of_library = others.iter().find(|(given, _)| given == name).map(|(_, tool)| ((*tool).to_owned(), false));
+        of_library.or_else(|| (name != placeholder).then(|| (name.to_owned(), true)))
+    };
+    let all = candidates::candidates(&program, &named);
+    let covered = Covered::of(&program, &operation);
+    Ok((program, all, covered))
+}
+
+/// What `operations auto` stands for: what no operation of the job does.
+fn missing(
+    part: &Part<'_>,
+    program: &Program,
+    covered: &Covered,
+    all: &[Candidate],
+    trials: &mut Trials<'_, '_>,
+    sink: &mut Sink,
+) -> Result<Vec<ChosenOperation>, Aborted> {
+    let mut operations = finishing::finishing(part, covered, all, trials, sink)?;
+    if covered.roughing {
+        return Ok(operations);
+    }
+    // Roughing ends with the ball that finishes the floor.
+    let floor = operations.iter().find(|operation| operation.keyword == "channel").map(|operation| operation.tool);
+    if let Some(last) = floor.or_else(|| of_floor(program, all)) {
+        operations.splice(0..0, roughing::needed(roughing::roughing(part, all, last), all, trials));
+    }
+    Ok(operations)
+}
+
+/// The ball with which the job finishes the floor.
+fn of_floor(program: &Program, all: &[Candidate]) -> Option<usize> {
+    let finishes =
+        |operation: &&ir::Operation| matches!(operation.kind, OperationKind::Channel { allowance_vane: None, .. });
+    let floors = program.operations.iter().map(|(_, operation)| operation).filter(finishes);
+    let places =
+        floors.filter_map(|floor| all.iter().position(|candidate| candidate.declared && candidate.id == floor.tool));
+    places.filter(|place| all[*place].is_ball()).last()
+}
+
+/// Properties that are chosen for operations of every kind.
+const FOR_ALL: [&str; 5] = ["speed", "feed", "link-feed", "lead-in", "lead-out"];
+
+/// What is chosen for an operation that leaves values open: one for each of its tools.
+fn of_operation(
+    part: &Part<'_>,
+    open: &OpenOperation<'_>,
+    all: &[Candidate],
+    trials: &mut Trials<'_, '_>,
+    sink: &mut Sink,
+) -> Result<Vec<ChosenOperation>, Aborted> {
+    let keyword = open.kind.text.as_str();
+    let finishes = finishing::KINDS.iter().any(|(kind, _)| *kind == keyword);
+    let more: &[&str] = match keyword {
+        "rough" => &["tools", "depth", "stepover", "allowance"],
+        _ if finishes => &["tool", "scallop", "method"],
+        _ => &[],
+    };
+    if let Some(entry) = open.left_beyond(&[&FOR_ALL[..], more].concat()) {
+        let known = [more, &FOR_ALL[..]].concat().join(", ");
+        sink.push(
+            Diag::error(job::WRONG_FORM, format!("`{} auto` of `{keyword}` is not chosen", entry.name.text))
+                .label(entry.span, "give a value")
+                .help(format!("of `{keyword}`, `auto` may stand for {known}")),
+        );
+        return Err(Aborted);
+    }
+    let place = |name: &String| all.iter().position(|candidate| candidate.declared && candidate.name == *name);
+    let fixed: Vec<usize> = open.tools().iter().filter_map(place).collect();
+    let keeps = Fixed { feed: !open.leaves("feed"), depth: !open.leaves("depth"), stepover: !open.leaves("stepover") };
+    let mut operations = match keyword {
+        "rough" if fixed.is_empty() => {
+            let most = part.sizes.fillet.map_or(f64::INFINITY, |fillet| fillet - roughing::ALLOWANCES[0]);
+            let finest = all
+                .iter()
+                .position(|candidate| candidate.is_ball() && candidate.is_straight() && candidate.ball <= most);
+            finest.map_or_else(Vec::new, |last| roughing::roughing(part, all, last))
+        }
+        _ if finishes && fixed.len() < 2 => {
+            vec![finishing::of_open(part, open, fixed.first().copied(), all, trials, sink)?]
+        }
+        _ => {
+            let last = fixed.last().map(|last| &all[*last]);
+            last.map_or_else(Vec::new, |last| roughing::with(part, all, &fixed, last))
+        }
+    };
+    if operations.is_empty() {
+        sink.push(
+            Diag::error(planning::NO_TOOL, format!("no tool of the library serves `{keyword}`"))
+                .label(open.kind.span, "this operation")
+                .help("name a tool that the job declares"),
+        );
+        return Err(Aborted);
+    }
+    for operation in &mut operations {
+        operation.keyword = keyword.to_owned();
+        operation.fixed = keeps;
+        if !fixed.is_empty() {
+            operation.why = format!("chosen for what the job fixes of this operation: {}", open.left().join(", "));
+        }
+    }
+    Ok(operations)
+}
+
+/// What was chosen in the order of the operations of a program; `None` for an operation that the job has. `order` is that of the job.
+fn in_order<'c>(
+    order: &[bool],
+    chosen: &'c mut [(Opening<'_>, Vec<ChosenOperation>)],
+) -> Vec<Option<&'c mut ChosenOperation>> {
+    let mut openings = chosen.iter_mut();
+    let mut all = Vec::new();
+    for is_open in order {
+        if *is_open {
+            all.extend(openings.next().into_iter().flat_map(|(_, operations)| operations.iter_mut().map(Some)));
+        } else {
+            all.push(None);
+        }
+    }
+    all
 }
 
 /// Way from the lowest place of the hub down to the back of the stock, where it is clamped, as a share of the diameter, and at least,
@@ -189,7 +363,8 @@ fn states_excess(program: &Program) -> bool {
 /// Refuses blades whose feet are sharp, with the radius that a ball of the library mills.
 fn sharp_feet(sizes: &Sizes, all: &[Candidate]) -> Diag {
     let most = (SHARE_OF_THROAT * sizes.throat).min(SHARE_OF_HEIGHT * sizes.height).min(sizes.concave);
-    let fitting: Vec<&Candidate> = all.iter().filter(|c| c.is_straight() && c.flute() >= sizes.height).collect();
+    let serves = |c: &&Candidate| c.is_ball() && c.is_straight() && c.flute() >= sizes.height;
+    let fitting: Vec<&Candidate> = all.iter().filter(serves).collect();
     let ball = fitting.iter().find(|c| c.ball <= most).or(fitting.last()).map(|c| c.ball);
     let diag = Diag::error(planning::NO_TOOL, "the blades meet the hub without a fillet: no tool mills a sharp foot");
     let Some(ball) = ball else {

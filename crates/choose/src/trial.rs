@@ -17,14 +17,29 @@ pub struct Tried {
     pub fault: Option<String>,
 }
 
+/// How much a trial of operations does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Depth {
+    /// Nothing: what fits by its sizes is taken to hold.
+    Sizes,
+    /// Facts about part and tools, as `impellerc check` finds them.
+    Facts,
+    /// Tool axes.
+    Axes,
+}
+
 /// Trials on a job whose part, machine and contracts are given.
 pub(crate) struct Trials<'a, 'f> {
-    /// The text before tools and operations.
+    /// The text of the job.
+    pub(crate) job: &'a str,
+    /// The same without operations, with what is added to it.
     pub(crate) head: String,
+    /// Names of its tools.
+    pub(crate) taken: Vec<&'a str>,
     pub(crate) front: &'a mut Front<'f>,
     pub(crate) progress: &'a Progress,
-    /// Nothing is planned: what fits by its sizes is taken to have free and smooth axes.
-    pub(crate) assumed: bool,
+    /// How much is tried.
+    pub(crate) depth: Depth,
     pub(crate) tried: Vec<Tried>,
 }
 
@@ -47,7 +62,7 @@ impl Trials<'_, '_> {
         items: &str,
         plan: impl FnOnce(&Program, &Progress, &mut Sink) -> Result<T, Aborted>,
     ) -> Option<T> {
-        if self.assumed {
+        if self.depth == Depth::Sizes {
             return Some(T::default());
         }
         let mut sink = Sink::default();
@@ -55,7 +70,11 @@ impl Trials<'_, '_> {
         let _work = self.progress.begin(what.to_owned(), 1);
         let planned = (self.front)(&format!("{}\n{items}", self.head), &mut sink).and_then(|program| {
             facts::check(&program, self.progress, &mut sink);
-            if sink.has_errors() { Err(Aborted) } else { plan(&program, self.progress, &mut sink) }
+            match self.depth {
+                _ if sink.has_errors() => Err(Aborted),
+                Depth::Axes => plan(&program, self.progress, &mut sink),
+                Depth::Sizes | Depth::Facts => Ok(T::default()),
+            }
         });
         let fault = planned.is_err().then(|| first_error(&sink));
         self.tried.push(Tried { what: what.to_owned(), fault });

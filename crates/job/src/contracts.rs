@@ -19,7 +19,9 @@ pub(super) fn resolve(
     cx: &mut Context<'_>,
 ) -> (Vec<ContractSpec>, Vec<AllowedSpec>) {
     let declared = file.items.iter().filter(|i| matches!(i.kind, ItemKind::Operation { .. })).count();
-    let mut reader = ContractReader { operations, complete: declared == operations.len() && !file.damaged, cx };
+    let open = file.items.iter().any(Item::is_open);
+    let complete = declared == operations.len() && !file.damaged && !open;
+    let mut reader = ContractReader { operations, complete, cx };
     let mut contracts: Vec<ContractSpec> = Vec::new();
     let mut allowed: Vec<AllowedSpec> = Vec::new();
     for item in &file.items {

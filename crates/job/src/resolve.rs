@@ -30,7 +30,7 @@ pub(super) const EDITION: &str = "2026";
 /// Resolves a job. Every fault goes to the sink.
 ///
 /// # Errors
-/// [`Aborted`] when the sink has errors.
+/// [`Aborted`] when the sink has errors, and for a job that leaves something open: that is chosen before.
 pub fn resolve(file: &File, files: &mut dyn Files, sources: &mut SourceMap, sink: &mut Sink) -> Result<Job, Aborted> {
     understand(file, files, sources, sink).job().ok_or(Aborted)
 }
@@ -55,7 +55,8 @@ pub fn understand(file: &File, files: &mut dyn Files, sources: &mut SourceMap, s
     let [chord, chord_rough] = tolerances(file, &mut cx);
     let (contracts, allowed) = contracts::resolve(file, &operations, &mut cx);
     let post = post(file, &mut cx);
-    if !cx.sink.has_errors() && !file.damaged {
+    let open = file.items.iter().any(Item::is_open);
+    if !cx.sink.has_errors() && !file.damaged && !open {
         cx.scope.warn_unused(cx.sink);
         tools::warn_unused(&tools, &operations, cx.sink);
         let used = |at: &usize| operations.iter().any(|o| o.tool == *at);
@@ -71,7 +72,7 @@ pub fn understand(file: &File, files: &mut dyn Files, sources: &mut SourceMap, s
         };
         doubts::warn(&stated, cx.sink);
     }
-    let whole = !cx.sink.has_errors() && !file.damaged && !file.faulty;
+    let whole = !cx.sink.has_errors() && !file.damaged && !file.faulty && !open;
     let tools = tools.into_iter().map(|t| t.spec).collect();
     let values = cx.scope.values();
     let libraries = file.items.iter().filter_map(|item| match &item.kind {

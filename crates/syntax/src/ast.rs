@@ -91,6 +91,8 @@ pub enum ItemKind {
         /// Its entries.
         body: Block,
     },
+    /// `operations auto`: the compiler chooses what is missing.
+    Operations(Name),
     /// `tolerance chord 1 um, rough 10 um`
     Tolerance(Vec<Value>),
     /// `require gouge <= 7 um`
@@ -126,6 +128,44 @@ pub enum ItemKind {
         /// Options, where given.
         body: Option<Block>,
     },
+}
+
+/// The word of a value that the compiler chooses.
+pub const AUTO: &str = "auto";
+
+/// Properties of an operation whose value may be [`AUTO`].
+pub const OPEN_PROPERTIES: [&str; 12] = [
+    "tool",
+    "tools",
+    "speed",
+    "feed",
+    "link-feed",
+    "depth",
+    "stepover",
+    "allowance",
+    "scallop",
+    "method",
+    "lead-in",
+    "lead-out",
+];
+
+impl Item {
+    /// True for an item that leaves something for the compiler to choose.
+    pub fn is_open(&self) -> bool {
+        match &self.kind {
+            ItemKind::Operations(_) => true,
+            ItemKind::Operation { body, .. } => body.entries.iter().any(Entry::is_open),
+            _ => false,
+        }
+    }
+}
+
+impl Entry {
+    /// True where the compiler chooses the value.
+    pub fn is_open(&self) -> bool {
+        OPEN_PROPERTIES.contains(&self.name.text.as_str())
+            && matches!(&self.values[..], [Value::Expr(Expr { kind: ExprKind::Path(path), .. })] if path.text() == AUTO)
+    }
 }
 
 /// A word after `on`.

@@ -156,6 +156,9 @@ fn form_of_item(text: &str) -> Option<&'static str> {
         "allow" => {
             "write quantity, surfaces and a reason in quotes: `allow excess on fillet \"an end mill leaves it\"`"
         }
+        "operations" => {
+            "write `operations auto`, which chooses tools and operations; or `operation KIND { ... }` for one of your own"
+        }
         "post" => "write `post siemens-840d`; `impellerc posts` lists all",
         "tolerance" => "write `tolerance chord 1 um, rough 10 um`",
         _ => return None,
@@ -303,6 +306,7 @@ impl Builder<'_> {
                     ItemKind::Operation { kind, name: None, body: self.block(next) }
                 }
             }
+            Rule::operations => ItemKind::Operations(self.name(&parts.next()?)),
             Rule::tolerance => ItemKind::Tolerance(self.values(parts)),
             Rule::require => {
                 let what = self.name(&parts.next()?);

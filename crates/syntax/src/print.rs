@@ -26,6 +26,7 @@ pub fn print(file: &File) -> String {
                 let name = name.as_ref().map_or(String::new(), |n| format!(" {}", n.text));
                 (format!("operation {}{name}", kind.text), Some(body))
             }
+            ItemKind::Operations(word) => (format!("operations {}", word.text), None),
             ItemKind::Tolerance(values) => (format!("tolerance {}", line(values)), None),
             ItemKind::Require { what, body, relation, bound, outside, scope } => {
                 let what = quantity(what, body.as_ref());

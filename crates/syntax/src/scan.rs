@@ -23,8 +23,20 @@ const MAX_WORDS: usize = 120_000;
 pub(super) const MAX_FAULTS: usize = 50;
 
 /// Words that begin an item.
-pub(super) const ITEMS: &[&str] =
-    &["edition", "use", "let", "part", "stock", "tool", "operation", "tolerance", "require", "allow", "post"];
+pub(super) const ITEMS: &[&str] = &[
+    "edition",
+    "use",
+    "let",
+    "part",
+    "stock",
+    "tool",
+    "operation",
+    "operations",
+    "tolerance",
+    "require",
+    "allow",
+    "post",
+];
 
 /// One item of the text.
 #[derive(Debug)]

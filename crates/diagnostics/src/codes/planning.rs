@@ -63,10 +63,15 @@ reach or a slimmer holder, or leave the tool out of the list.";
     OVER_MEMORY = "IMP0420", "the plan needs too much memory", include_str!("pages/IMP0420.md");
     TOOL_TOO_LARGE = "IMP0450", "tool too large for the channel", include_str!("pages/IMP0450.md");
     NO_TOOL = "IMP0452", "no tool of the library serves",
-        "`impellerc new --from` chooses tools, methods and operations for a part. For each kind of surface it tries the balls of \
+        "`impellerc new --from`, and `operations auto` in a job, choose tools, methods and operations for a part. For each kind of surface it tries the balls of \
 the libraries of the job that fit, the largest first, and takes the first one with which all of the surface has free and smooth \
 tool axes. With none of them it has.\n\nExample: fillets of 0.5 mm, and a library whose smallest ball has 1 mm of radius.\n\nRemedy: \
 the notes say what was tried and what is in the way. Add a ball of a smaller radius, or one with longer flutes or a slimmer \
 holder, to a library of your own (`use tools \"mine\"`), or write the operation by hand.";
+    CHOSEN = "IMP0453", "operations were chosen",
+        "A remark. The job has `operations auto`, or an operation with `auto` in the place of a value, and the compiler chose what \
+it leaves open: tools of the job and its libraries, operations, methods and cutting data. The notes name each operation with \
+its tool and the reason.\n\nExample: a job with a part, a machine and `operations auto`.\n\nRemedy: none is needed. `impellerc \
+choose job.imp -o chosen.imp` writes the job with what was chosen, to read and to edit; it compiles to the same program.";
     EXCLUDED = "IMP0451", "a requirement that other values of the job exclude", include_str!("pages/IMP0451.md");
 }

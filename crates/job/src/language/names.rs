@@ -99,7 +99,7 @@ impl<'f> Walk<'f> {
                 self.scope(scope);
             }
             ItemKind::Allow { scope, .. } => self.scope(scope),
-            ItemKind::Edition(_) | ItemKind::Use { .. } | ItemKind::Post { .. } => {}
+            ItemKind::Edition(_) | ItemKind::Use { .. } | ItemKind::Operations(_) | ItemKind::Post { .. } => {}
         }
     }
 

@@ -26,7 +26,7 @@ use diagnostics::codes::job as codes;
 use finishing::{blades, chosen, faces, flank, levels, milling_of, point_axes};
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
-use syntax::ast::{Expr, File, Item, ItemKind, Name};
+use syntax::ast::{AUTO, Expr, File, Item, ItemKind, Name};
 use tools::Declared;
 use wheel::material::Material;
 use wheel::method::{AxisMethod, Lines, Spacing};
@@ -58,8 +58,14 @@ pub(super) fn resolve(
     let mut out = Vec::new();
     let mut used = Used::default();
     let mut layers: Option<Layers> = None;
-    let mut any = false;
+    let (mut any, mut open) = (false, None);
+    let mut cut_before = workpiece.cut_before;
     for item in &file.items {
+        if let ItemKind::Operations(word) = &item.kind {
+            all_open(item, word, &mut open, cx);
+        }
+        any |= item.is_open();
+        cut_before |= matches!(item.kind, ItemKind::Operations(_));
         let ItemKind::Operation { kind, name, .. } = &item.kind else { continue };
         any = true;
         let kinds = vocabulary::names(TopicKind::Operation);
@@ -70,7 +76,10 @@ pub(super) fn resolve(
             continue;
         }
         let name = unique_name(kind, name.as_ref(), &mut used, cx);
-        let on_whole_blank = used.names.len() == 1 && !workpiece.cut_before;
+        if item.is_open() {
+            continue;
+        }
+        let on_whole_blank = used.names.len() == 1 && !cut_before;
         let mut reader = OperationReader { name, on_whole_blank, tools, machine, workpiece, groove: layers };
         let several = match kind.text.as_str() {
             "rough" => Some(reader.rough(item, cx)),
@@ -99,6 +108,23 @@ pub(super) fn resolve(
         ));
     }
     out
+}
+
+/// Reads `operations auto`, which may stand once; `first` is the place of the first one.
+fn all_open(item: &Item, word: &Name, first: &mut Option<Span>, cx: &mut Context<'_>) {
+    if word.text != AUTO {
+        let message = format!("`operations {}` is not in the language", word.text);
+        cx.sink.push(suggest(Diag::error(codes::NOT_IN_LANGUAGE, message), &word.text, word.span, "word", &[AUTO]));
+    } else if let Some(first) = first {
+        cx.sink.push(
+            Diag::error(codes::GIVEN_TWICE, "the job has `operations auto` twice")
+                .label(item.span, "given again")
+                .label(*first, "first given here")
+                .help("keep the one that stands where the operations are to run"),
+        );
+    } else {
+        *first = Some(item.span);
+    }
 }
 
 /// Names of the operations so far.

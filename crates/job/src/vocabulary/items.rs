@@ -149,6 +149,13 @@ pub(super) const TOPICS: &[Topic] = &[
     ),
     topic_of(
         TopicKind::Item,
+        "operations",
+        "`operations auto` chooses what no operation of the job does: roughing, faces, fillets, edges and floor, with their tools. An operation of the job may leave values open in the same way: `tool auto`, `tools auto`, `speed auto`, `feed auto`, `link-feed auto`, `depth auto`, `stepover auto`, `allowance auto`, `scallop auto`, `method auto`, `lead-in auto`, `lead-out auto`. `impellerc choose` writes the job with what was chosen.",
+        "operations auto",
+        &[],
+    ),
+    topic_of(
+        TopicKind::Item,
         "tolerance",
         "How far the control may leave the path when it smooths: in finishing and in roughing.",
         "tolerance chord 1 um, rough 10 um",
