@@ -65,7 +65,7 @@ fn walls_of_splitters_are_continued() {
         for (i, j) in (1..10).flat_map(|i| (0..=10).map(move |j| (i, j))) {
             let [u, v] = [f64::from(i) / 10.0, f64::from(j) / 10.0];
             let p = part.face(face).surface.point(u, v);
-            let found = wall.closest(&p, whole);
+            let found = wall.surface().closest(&p, whole);
             assert!(found.distance < 0.03, "{face:?} at {u}, {v}: {} off the wall", found.distance);
             // u of the channel is that of the middle of the blade.
             if j == 5 {

@@ -5,6 +5,7 @@
 //! passage goes on where a splitter begins or ends. Continued walls are coordinates of the planner. Distances are those
 //! from the blades.
 
+use super::beyond::Beyond;
 use super::passage::WholeWall;
 use super::{Across, BladeId, FaceId, FaceLine, FaceSurface, Part, Passage, PassageId, Surface};
 use nalgebra::{Matrix2, Point3, Vector2, Vector3};
@@ -22,9 +23,9 @@ const FACE_INTERVALS: usize = 64;
 impl Part {
     /// The walls of a passage from the inlet (u = 0) to the outlet (1) of the part, sector 0. The wall of a splitter is
     /// continued before and behind the splitter.
-    pub fn walls(&self, passage: PassageId) -> [&FaceSurface; 2] {
+    pub fn walls(&self, passage: PassageId) -> [&WholeWall; 2] {
         let [first, second] = &self.whole_walls(all)[passage.index()];
-        [&first.surface, &second.surface]
+        [first, second]
     }
 
     /// u along the walls of its passage at a u of a face.
@@ -41,8 +42,13 @@ fn all(part: &Part) -> Vec<[WholeWall; 2]> {
 /// The wall of a passage on a side, 0 for the clockwise one.
 fn wall(part: &Part, passage: &Passage, side: usize) -> WholeWall {
     let face = passage.walls[side];
-    let own = || WholeWall { surface: part.face(face).surface.clone(), along: Vec::new() };
-    Continued::new(part, face).and_then(|continued| continued.wall()).unwrap_or_else(own)
+    let own = || (part.face(face).surface.clone(), Vec::new());
+    let (surface, along) = Continued::new(part, face).and_then(|continued| continued.wall()).unwrap_or_else(own);
+    let beyond = [0, 1].map(|end: usize| {
+        let inside = part.ends_inside(BladeId::MAIN, end);
+        inside.then(|| Beyond::new([&part.hub, &part.shroud], part.pitch(), &surface, end)).flatten()
+    });
+    WholeWall { surface, beyond, along }
 }
 
 /// A face of a splitter between main blades.
@@ -121,8 +127,9 @@ impl<'a> Continued<'a> {
         Some(row)
     }
 
-    /// The continued wall: a cubic spline that lies near its points and is smooth where the face ends.
-    fn wall(&self) -> Option<WholeWall> {
+    /// The continued wall: a cubic spline that lies near its points and is smooth where the face ends; and u of the wall at equal
+    /// shares of the u of its face.
+    fn wall(&self) -> Option<(FaceSurface, Vec<f64>)> {
         let [first, second] = self.main.map(|face| &self.part.face(face).surface);
         let knots: Vec<f64> =
             (0..=WALL_SPANS + 6).map(|i| (i as f64 - 3.0).clamp(0.0, WALL_SPANS as f64) / WALL_SPANS as f64).collect();
@@ -147,6 +154,6 @@ impl<'a> Continued<'a> {
             let share = ((u - a) / (b - a).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
             stations[next - 1] + (stations[next] - stations[next - 1]) * share
         };
-        Some(WholeWall { surface, along: (0..=FACE_INTERVALS).map(place).collect() })
+        Some((surface, (0..=FACE_INTERVALS).map(place).collect()))
     }
 }

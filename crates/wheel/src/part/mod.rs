@@ -9,6 +9,7 @@
 //! | `blade` | a blade with its two faces and their names |
 //! | `row` | the part: main blade and splitters between hub and shroud |
 //! | `passage` | the space between neighbouring blades |
+//! | `beyond` | walls of passages before and behind edges that lie far inside of the part |
 //! | `continued` | walls of passages from inlet to outlet, where a blade is shorter |
 //! | `names` | every surface of the finished part by kind and sector |
 //! | `stock` | the turned blank and what holds it |
@@ -35,6 +36,7 @@
 //! | `solid` | the closed part as a mesh, and its volume |
 //! | `shell` | the closed part as NURBS faces with shared edges |
 
+mod beyond;
 mod blade;
 pub mod blade_loops;
 mod blade_sheets;
@@ -72,7 +74,7 @@ pub use borders::{FloorBorder, Rolling};
 pub use extent::Extent;
 pub use fillet::Fillet;
 pub use names::{PassageId, SurfaceClass, SurfaceId, SurfaceKind};
-pub use passage::{Across, Passage};
+pub use passage::{Across, Passage, WholeWall};
 pub use rolling_ball::hub_normal;
 pub use row::{BladeRow, Part};
 pub use sample::{Sample, sample};

@@ -1,9 +1,10 @@
 //! Passages: the space between two neighbouring blades, and its walls from the inlet to the outlet of the part.
 
+use super::beyond::Beyond;
 use super::blade::FaceId;
 use super::names::PassageId;
-use super::surface::FaceSurface;
-use nalgebra::Point3;
+use super::surface::{FaceLine, FaceSurface};
+use nalgebra::{Point3, Vector3};
 use nurbs::angle::nearest_turn;
 
 /// The space between two neighbouring blades.
@@ -66,13 +67,44 @@ impl Across {
 
 /// A wall of a passage from the inlet (u = 0) to the outlet (1), sector 0.
 #[derive(Clone, Debug)]
-pub(super) struct WholeWall {
+pub struct WholeWall {
     pub(super) surface: FaceSurface,
+    /// The wall before the inlet and behind the outlet, where it does not go straight on.
+    pub(super) beyond: [Option<Beyond>; 2],
     /// u of the wall at equal shares of the u of its face; empty for a face that is the whole wall.
     pub(super) along: Vec<f64>,
 }
 
 impl WholeWall {
+    /// The wall between its ends.
+    pub fn surface(&self) -> &FaceSurface {
+        &self.surface
+    }
+
+    /// The line of equal u, also beyond the ends.
+    pub fn line(&self, u: f64) -> FaceLine<'_> {
+        match self.beyond.iter().flatten().find(|beyond| beyond.holds(u)) {
+            Some(beyond) => beyond.line(u),
+            None => self.surface.line(u),
+        }
+    }
+
+    /// Unit vector from root to tip at u.
+    pub fn ruling(&self, u: f64) -> Vector3<f64> {
+        match self.beyond.iter().flatten().find(|beyond| beyond.holds(u)) {
+            Some(beyond) => {
+                let line = beyond.line(u);
+                (line.point(1.0) - line.point(0.0)).normalize()
+            }
+            None => self.surface.ruling(u),
+        }
+    }
+
+    /// Point at (u, v).
+    pub fn point(&self, u: f64, v: f64) -> Point3<f64> {
+        self.line(u).point(v)
+    }
+
     /// u of the wall at a u of its face.
     pub(super) fn u(&self, of_face: f64) -> f64 {
         if self.along.is_empty() {

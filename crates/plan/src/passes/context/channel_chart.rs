@@ -3,7 +3,7 @@
 use nalgebra::{Point3, Rotation3, Vector3};
 use nurbs::angle::nearest_turn;
 use std::cell::OnceCell;
-use wheel::part::{Across, FaceLine, FaceSurface, Part, PassageId, Surface as _};
+use wheel::part::{Across, FaceLine, Part, PassageId, WholeWall};
 
 /// Least outward tilt of tool axes in the channel, as the sine of the angle to the axis of rotation (11.5 deg). Where
 /// the rulings stand upright, the axis would otherwise come near the pole of a tilting table, and rotary axis 2 would
@@ -26,8 +26,8 @@ const TILT_SOFTNESS: f64 = 0.05;
 #[derive(Clone, Copy)]
 pub(crate) struct ChannelChart<'a> {
     part: &'a Part,
-    first: &'a FaceSurface,
-    second: &'a FaceSurface,
+    first: &'a WholeWall,
+    second: &'a WholeWall,
     /// Angle from the sector of the first wall to that of the second, radians.
     turn: f64,
     /// Sense in which the channel runs outward: 1 from inlet to outlet, -1 where it runs inward, as in a turbine.
