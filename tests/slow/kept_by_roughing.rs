@@ -66,3 +66,37 @@ fn an_inducer_is_roughed_within_the_travel() {
     let (holds, said) = roughed(part, ["ball-4x40", "ball-3x30"], COARSE, stock);
     assert!(holds, "{said}");
 }
+
+/// Edges that begin far behind the inlet of the hub, with blades at a slant: the channel went straight on before them, off the hub, and
+/// the second ball met 21 mm of stock.
+#[test]
+fn roughing_follows_the_hub_before_edges_far_behind_its_inlet() {
+    let part = "part pump { vanes 6
+        hub revolve spline [(28, 0, 0) (30, 0, -14) (38, 0, -28) (52, 0, -38) (75, 0, -43) (104.5, 0, -44)] mm
+        shroud revolve spline [(56, 0, 0) (57, 0, -6) (61, 0, -13) (70, 0, -19.5) (85, 0, -25) (104.5, 0, -28)] mm
+        vane main { beta-from meridian
+            span 0 % { beta [(0 %, -58 deg) (50 %, -60 deg) (100 %, -64 deg)] end 0 deg thickness [(0 %, 3 mm) (40 %, 6 mm) (100 %, 5 mm)] }
+            span 100 % { beta [(0 %, -66 deg) (50 %, -65 deg) (100 %, -64 deg)] end 0 deg thickness [(0 %, 3 mm) (40 %, 5 mm) (100 %, 4 mm)] }
+            from hub 38 %, shroud 12 % leading-edge elliptic 2 trailing-edge cut-off fillet 4.2 mm } }";
+    let stock = "stock turned { over shroud 0 mm bore 0 mm back -65 mm clamping { below -65 mm diameter 105 mm } }";
+    let steps = "feed 4000 mm/min  link-feed 4000 mm/min  depth 5 mm, 2.6 mm  stepover 6 mm, 3.2 mm";
+    let (holds, said) = roughed(part, ["ball-16x110", "ball-8x60"], steps, stock);
+    assert!(holds, "{said}");
+}
+
+/// Two passes of this wheel come to the same place of the clearance surface from different heights: the rapid between them had a time
+/// of 1e-16 s, and the program 82 h.
+#[test]
+fn no_rapid_has_the_length_of_rounding() {
+    let part = "part blower { vanes 12
+        hub revolve spline [(55, 0, -30) (62, 0, -42) (80, 0, -52) (110, 0, -57) (150, 0, -60)] mm
+        shroud revolve spline [(85, 0, 0) (87, 0, -8) (95, 0, -17) (115, 0, -26) (150, 0, -32)] mm
+        vane main { beta-from meridian
+            span 0 % { beta [(0 %, 55 deg) (50 %, 50 deg) (100 %, 48 deg)] end 0 deg thickness 5 mm }
+            span 100 % { beta [(0 %, 58 deg) (50 %, 52 deg) (100 %, 48 deg)] end 0 deg thickness 3.5 mm }
+            from hub 32 %, shroud 16 % leading-edge elliptic 2 trailing-edge cut-off fillet 4.2 mm } }";
+    let stock = "stock turned { over shroud 0 mm bore 0 mm back -91 mm clamping { below -91 mm diameter 150 mm } }";
+    let steps = "feed 4000 mm/min  link-feed 4000 mm/min  depth 5.2 mm, 2.6 mm  stepover 6.4 mm, 3.2 mm";
+    let (holds, said) = roughed(part, ["ball-16x110", "ball-8x60"], steps, stock);
+    assert!(holds, "{said}");
+}

@@ -19,7 +19,7 @@ use super::pieces::{self, LinkMove, Solved};
 use crate::passes::context::PassContext;
 use base::units::trim;
 use diagnostics::{Aborted, Diag, codes::kinematics};
-use five_axis::{Angles, Machine, RotaryPose};
+use five_axis::{Angles, Joints, Machine, RotaryPose};
 use ir::motion::MotionOperation;
 use ir::{ClOperation, ClPass, ClPlan, ClPoint, JointMove, Motion, MoveKind, Operation, Program};
 use nalgebra::{Point3, Vector3};
@@ -283,6 +283,14 @@ fn aloft(program: &Program, length: f64, before: Option<&MotionOperation>, rotar
     vec![at(machine.retract), at(machine.retract - DOWN_MM), at(machine.retract)]
 }
 
+/// Whether two places of the axes differ by no more than rounding, mm and rad. Two passes along one axis come to the same place of the
+/// clearance surface from different heights: a rapid between them would have a time of rounding, and speeds without bound.
+fn stands_at(a: &Joints, b: &Joints) -> bool {
+    /// Far below the step of any word.
+    const ROUNDING: f64 = 1e-9;
+    a.all().iter().zip(b.all()).all(|(a, b)| (a - b).abs() < ROUNDING)
+}
+
 /// Appends the moves of a sequence, preceded by the link over the clearance surface.
 fn append(
     machine: &Machine,
@@ -293,9 +301,13 @@ fn append(
 ) {
     let (Some(first), Some(start)) = (run.first(), rotary.first().copied()) else { return };
     let push = |m: &LinkMove, tip: &Point3<f64>, rotary: Angles, out: &mut Vec<JointMove>| {
+        let joints = machine.joints(tip, rotary);
+        if m.kind == MoveKind::Rapid && out.last().is_some_and(|last| stands_at(&last.joints, &joints)) {
+            return;
+        }
         out.push(JointMove {
             kind: m.kind,
-            joints: machine.joints(tip, rotary),
+            joints,
             feed: match m.kind {
                 MoveKind::Rapid => None,
                 MoveKind::Link => Some(operation.link_feed.get()),
