@@ -11,7 +11,9 @@ use diagnostics::codes::{self, verification};
 use diagnostics::{Code, Diag, Sink};
 use ir::{Allowed, Contract, Motion, OperationId, Program};
 use nalgebra::Point3;
+use std::collections::BTreeSet;
 use wheel::contract::{ContractKind, Cuts, Guarded, OfOperations, Region, Relation, Scope};
+use wheel::part::{SurfaceClass, SurfaceId};
 
 /// Judges all contracts; failing contracts become errors. Lists what is allowed, with its figure. An `allow` becomes a
 /// remark when every contract would hold without it.
@@ -27,6 +29,9 @@ pub(super) fn judge(
     let allowed = program.allowed.iter().map(|a| judge.allowed(a, sink)).collect();
     (contracts, allowed)
 }
+
+/// Most sectors that are named one by one.
+const MAX_NAMED_SECTORS: usize = 4;
 
 struct Judge<'a> {
     program: &'a Program,
@@ -71,6 +76,29 @@ impl Judge<'_> {
         scope.text(|o| self.program.operations[*o].name.clone())
     }
 
+    /// The sectors in which a contract on material that is left is judged, where these are not all: those in which operations finish.
+    fn sectors_text(&self, kind: ContractKind, region: &Region) -> String {
+        if kind != ContractKind::Excess {
+            return String::new();
+        }
+        let of_region = |id: &SurfaceId| {
+            let rows = SurfaceClass::ALL.into_iter().zip(&region.rows);
+            rows.filter(|(_, row)| row.contains(&true)).any(|(class, _)| class == id.kind.class())
+        };
+        let all = || self.certificate.surfaces.iter().map(|s| s.id).filter(of_region);
+        let judged: BTreeSet<u32> = all().filter(|id| self.program.asks_for(*id)).map(|id| id.sector + 1).collect();
+        let count = self.program.part.vane_count;
+        match judged.len() {
+            _ if all().all(|id| self.program.asks_for(id)) => String::new(),
+            1..=MAX_NAMED_SECTORS => {
+                let many = if judged.len() > 1 { "s" } else { "" };
+                let names: Vec<String> = judged.iter().map(u32::to_string).collect();
+                format!(" in sector{many} {} of {count}", names.join(", "))
+            }
+            judged => format!(" in {judged} of {count} sectors"),
+        }
+    }
+
     fn contract(&self, contract: &Contract, sink: &mut Sink) -> Option<ContractReport> {
         let region = self.kept(contract, None);
         if contract.default && region.is_empty_on(contract.kind.speaks_of()) {
@@ -99,7 +127,9 @@ impl Judge<'_> {
         }
         Some(ContractReport {
             kind: contract.kind,
-            scope: self.scope_text(&contract.scope).trim_start().to_owned(),
+            scope: (self.scope_text(&contract.scope) + &self.sectors_text(contract.kind, &region))
+                .trim_start()
+                .to_owned(),
             relation: contract.kind.relation(),
             unit: contract.bound.unit().into(),
             bound: contract.bound.value(),

@@ -336,6 +336,10 @@ struct Narrower<'a> {
 }
 
 impl measure::NarrowMeasure for Narrower<'_> {
+    fn is_asked(&self, surface: wheel::part::SurfaceId) -> bool {
+        self.program.asks_for(surface)
+    }
+
     fn surfaces(&self, operations: &[bool]) -> Vec<surface::SurfaceReport> {
         let chosen = operations.iter().enumerate().filter(|(_, done)| **done);
         let sweeps: Vec<Sweep<'_>> = chosen.filter_map(|(o, _)| Sweep::new(self.program, self.motion, o)).collect();

@@ -8,7 +8,7 @@ use super::stock::{OperationStock, Peak, StockReport};
 use super::surface::{SurfaceReport, Worst};
 use base::units::{Deg, Mm, Sec, Share, length};
 use wheel::contract::{ContractKind, Cuts, Guarded, Region};
-use wheel::part::SurfaceClass;
+use wheel::part::{SurfaceClass, SurfaceId};
 
 /// A measured value with its place.
 #[derive(Clone, Debug)]
@@ -46,6 +46,9 @@ pub(super) trait NarrowMeasure {
     /// Least distance of a part of the tool in an operation to some surfaces of the design.
     fn clearance(&self, operation: usize, body: Guarded, surfaces: &[SurfaceClass]) -> Option<Clearance>;
 
+    /// Whether the operations are to make a surface in its sector.
+    fn is_asked(&self, surface: SurfaceId) -> bool;
+
     /// Volume of the finished part, mm3; `None` when its surfaces are not closed.
     fn part_volume(&self) -> Option<f64>;
 
@@ -67,13 +70,13 @@ pub(super) fn measure(
 ) -> Result<Figure, Unmeasured> {
     let stock = || certificate.stock.as_ref().ok_or(Unmeasured::NeedsStock);
     match kind {
-        ContractKind::Gouge => Ok(worst(certificate, narrow, region, gouge)),
+        ContractKind::Gouge => Ok(worst(certificate, narrow, region, gouge, &|_| true)),
         ContractKind::Excess => {
             let mut region = region.clone();
             for (o, done) in region.rows.iter_mut().flat_map(|row| row.iter_mut().enumerate()) {
                 *done &= after.is_none_or(|last| o <= last);
             }
-            Ok(worst(certificate, narrow, &region, excess))
+            Ok(worst(certificate, narrow, &region, excess, &|s| narrow.is_asked(s.id)))
         }
         ContractKind::Clearance(body) => Ok(clearance(certificate, narrow, body, region)),
         ContractKind::Time => Ok(time(certificate, region)),
@@ -104,13 +107,14 @@ fn excess(s: &SurfaceReport) -> OnSurface<'_> {
     OnSurface { bound: s.excess_bound, computed: s.excess.value, worst: &s.excess }
 }
 
-/// The largest bound and the largest computed value over the surfaces of a region; for each surface only the operations of the
-/// region count.
+/// The largest bound and the largest computed value over the surfaces of a region that are `judged`; for each surface only the
+/// operations of the region count.
 fn worst(
     certificate: &Certificate,
     narrow: &dyn NarrowMeasure,
     region: &Region,
     pick: fn(&SurfaceReport) -> OnSurface<'_>,
+    judged: &dyn Fn(&SurfaceReport) -> bool,
 ) -> Figure {
     let mut known: Vec<(&[bool], Vec<SurfaceReport>)> = Vec::new();
     let mut found: Option<Figure> = None;
@@ -125,7 +129,7 @@ fn worst(
         }
         let narrowed = known.iter().find(|(operations, _)| !whole && operations == row);
         let reports = narrowed.map_or(&certificate.surfaces, |(_, reports)| reports);
-        for s in reports.iter().filter(|s| s.id.kind.class() == surface) {
+        for s in reports.iter().filter(|s| s.id.kind.class() == surface && judged(s)) {
             let OnSurface { bound, computed, worst } = pick(s);
             largest = largest.max(computed.get());
             if found.as_ref().is_none_or(|f| bound.get() > f.value) {

@@ -12,7 +12,8 @@ a vane with a twist of 33 deg gouges by 126 um.\n\nRemedy: use more strips for f
 chord tolerance, or a wider contract.";
     EXCESS = "IMP0703", "excess is larger than the job allows",
         "After the whole program more material than `require excess` allows stands on some place of a milled \
-surface.\n\nRemedy: use a smaller scallop height, more strips, a tool that reaches the place, or `sectors` that \
+surface. Where the operations are limited to sectors, these are judged.\n\nRemedy: use a smaller scallop height, more strips, a tool \
+that reaches the place, or `sectors` that \
 include all vanes.";
     CLEARANCE = "IMP0704", "shank or holder too near to the part",
         "At some time of the program the shank or the holder is nearer to the finished part than `require clearance` \
