@@ -177,7 +177,10 @@ fn what_cannot_be_chosen_is_told() {
             "tool t1 = \"ball-2x24\"\noperation rough { speed 9000 rpm  feed 250 mm/min  allowance vane 0.2 mm, hub 0.2 mm }\noperations auto",
             "takes all tools of the job",
         ),
-        ("operation point { tool auto  speed 9000 rpm  feed 250 mm/min  scallop 10 um  sectors auto }", "no name is called `auto`"),
+        (
+            "operation point { tool auto  speed 9000 rpm  feed 250 mm/min  scallop 10 um  sectors auto }",
+            "no name is called `auto`",
+        ),
         (
             "tool t1 = \"ball-2x24\"\noperation point { tool t1  speed 9000 rpm  feed 250 mm/min  scallop 10 um }",
             "leaves nothing open",

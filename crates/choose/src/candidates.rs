@@ -59,6 +59,9 @@ pub(crate) fn candidates(program: &Program, named: &dyn Fn(&str) -> Option<(Stri
 /// Least radius of a ball that is tried, as a share of the largest one that may fit.
 pub(crate) const LEAST_SHARE: f64 = 0.3;
 
+/// Least length of flutes that counts as the depth of a channel, as a share of it.
+const SLANT: f64 = 0.9;
+
 /// Number of tools that are tried for an operation.
 const MAX_TRIED: usize = 10;
 
@@ -68,7 +71,8 @@ pub(crate) fn balls(all: &[Candidate], most: f64, depth: f64) -> Vec<usize> {
     let fits =
         |c: &Candidate| c.is_ball() && c.ball <= most + 1e-9 && c.ball >= LEAST_SHARE * most && c.reach() >= depth;
     let fitting: Vec<usize> = (0..all.len()).filter(|k| fits(&all[*k])).collect();
-    let is_short = |k: usize| all[k].flute() < depth;
+    // The depth is that of the longest ruling, which is slanted.
+    let is_short = |k: usize| all[k].flute() < SLANT * depth;
     let alike = |at: usize| {
         let before = fitting[..at].iter().filter(|k| is_short(**k) == is_short(fitting[at]));
         before.filter(|k| all[**k].ball == all[fitting[at]].ball).count()

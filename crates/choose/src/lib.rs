@@ -145,7 +145,8 @@ pub fn choose(
         Effort::Axes | Effort::Whole(_) => Depth::Axes,
     };
     let taken: Vec<&str> = open.declared().into_iter().map(|(name, _)| name).collect();
-    let head = whole(open.without_operations());
+    let of_trials: String = contracts.lines().filter(|line| !line.contains("excess")).collect::<Vec<_>>().join("\n");
+    let head = format!("{}\n{of_trials}", open.without_operations().replace(STOCK, &stock));
     let mut trials = Trials { job: open.text, head, taken, front, progress, depth, tried: Vec::new() };
     let mut chosen = Vec::new();
     for opening in open.openings() {

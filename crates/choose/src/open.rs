@@ -94,10 +94,12 @@ impl<'a> OpenJob<'a> {
         edited(self.text, edits)
     }
 
-    /// The job without its operations, and without what is said of them alone: a trial has one of them.
+    /// The job without its operations, without what is said of them alone and without contracts on excess: for trials.
     pub(crate) fn without_operations(&self) -> String {
         let of_operation = |item: &&Item| match &item.kind {
             ItemKind::Operation { .. } | ItemKind::Operations(_) => true,
+            // A trial with few lines leaves more.
+            ItemKind::Require { what, .. } if what.text == "excess" => true,
             ItemKind::Require { scope, .. } | ItemKind::Allow { scope, .. } => {
                 scope.iter().any(|target| target.operation || self.is_operation(&target.name.text))
             }

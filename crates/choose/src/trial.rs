@@ -5,8 +5,12 @@ use base::entity::EntityId;
 use base::progress::Progress;
 use diagnostics::{Aborted, Severity, Sink};
 use ir::{OperationId, Program};
+use plan::budget;
 use plan::facts;
 use plan::passes::pipeline;
+
+/// Memory that a trial may plan with, over the estimate.
+const MEMORY_RESERVE: f64 = 10.0;
 
 /// Something that was tried.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -68,7 +72,9 @@ impl Trials<'_, '_> {
         let mut sink = Sink::default();
         // The passes of the planner count their own work; this names it where they do not.
         let _work = self.progress.begin(what.to_owned(), 1);
-        let planned = (self.front)(&format!("{}\n{items}", self.head), &mut sink).and_then(|program| {
+        let planned = (self.front)(&format!("{}\n{items}", self.head), &mut sink).and_then(|mut program| {
+            // A trial of one operation takes little; what the whole job takes is told with the choice.
+            program.memory = program.memory.max(MEMORY_RESERVE * budget::needed(&program));
             facts::check(&program, self.progress, &mut sink);
             match self.depth {
                 _ if sink.has_errors() => Err(Aborted),
