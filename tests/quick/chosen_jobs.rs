@@ -129,6 +129,7 @@ operation point first { tool mine  speed auto  feed auto  scallop 0.1 mm  method
 operations auto
 operation fillet { tool mine  speed 17000 rpm  feed 500 mm/min  scallop 0.1 mm }
 require excess <= 0.2 mm on operation first
+require removal-rate <= 50 cm3/min on channel
 post siemens-840d
 "#;
 

@@ -7,7 +7,7 @@ use impellerc::base::progress::Progress;
 use impellerc::base::source::Span;
 use impellerc::base::units::{Mm, Share};
 use impellerc::diagnostics::{Severity, Sink, codes::verification};
-use impellerc::ir::{Allowed, Contract, Motion, OperationId, OperationKind, Program};
+use impellerc::ir::{Allowed, Contract, Motion, Operation, OperationId, OperationKind, Program};
 use impellerc::plan::passes::pipeline;
 use impellerc::report::proof::contracts;
 use impellerc::report::proof::details::details;
@@ -18,7 +18,7 @@ use impellerc::verify::stock::Settings;
 use impellerc::verify::{Certificate, certify_with};
 use impellerc::wheel::contract::{ContractKind, Cuts, Guarded, Scope};
 use impellerc::wheel::method::{Flank, FlankMethod};
-use impellerc::wheel::part::{BladeId, Guides, Part, Stock, SurfaceClass, solid};
+use impellerc::wheel::part::{BladeId, Guides, Part, Stock, SurfaceClass, SurfaceId, SurfaceKind, solid};
 use std::sync::LazyLock;
 
 /// Coarse finishing of all vanes and channels of a part that has three of the paper's vanes at half their size, with
@@ -450,6 +450,33 @@ fn a_default_holds_where_no_other_contract_speaks() {
     assert!(certificate.allowed[0].waives && certificate.allowed[0].excuses);
     assert_eq!(head::lines(&certificate)[0], "NOT VERIFIED: gouge, which the job allows: known");
     assert!(head::lines(&ASKED.0)[0].starts_with("verified"));
+}
+
+/// Excess is asked where the job is to finish. The same motion fails a job that is to finish all sectors.
+#[test]
+fn excess_is_asked_in_the_sectors_that_operations_finish() {
+    let in_sectors = |sectors: &[u32]| {
+        let mut operations = PrimaryMap::new();
+        for (_, operation) in PLANNED.0.operations.iter() {
+            operations.push(Operation { sectors: sectors.to_vec(), ..operation.clone() });
+        }
+        Program { operations, ..PLANNED.0.clone() }
+    };
+    let first = in_sectors(&[0]);
+    let motion = pipeline::run(&first, &mut Sink::default()).expect("a plan").motion;
+    let whole = judged(&[on(ContractKind::Excess, 1.0, &[], &[])], &[]).0.contracts[0].found;
+    let contract = on(ContractKind::Excess, whole + 1e-3, &[], &[]);
+    let of = |program: &Program| judged_of(program, &motion, std::slice::from_ref(&contract)).contracts[0].clone();
+    let of_first = of(&first);
+    assert!(of_first.holds && of_first.scope == "in sector 1 of 3", "{of_first:?}");
+    let of_all = of(&in_sectors(&[0, 1, 2]));
+    assert!(!of_all.holds && of_all.scope.is_empty(), "{of_all:?}");
+    // A face of another sector is not asked for, nor a fillet whose floor is in another sector.
+    let [one, other] = BladeId::MAIN.faces();
+    let asks = |kind: SurfaceKind, sector: u32| first.asks_for(SurfaceId { kind, sector });
+    assert!(asks(SurfaceKind::Face(one), 0) && asks(SurfaceKind::Face(other), 0) && !asks(SurfaceKind::Face(one), 1));
+    let fillets = [one, other].map(|face| asks(SurfaceKind::Fillet(face), 0));
+    assert!(fillets[0] != fillets[1], "{fillets:?}");
 }
 
 /// The move of a contract's worst place is that of the check that found it.

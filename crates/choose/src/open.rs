@@ -3,7 +3,8 @@
 use crate::text::{ChosenOperation, ToolNames, value};
 use diagnostics::{Diag, codes::job as codes};
 use std::ops::Range;
-use syntax::ast::{Block, Entry, File, Item, ItemKind, Name, OPEN_PROPERTIES, ToolSource, Value};
+use syntax::ast::{Block, Entry, File, Item, ItemKind, Name, OPEN_PROPERTIES, ScopeTarget, ToolSource, Value};
+use wheel::part::SurfaceClass;
 
 /// A job with open places.
 #[derive(Clone, Copy)]
@@ -83,6 +84,13 @@ impl<'a> OpenJob<'a> {
                 Opening::Operation(open) => edits.extend(open.readable(placeholder)),
             }
         }
+        // They may speak of operations that are not chosen yet.
+        let of_operations = self.ast.items.iter().filter(|item| match &item.kind {
+            ItemKind::Require { what, scope, .. } => what.text != "excess" && names_operations(scope),
+            ItemKind::Allow { scope, .. } => names_operations(scope),
+            _ => false,
+        });
+        edits.extend(of_operations.map(|item| Edit { range: item.span.range(), text: String::new() }));
         let mut added = format!("tool {placeholder} = {PLACEHOLDER}\n");
         added.extend(library.iter().map(|(name, tool)| format!("tool {name} = \"{tool}\"\n")));
         // Front ends make no program without an operation.
@@ -100,20 +108,11 @@ impl<'a> OpenJob<'a> {
             ItemKind::Operation { .. } | ItemKind::Operations(_) => true,
             // A trial with few lines leaves more.
             ItemKind::Require { what, .. } if what.text == "excess" => true,
-            ItemKind::Require { scope, .. } | ItemKind::Allow { scope, .. } => {
-                scope.iter().any(|target| target.operation || self.is_operation(&target.name.text))
-            }
+            ItemKind::Require { scope, .. } | ItemKind::Allow { scope, .. } => names_operations(scope),
             _ => false,
         };
         let left_out = self.ast.items.iter().filter(of_operation);
         edited(self.text, left_out.map(|item| Edit { range: item.span.range(), text: String::new() }).collect())
-    }
-
-    fn is_operation(&self, word: &str) -> bool {
-        self.ast
-            .items
-            .iter()
-            .any(|item| matches!(&item.kind, ItemKind::Operation { name: Some(name), .. } if name.text == word))
     }
 
     /// The job with what was chosen: a text for each open place, and declarations of tools before the first one.
@@ -264,6 +263,12 @@ impl<'a> OpenOperation<'a> {
         }
         edited(&text[item], edits)
     }
+}
+
+/// Whether a scope names operations, by kind or name.
+fn names_operations(scope: &[ScopeTarget]) -> bool {
+    let is_surface = |word: &str| SurfaceClass::ALL.iter().any(|surface| surface.name() == word);
+    scope.iter().any(|target| target.operation || !is_surface(&target.name.text))
 }
 
 /// Properties whose values must fit the tool.
