@@ -3,14 +3,13 @@
 
 use super::before_planning::{check_frames, check_part_and_machine};
 use super::new_job::{new_file, write_new};
-use super::open_job::tried_line;
 use super::open_part::{PartInput, PartText, given};
 use super::{Outcome, Stages, or_reported, shown_path};
 use ::syntax::ast::File;
 use base::entity::EntityId;
 use base::progress::Progress;
 use base::source::SourceId;
-use choose::{Chosen, Effort, Judgement, Load};
+use choose::{Chosen, Effort, Judgement, Load, Tried};
 use diagnostics::codes::job as codes;
 use diagnostics::{Aborted, Diag, Sink};
 use ir::program::DEFAULT_MEMORY;
@@ -120,6 +119,11 @@ pub(super) fn memory_option(chosen: &Chosen) -> String {
     // The lines that are planned may take more than the estimate before.
     let memory = MEMORY_RESERVE * chosen.memory;
     if memory > DEFAULT_MEMORY { format!(" --memory {}GB", (memory / 1e9).ceil()) } else { String::new() }
+}
+
+/// What was tried, in a line.
+pub(super) fn tried_line(Tried { what, fault }: &Tried) -> String {
+    format!("tried {what}: {}", fault.as_deref().unwrap_or("holds"))
 }
 
 /// What was chosen, for people.

@@ -1,44 +1,18 @@
 //! A job that leaves tools, operations or values open: what the compiler chooses for them, in a run and by `impellerc choose`.
 
-use super::chosen_job::{judged, memory_option};
-use super::front::read_job;
+use super::chosen_job::{judged, memory_option, tried_line};
+use super::job_file::read_job;
 use super::new_job::{new_file, write_new};
-use super::open_part::{PartInput, PartText};
-use super::{Options, Outcome, RunOptions, Stages, or_reported, shown_path};
-use ::syntax::ast::{File, Item};
+use super::open_part::{PartInput, PartText, is_open};
+use super::{ChoiceEffort, Options, Outcome, RunOptions, Stages, or_reported, shown_path};
+use ::syntax::ast::File;
 use base::progress::Progress;
 use base::source::{SourceFile, SourceMap};
-use choose::{Chosen, Effort, Tried};
+use choose::{Chosen, Effort};
 use diagnostics::codes::{job as codes, planning};
 use diagnostics::{Aborted, Diag};
 use ir::Program;
 use std::path::{Path, PathBuf};
-
-/// How much is tried before a choice is taken.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum ChoiceEffort {
-    /// Facts about part and tools alone.
-    Facts,
-    /// Contacts and tool axes of each operation in one sector.
-    #[default]
-    Axes,
-    /// Plan and proof of the whole job as well.
-    Whole,
-}
-
-/// How a job with open places is completed.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ChoiceOptions {
-    /// How much is tried.
-    pub effort: ChoiceEffort,
-    /// Tell all that was tried.
-    pub explain: bool,
-}
-
-/// True for a job that leaves something open.
-pub(super) fn is_open(ast: &File) -> bool {
-    ast.items.iter().any(Item::is_open)
-}
 
 /// The job with what was chosen in its open places; what was chosen is told in a remark.
 pub(super) fn completed(
@@ -100,11 +74,6 @@ fn told(job: &Path, run: &RunOptions, chosen: &Chosen) -> Diag {
         "`impellerc choose {} -o FILE.imp` writes the job with what was chosen; places of lines are those in that text{explain}",
         shown_path(job)
     ))
-}
-
-/// What was tried, in a line.
-pub(super) fn tried_line(Tried { what, fault }: &Tried) -> String {
-    format!("tried {what}: {}", fault.as_deref().unwrap_or("holds"))
 }
 
 /// A job that is to be completed, and where it goes.

@@ -1,9 +1,8 @@
 //! A part without tools and operations, from a job or from blade files, with what every job needs added: what `new --from` and `quote`
 //! begin with.
 
-use super::front::{read_job, take_names};
 use super::import::{self, Import};
-use super::open_job::is_open;
+use super::job_file::{read_job, take_names};
 use super::{DiskFiles, Outcome, RunOptions, Stages, or_reported, shown_path};
 use ::syntax::ast::{File, Item, ItemKind};
 use base::source::{SourceFile, SourceId, SourceMap};
@@ -232,6 +231,11 @@ fn placed_in(source: SourceId, length: usize, mut diag: Diag) -> Diag {
     diag.labels.retain(|label| label.span.source == source && label.span.range().end <= length);
     diag.fix = None;
     diag
+}
+
+/// True for a job that leaves something open.
+pub(super) fn is_open(ast: &File) -> bool {
+    ast.items.iter().any(Item::is_open)
 }
 
 /// The first tool or operation of a job.

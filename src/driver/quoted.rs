@@ -1,7 +1,6 @@
 //! `impellerc quote`: what a part takes on the machine, before anything is planned.
 
-use super::open_job::is_open;
-use super::open_part::{PartInput, PartText, given};
+use super::open_part::{PartInput, PartText, given, is_open};
 use super::{Options, Outcome, RunOptions, Stages, front};
 use base::units::trim;
 use choose::Effort;
