@@ -52,7 +52,7 @@ fn run(options: &FromPart, stages: &mut Stages, outcome: &mut Outcome) -> Result
     or_reported(open(&ast), &mut outcome.sink)?;
     let mut judge = |program: &Program, progress: &Progress| judged(program, progress);
     let effort = if options.whole { Effort::Whole(&mut judge) } else { Effort::Axes };
-    let chosen = part.choose(&ast, effort, stages, outcome)?;
+    let chosen = part.choose(&part.with_all(&ast), effort, stages, outcome)?;
     let Outcome { sink, emitted, .. } = outcome;
     // A text that was read without a fault has a usual form.
     let usual = ::syntax::format(&chosen.job, SourceId::default(), &mut Sink::default());
@@ -115,7 +115,7 @@ fn open(ast: &File) -> Result<(), Diag> {
 const MEMORY_RESERVE: f64 = 1.25;
 
 /// The option of a compile that allows the memory of what was chosen; nothing where the default is enough.
-pub(super) fn memory_option(chosen: &Chosen) -> String {
+fn memory_option(chosen: &Chosen) -> String {
     // The lines that are planned may take more than the estimate before.
     let memory = MEMORY_RESERVE * chosen.memory;
     if memory > DEFAULT_MEMORY { format!(" --memory {}GB", (memory / 1e9).ceil()) } else { String::new() }
@@ -127,7 +127,7 @@ pub(super) fn tried_line(Tried { what, fault }: &Tried) -> String {
 }
 
 /// What was chosen, for people.
-fn said(file: &Path, tables: &[(PathBuf, String)], chosen: &Chosen, explain: bool) -> String {
+pub(super) fn said(file: &Path, tables: &[(PathBuf, String)], chosen: &Chosen, explain: bool) -> String {
     let job = shown_path(file);
     let beside: String = tables.iter().map(|(path, _)| format!(", {}", shown_path(path))).collect();
     let mut text = String::new();

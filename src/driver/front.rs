@@ -1,7 +1,6 @@
 //! From the job file to the program: text, tree, job, with the machine and the post of the command line.
 
 use super::job_file::{read_job, take_names};
-use super::open_part::is_open;
 use super::{DiskFiles, Emit, Options, Outcome, Stages, open_job, or_reported, shown_path, stage_file};
 use base::source::{SourceFile, SourceId};
 use diagnostics::{Aborted, Sink};
@@ -39,7 +38,7 @@ pub fn front(options: &Options, stages: &mut Stages, outcome: &mut Outcome) -> R
         return Ok(None);
     }
 
-    if is_open(&ast) && !sink.has_errors() {
+    if ast.is_open() && !sink.has_errors() {
         ast = open_job::completed(options, text, &ast, stages, outcome)?;
     }
     let Outcome { sources, sink, emitted, missing_files, .. } = outcome;

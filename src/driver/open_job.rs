@@ -1,9 +1,9 @@
 //! A job that leaves tools, operations or values open: what the compiler chooses for them, in a run and by `impellerc choose`.
 
-use super::chosen_job::{judged, memory_option, tried_line};
+use super::chosen_job::{judged, said, tried_line};
 use super::job_file::read_job;
 use super::new_job::{new_file, write_new};
-use super::open_part::{PartInput, PartText, is_open};
+use super::open_part::{PartInput, PartText};
 use super::{ChoiceEffort, Options, Outcome, RunOptions, Stages, or_reported, shown_path};
 use ::syntax::ast::File;
 use base::progress::Progress;
@@ -49,7 +49,7 @@ fn chosen(
         ChoiceEffort::Axes => Effort::Axes,
         ChoiceEffort::Whole => Effort::Whole(&mut judge),
     };
-    part.choose_open(ast, effort, stages, outcome)
+    part.choose(&part.with_stock(ast), effort, stages, outcome)
 }
 
 /// What was chosen, as a remark.
@@ -107,7 +107,7 @@ fn write_chosen(options: &ChooseOptions, stages: &mut Stages, outcome: &mut Outc
     if outcome.sink.has_errors() {
         return Err(Aborted);
     }
-    if !is_open(&ast) {
+    if !ast.is_open() {
         let diag = Diag::error(codes::MISSING_ITEM, format!("{} leaves nothing open", shown_path(job)));
         outcome.sink.push(diag.help(
             "write `operations auto`, or `auto` in the place of a value: `tool auto`, `method auto`, `depth auto`",
@@ -121,18 +121,6 @@ fn write_chosen(options: &ChooseOptions, stages: &mut Stages, outcome: &mut Outc
         return Ok(());
     };
     or_reported(write_new(&file, &chosen.job, &[]), &mut outcome.sink)?;
-    let shown = shown_path(&file);
-    let mut said = String::new();
-    if run.choice.explain {
-        said.extend(chosen.tried.iter().map(|tried| tried_line(tried) + "\n"));
-        said.push('\n');
-    }
-    said.extend(chosen.summary.iter().map(|line| format!("{line}\n")));
-    said += &format!(
-        "\nwrote {shown}\nimpellerc {shown}{} -o {}    plans all of it, verifies it and writes the NC program\n",
-        memory_option(&chosen),
-        shown_path(&file.with_extension("nc")),
-    );
-    outcome.emitted = Some(said);
+    outcome.emitted = Some(said(&file, &[], &chosen, run.choice.explain));
     Ok(())
 }

@@ -1,5 +1,5 @@
-//! A part without tools and operations, from a job or from blade files, with what every job needs added: what `new --from` and `quote`
-//! begin with.
+//! A part from a job or from blade files, with what every job needs added where the text does not state it: what all choices of tools
+//! and operations begin with.
 
 use super::import::{self, Import};
 use super::job_file::{read_job, take_names};
@@ -83,33 +83,19 @@ impl<'s> PartText<'s> {
         if sink.has_errors() { Err(Aborted) } else { Ok(ast) }
     }
 
-    /// Tools and operations for a part without them; machine, tools, stock and post where it names none.
+    /// Its text with all that a job needs: machine, tools, stock and post, and with what is to be chosen.
+    pub(super) fn with_all(&self, ast: &File) -> String {
+        let open = if ast.is_open() { "" } else { "\noperations auto\n" };
+        head(&self.text, ast, self.source) + open
+    }
+
+    /// Its text with a stock.
+    pub(super) fn with_stock(&self, ast: &File) -> String {
+        with_stock(&self.text, ast, self.source)
+    }
+
+    /// What a text of this part leaves open.
     pub(super) fn choose(
-        &self,
-        ast: &File,
-        effort: Effort<'_, '_>,
-        stages: &mut Stages,
-        outcome: &mut Outcome,
-    ) -> Result<Chosen, Aborted> {
-        let mut text = head(&self.text, ast, self.source);
-        if !is_open(ast) {
-            text += "\noperations auto\n";
-        }
-        self.choose_in(&text, effort, stages, outcome)
-    }
-
-    /// What this job leaves open.
-    pub(super) fn choose_open(
-        &self,
-        ast: &File,
-        effort: Effort<'_, '_>,
-        stages: &mut Stages,
-        outcome: &mut Outcome,
-    ) -> Result<Chosen, Aborted> {
-        self.choose_in(&with_stock(&self.text, ast, self.source), effort, stages, outcome)
-    }
-
-    fn choose_in(
         &self,
         text: &str,
         effort: Effort<'_, '_>,
@@ -117,7 +103,6 @@ impl<'s> PartText<'s> {
         outcome: &mut Outcome,
     ) -> Result<Chosen, Aborted> {
         let Outcome { sources, sink, .. } = outcome;
-        let library = self.tool_names(text, sink)?;
         // Places of faults are those in the text with what was added.
         *sources = SourceMap::default();
         let source = sources.add_file(SourceFile::text(shown_path(&self.file), text.to_owned()));
@@ -134,6 +119,7 @@ impl<'s> PartText<'s> {
                 .for_each(|diag| sink.push(diag.clone()));
             return Err(Aborted);
         }
+        let library = self.tool_names(&ast, sink)?;
         // Behind an open place the texts that are tried have other places.
         let same = ast.items.iter().find(|item| item.is_open()).map_or(text.len(), |item| item.span.range().start);
         let mut found = Sink::default();
@@ -152,9 +138,8 @@ impl<'s> PartText<'s> {
     }
 
     /// Names of the tools in the libraries of a job.
-    fn tool_names(&self, head: &str, sink: &mut Sink) -> Result<Vec<String>, Aborted> {
+    fn tool_names(&self, ast: &File, sink: &mut Sink) -> Result<Vec<String>, Aborted> {
         let mut sources = SourceMap::default();
-        let ast = ::syntax::parse(head, SourceId::default(), &mut Sink::default());
         let mut files = or_reported(self.files(), sink)?;
         let used = ast.items.iter().filter_map(|item| match &item.kind {
             ItemKind::Use { kind, what } if kind.text == "tools" => Some(what.text.as_str()),
@@ -231,11 +216,6 @@ fn placed_in(source: SourceId, length: usize, mut diag: Diag) -> Diag {
     diag.labels.retain(|label| label.span.source == source && label.span.range().end <= length);
     diag.fix = None;
     diag
-}
-
-/// True for a job that leaves something open.
-pub(super) fn is_open(ast: &File) -> bool {
-    ast.items.iter().any(Item::is_open)
 }
 
 /// The first tool or operation of a job.

@@ -1,6 +1,6 @@
 //! `impellerc quote`: what a part takes on the machine, before anything is planned.
 
-use super::open_part::{PartInput, PartText, given, is_open};
+use super::open_part::{PartInput, PartText, given};
 use super::{Options, Outcome, RunOptions, Stages, front};
 use base::units::trim;
 use choose::Effort;
@@ -47,8 +47,8 @@ fn program(options: &QuoteOptions, stages: &mut Stages, outcome: &mut Outcome) -
     let name = options.part.files.files.first().and_then(|file| file.file_stem()).unwrap_or("part".as_ref());
     let part = PartText::read(&options.part, &Path::new(name).with_extension("imp"), stages, outcome)?;
     let ast = part.parsed(outcome)?;
-    if given(&ast).is_none() || is_open(&ast) {
-        let chosen = part.choose(&ast, Effort::Sizes, stages, outcome)?;
+    if given(&ast).is_none() || ast.is_open() {
+        let chosen = part.choose(&part.with_all(&ast), Effort::Sizes, stages, outcome)?;
         // Remarks on a text that nobody wrote say nothing, and their places are in no text that is shown.
         let mut faults = Sink::default();
         return part.program(&chosen.job, &mut faults).inspect_err(|_| {

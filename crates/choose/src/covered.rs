@@ -38,7 +38,7 @@ impl Covered {
     }
 
     /// Properties of the operations of a kind that finish what is left; none where nothing is.
-    pub(crate) fn left(&self, part: &Part, keyword: &str) -> Vec<Vec<(&'static str, String)>> {
+    pub(crate) fn left(&self, part: &Part, keyword: &'static str) -> Vec<Vec<(&'static str, String)>> {
         if keyword == "channel" {
             return if self.floor { Vec::new() } else { vec![Vec::new()] };
         }
@@ -57,7 +57,7 @@ impl Covered {
             let of_kind = by_lines(blade).into_iter().filter(|(surface, kind, _)| *kind == keyword && exists(*surface));
             let (done, left): (Vec<_>, Vec<_>) = of_kind
                 .map(|(_, _, word)| word)
-                .partition(|word| self.finished.iter().any(|f| (f.0, f.1, f.2) == (keyword, *word, blade.index())));
+                .partition(|word| self.finished.contains(&(keyword, *word, blade.index())));
             any_done |= !done.is_empty();
             if left.is_empty() {
                 continue;

@@ -6,7 +6,7 @@ use crate::covered::Covered;
 use crate::cutting_data::cutting_data;
 use crate::open::OpenOperation;
 use crate::roughing::ALLOWANCES;
-use crate::text::{ChosenOperation, Fixed, items, named};
+use crate::text::{ChosenOperation, items, named};
 use crate::trial::Trials;
 use base::units::trim;
 use diagnostics::{Aborted, Diag, Sink, codes::planning};
@@ -118,18 +118,16 @@ pub(crate) fn of_open(
     let methods: &[AxisMethod] = if open.leaves("method") { &METHODS } else { &METHODS[..1] };
     let search = Search { part, kind: &kind, all, tools: &tools, methods };
     let (job, taken) = (trials.job, trials.taken.clone());
-    let fixed_values = Fixed { feed: !open.leaves("feed"), ..Fixed::default() };
     // A method that is fixed takes no second trial; without tool and method nothing is to be tried.
     if fixed.is_some() && !open.leaves("method") {
-        let operation = tools.first().map(|tool| search.operation(*tool, METHODS[0], kind.scallop));
-        return operation.map(|operation| ChosenOperation { fixed: fixed_values, ..operation }).ok_or(Aborted);
+        return tools.first().map(|tool| search.operation(*tool, METHODS[0], kind.scallop)).ok_or(Aborted);
     }
     let text = |operation: &ChosenOperation| {
         let (names, declarations) = named([operation], all, &taken);
         declarations + &open.in_one_sector(job, std::slice::from_ref(operation), &names)
     };
     match search.first(&text, open.leaves("scallop"), trials) {
-        Some(operation) => Ok(ChosenOperation { fixed: fixed_values, ..operation }),
+        Some(operation) => Ok(operation),
         None => {
             sink.push(search.none(trials).label(open.kind.span, "this operation"));
             Err(Aborted)

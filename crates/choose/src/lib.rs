@@ -30,7 +30,6 @@ use ir::{ContractKind, Program};
 use open::{OpenJob, OpenOperation, Opening};
 use plan::budget;
 use sizes::Sizes;
-use std::fmt::Write;
 use syntax::ast::File;
 use text::{ChosenOperation, Fixed};
 use trial::{Depth, Trials};
@@ -128,7 +127,11 @@ pub fn choose(
         sink.push(sharp_feet(&sizes, &all));
         return Err(Aborted);
     }
-    let (contracts, excess) = contracts(&program, &sizes);
+    let (added, excess) = contracts(&program, &sizes);
+    let lines = |is: &dyn Fn(ContractKind) -> bool| -> String {
+        added.iter().filter(|(kind, _)| is(*kind)).map(|(_, line)| format!("{line}\n")).collect()
+    };
+    let contracts = lines(&|_| true);
     let part = Part {
         wheel: &program.part,
         material: program.stock.material.unwrap_or(Material::Aluminium),
@@ -145,7 +148,7 @@ pub fn choose(
         Effort::Axes | Effort::Whole(_) => Depth::Axes,
     };
     let taken: Vec<&str> = open.declared().into_iter().map(|(name, _)| name).collect();
-    let of_trials: String = contracts.lines().filter(|line| !line.contains("excess")).collect::<Vec<_>>().join("\n");
+    let of_trials = lines(&|kind| kind != ContractKind::Excess);
     let head = format!("{}\n{of_trials}", open.without_operations().replace(STOCK, &stock));
     let mut trials = Trials { job: open.text, head, taken, front, progress, depth, tried: Vec::new() };
     let mut chosen = Vec::new();
@@ -391,25 +394,20 @@ const SHARE_OF_HEIGHT: f64 = 0.2;
 /// Places along the hub at which its height is measured.
 const HUB_PLACES: usize = 100;
 
-/// The contracts that a job does not state, and the largest excess that then holds, mm.
-fn contracts(program: &Program, sizes: &Sizes) -> (String, f64) {
-    let stated = |is: &dyn Fn(ContractKind) -> bool| {
-        let of_kind = program.contracts.iter().filter(|contract| !contract.default && is(contract.kind));
+/// The contracts that a job does not state, in a line each, and the largest excess that then holds, mm.
+fn contracts(program: &Program, sizes: &Sizes) -> (Vec<(ContractKind, String)>, f64) {
+    let stated = |kind: ContractKind| {
+        let of_kind = program.contracts.iter().filter(|contract| !contract.default && contract.kind == kind);
         of_kind.map(|contract| contract.bound.value()).reduce(f64::min)
     };
     let scale = (sizes.diameter / LIMITS_UP_TO).max(1.0);
     let [gouge, excess] = LIMITS.map(|limit| cutting_data::rounded(1000.0 * scale * limit));
     let clearance = cutting_data::rounded((CLEARANCE_SHARE * sizes.diameter).min(MAX_CLEARANCE));
-    let mut text = String::new();
-    if stated(&|kind| kind == ContractKind::Gouge).is_none() {
-        let _ = writeln!(text, "require gouge     <= {} um", trim(gouge, 1));
-    }
-    let stated_excess = stated(&|kind| kind == ContractKind::Excess);
-    if stated_excess.is_none() {
-        let _ = writeln!(text, "require excess    <= {} um", trim(excess, 1));
-    }
-    if stated(&|kind| matches!(kind, ContractKind::Clearance(Guarded::Body))).is_none() {
-        let _ = writeln!(text, "require clearance >= {} mm", trim(clearance, 3));
-    }
-    (text, stated_excess.unwrap_or(excess / 1000.0))
+    let lines = [
+        (ContractKind::Gouge, format!("require gouge     <= {} um", trim(gouge, 1))),
+        (ContractKind::Excess, format!("require excess    <= {} um", trim(excess, 1))),
+        (ContractKind::Clearance(Guarded::Body), format!("require clearance >= {} mm", trim(clearance, 3))),
+    ];
+    let added = lines.into_iter().filter(|(kind, _)| stated(*kind).is_none()).collect();
+    (added, stated(ContractKind::Excess).unwrap_or(excess / 1000.0))
 }

@@ -209,7 +209,7 @@ impl<'a> OpenOperation<'a> {
 
     /// The first open property that is not among those that are chosen for its kind.
     pub(crate) fn left_beyond(&self, chosen: &[&str]) -> Option<&'a Entry> {
-        self.body.entries.iter().find(|entry| entry.is_open() && !chosen.contains(&entry.name.text.as_str()))
+        self.open_entries().find(|entry| !chosen.contains(&entry.name.text.as_str()))
     }
 
     /// Values that can be read in the places of the open ones, and of those that must go with them.
@@ -231,18 +231,20 @@ impl<'a> OpenOperation<'a> {
 
     /// Its open properties.
     pub(crate) fn left(&self) -> Vec<&'a str> {
-        let open = self.body.entries.iter().filter(|entry| entry.is_open());
-        open.map(|entry| entry.name.text.as_str()).collect()
+        self.open_entries().map(|entry| entry.name.text.as_str()).collect()
+    }
+
+    fn open_entries(&self) -> impl Iterator<Item = &'a Entry> {
+        self.body.entries.iter().filter(|entry| entry.is_open())
     }
 
     /// Values in the places of the open ones.
     fn edits(&self, value: &dyn Fn(&str) -> String) -> Vec<Edit> {
-        let open = self.body.entries.iter().filter(|entry| entry.is_open());
-        open.filter_map(|entry| {
+        let edit = |entry: &'a Entry| {
             let range = entry.values.first()?.span().range();
             Some(Edit { range, text: value(&entry.name.text) })
-        })
-        .collect()
+        };
+        self.open_entries().filter_map(edit).collect()
     }
 
     /// Its text in one sector with what was chosen.

@@ -19,8 +19,7 @@ pub(super) fn resolve(
     cx: &mut Context<'_>,
 ) -> (Vec<ContractSpec>, Vec<AllowedSpec>) {
     let declared = file.items.iter().filter(|i| matches!(i.kind, ItemKind::Operation { .. })).count();
-    let open = file.items.iter().any(Item::is_open);
-    let complete = declared == operations.len() && !file.damaged && !open;
+    let complete = declared == operations.len() && !file.damaged && !file.is_open();
     let mut reader = ContractReader { operations, complete, cx };
     let mut contracts: Vec<ContractSpec> = Vec::new();
     let mut allowed: Vec<AllowedSpec> = Vec::new();

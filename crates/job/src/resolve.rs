@@ -55,8 +55,7 @@ pub fn understand(file: &File, files: &mut dyn Files, sources: &mut SourceMap, s
     let [chord, chord_rough] = tolerances(file, &mut cx);
     let (contracts, allowed) = contracts::resolve(file, &operations, &mut cx);
     let post = post(file, &mut cx);
-    let open = file.items.iter().any(Item::is_open);
-    if !cx.sink.has_errors() && !file.damaged && !open {
+    if !cx.sink.has_errors() && !file.damaged && !file.is_open() {
         cx.scope.warn_unused(cx.sink);
         tools::warn_unused(&tools, &operations, cx.sink);
         let used = |at: &usize| operations.iter().any(|o| o.tool == *at);
@@ -72,7 +71,7 @@ pub fn understand(file: &File, files: &mut dyn Files, sources: &mut SourceMap, s
         };
         doubts::warn(&stated, cx.sink);
     }
-    let whole = !cx.sink.has_errors() && !file.damaged && !file.faulty && !open;
+    let whole = !cx.sink.has_errors() && !file.damaged && !file.faulty && !file.is_open();
     let tools = tools.into_iter().map(|t| t.spec).collect();
     let values = cx.scope.values();
     let libraries = file.items.iter().filter_map(|item| match &item.kind {

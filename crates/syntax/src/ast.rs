@@ -149,6 +149,13 @@ pub const OPEN_PROPERTIES: [&str; 12] = [
     "lead-out",
 ];
 
+impl File {
+    /// True for a job that leaves something for the compiler to choose.
+    pub fn is_open(&self) -> bool {
+        self.items.iter().any(Item::is_open)
+    }
+}
+
 impl Item {
     /// True for an item that leaves something for the compiler to choose.
     pub fn is_open(&self) -> bool {

@@ -63,9 +63,8 @@ pub(super) fn resolve(
     for item in &file.items {
         if let ItemKind::Operations(word) = &item.kind {
             all_open(item, word, &mut open, cx);
+            (any, cut_before) = (true, true);
         }
-        any |= item.is_open();
-        cut_before |= matches!(item.kind, ItemKind::Operations(_));
         let ItemKind::Operation { kind, name, .. } = &item.kind else { continue };
         any = true;
         let kinds = vocabulary::names(TopicKind::Operation);

@@ -75,7 +75,7 @@ pub(crate) fn resolve(file: &File, library: &ToolLibrary, cx: &mut Context<'_>) 
         }
         tools.push(Declared { name: name.clone(), spec });
     }
-    if tools.is_empty() && !file.damaged && !file.items.iter().any(Item::is_open) {
+    if tools.is_empty() && !file.damaged && !file.is_open() {
         cx.sink.push(
             Diag::error(codes::MISSING_ITEM, "the job has no tool")
                 .help("add `tool t1 = ball { diameter 6 mm  flutes 4  flute 30 mm  reach 40 mm }`"),
